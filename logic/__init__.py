@@ -1,0 +1,21 @@
+"""Houses from rules: generate, check, load, save."""
+
+from logic.errors import GrammarError, HouseFileError, LimitReached, MissingProgram, Unsatisfiable, VitruviusError
+from logic.files import load, save
+from logic.house import Door, House, Piece, Rect, Room
+
+__all__ = [
+    "Door",
+    "GrammarError",
+    "House",
+    "HouseFileError",
+    "LimitReached",
+    "MissingProgram",
+    "Piece",
+    "Rect",
+    "Room",
+    "Unsatisfiable",
+    "VitruviusError",
+    "load",
+    "save",
+]

@@ -1,0 +1,62 @@
+"""What can go wrong, as a tree.
+
+::
+
+    VitruviusError
+    ├── GrammarError    a rule file is absent or wrong: file, line, column
+    ├── HouseFileError  a house file is absent, truncated or wrong
+    ├── Unsatisfiable   proved: no house satisfies the request
+    ├── LimitReached    the stated budget ran out before a house or a proof
+    └── MissingProgram  SWI-Prolog or one of its libraries is not installed
+"""
+
+from pathlib import Path
+
+
+class VitruviusError(Exception):
+    """Any error that a user can act on: its text says what, where and what next."""
+
+    exit_code = 70
+
+
+class GrammarError(VitruviusError):
+    """A grammar is absent or one of its rule files is wrong."""
+
+    exit_code = 5
+
+    def __init__(
+        self, message: str, file: str | Path | None = None, line: int | None = None, column: int | None = None
+    ) -> None:
+        """Place the message: file, line and column count from 1, and each may be unknown."""
+        self.message, self.file, self.line, self.column = message, file, line, column
+        place = ":".join(str(part) for part in (file, line, column) if part is not None)
+        super().__init__(f"{place}: {message}" if place else message)
+
+
+class HouseFileError(VitruviusError):
+    """A house file is absent, truncated, of another format, or holds impossible values."""
+
+    exit_code = 5
+
+
+class Unsatisfiable(VitruviusError):
+    """Proved: no house satisfies the request. ``reasons`` are the user's choices that clash."""
+
+    exit_code = 3
+
+    def __init__(self, message: str, reasons: tuple[str, ...] = ()) -> None:
+        """Keep the minimal set of clashing choices, each in the user's words."""
+        super().__init__(message)
+        self.reasons = reasons
+
+
+class LimitReached(VitruviusError):
+    """The stated budget, of inferences or seconds, ran out before a house or a proof was found."""
+
+    exit_code = 4
+
+
+class MissingProgram(VitruviusError):
+    """A program that Vitruvius needs is not installed."""
+
+    exit_code = 69

@@ -1,0 +1,81 @@
+"""House files: JSON Lines, a house a line, plain or gzipped; also one house in a ``.json`` file."""
+
+import gzip
+import os
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from logic.errors import HouseFileError
+from logic.house import House
+
+
+def load(path: str | Path) -> list[House]:
+    """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file.
+
+    Raises ``HouseFileError``, with the line, for a file that is absent, empty, truncated or wrong.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+        if path.suffix == ".gz":
+            content = gzip.decompress(content)
+    except (OSError, EOFError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise HouseFileError(f"{path}: cannot be read: {reason}") from None
+    lines = [(1, content)] if path.suffix == ".json" else enumerate(content.split(b"\n"), start=1)
+    houses = [_parsed(line, f"{path}:{number}") for number, line in lines if line.strip()]
+    if not houses:
+        raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
+    return houses
+
+
+def save(houses: Iterable[House], path: str | Path) -> None:
+    """Write houses as JSON Lines (a ``.json`` file takes exactly one), all of them or none.
+
+    The file is written beside its place and renamed, so a kill leaves the old file or the new one.
+    """
+    records = [msgspec.json.encode(house.to_dict()) for house in houses]
+    if not records:
+        raise ValueError(f"no house to write to {path}")
+    if Path(path).suffix == ".json" and len(records) != 1:
+        raise ValueError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
+    content = b"\n".join(records) + b"\n"
+    # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
+    write_whole(path, gzip.compress(content, mtime=0) if Path(path).suffix == ".gz" else content)
+
+
+def write_whole(path: str | Path, content: bytes) -> None:
+    """Write a file beside its place, flush it to disk and rename it: a kill tears nothing."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(beside, 0o666 & ~_umask())
+        os.replace(beside, path)
+    except BaseException:
+        Path(beside).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    """The process's umask, which can only be read by setting it."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _parsed(line: bytes, place: str) -> House:
+    try:
+        record: dict[str, Any] = msgspec.json.decode(line)
+        return House.from_dict(record)
+    except (msgspec.DecodeError, ValueError, OverflowError) as error:
+        hint = " (the file is cut short)" if "truncated" in str(error) else ""
+        raise HouseFileError(f"{place}: not a house: {error}{hint}") from None
