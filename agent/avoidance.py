@@ -1,0 +1,112 @@
+"""The avoidance layer: what a higher layer forbids to those below it (Brooks 1986, the subsumption layer).
+
+A layer reads one array of observations (E, R, C) and says which actions it allows (E, A) bool. ``subsume``
+then takes the best allowed action by the preferences of the layer below, be it a network or a random walk.
+So layers stack by ``&``, and a new one is a class with one method.
+"""
+
+from typing import Protocol
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.pqn import FORWARD, LEFT, RIGHT
+
+ACTIONS = 3
+
+
+class Layer(Protocol):
+    """A behaviour that may overrule those below it."""
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """Which actions (E, A) bool the layer allows, at least one of them in each row."""
+        ...
+
+
+class Shield:
+    """Forbids ``forward`` where the path of the body is not free according to the rays.
+
+    Both rotations are always allowed: a body that turns in place touches nothing. The region that an
+    axis-aligned square sweeps in one step is convex and holds the eye, so it is free as far as the rays tell
+    exactly if each one reaches beyond the region's edge: one table of distances a heading, one comparison a
+    ray. Headings along the walls and headings at 45 degrees to them sweep different regions; which of the
+    two it is shows in the rays, as every wall is parallel to an axis.
+    """
+
+    def __init__(
+        self, angles: np.ndarray, reach: float, body: float, step: float, margin: float = 0.005
+    ) -> None:
+        """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
+
+        ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
+        keeps on every side; metres.
+        """
+        half, sine, cosine = body / 2 + margin, np.abs(np.sin(angles)), np.cos(angles)
+        with np.errstate(divide="ignore"):  # the ray straight ahead leaves by the front alone
+            straight = np.minimum((half + step) / cosine, half / sine)
+            diagonal = np.sqrt(2) * np.minimum((half + step) / (cosine + sine), half / sine)
+        self.reach = reach
+        self.clear = torch.tensor(np.stack([straight, diagonal]) / reach, dtype=torch.float32)
+        turned = angles[:, None] + np.pi / 4 * np.arange(4)
+        self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32)
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """Which actions (E, 3) bool are allowed."""
+        distance, is_target = observation[..., -2], observation[..., -1] > 0
+        clear = self.clear.to(distance.device)[self.diagonal(distance).long()]
+        allowed = torch.ones(*distance.shape[:-1], ACTIONS, dtype=torch.bool, device=distance.device)
+        allowed[..., FORWARD] = ((distance >= clear) | is_target).all(-1)
+        return allowed
+
+    def diagonal(self, distance: Tensor) -> Tensor:
+        """Whether each heading (E,) lies at 45 degrees to the walls, from the rays' distances (E, R).
+
+        Where two neighbouring rays meet one wall, the line through both points runs along an axis: along or
+        across the heading if that is straight, at 45 degrees to it if it is diagonal. The pairs vote.
+        """
+        place = distance[..., None] * self.across.to(distance.device)
+        same = (place[..., 1:, :] - place[..., :-1, :]).abs() < 1e-4
+        votes = (same & (distance[..., 1:, None] < 1)).sum(-2)
+        return votes[..., 1::2].sum(-1) > votes[..., ::2].sum(-1)
+
+
+class PaperRule:
+    """The paper's rule: a random rotation whenever anything but the target is nearer than a threshold.
+
+    It overrules the network altogether, and a door of 0.76 m stops most bodies that would pass it.
+    """
+
+    def __init__(self, generator: torch.Generator, threshold: float = 0.049) -> None:
+        """Take a threshold as a fraction of the range (the paper's 10.8 px of 220) and a source of chance."""
+        self.generator, self.threshold = generator, threshold
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """Which actions (E, 3) bool are allowed: all, or one rotation alone."""
+        distance, is_target = observation[..., -2], observation[..., -1] > 0
+        far = (distance.masked_fill(is_target, 1.0) >= self.threshold).all(-1)
+        left = torch.rand(far.shape, generator=self.generator, device=far.device) < 0.5
+        allowed = torch.empty(*far.shape, ACTIONS, dtype=torch.bool, device=far.device)
+        allowed[..., LEFT], allowed[..., RIGHT], allowed[..., FORWARD] = far | left, far | ~left, far
+        return allowed
+
+
+def subsume(preference: Tensor, allowed: Tensor) -> Tensor:
+    """The allowed action (E,) int64 of greatest preference (E, A)."""
+    return preference.masked_fill(~allowed, -torch.inf).argmax(-1)
+
+
+def best_value(q: Tensor, allowed: Tensor) -> Tensor:
+    """The greatest Q-value (E,) among the allowed actions: the bootstrap under the same layer as the acts."""
+    return q.masked_fill(~allowed, -torch.inf).amax(-1)
+
+
+def random_preference(like: Tensor, generator: torch.Generator, forward: float = 0.93) -> Tensor:
+    """Preferences (E, A) whose best allowed action is a random one, ``forward`` with that probability.
+
+    Gumbel noise on log-probabilities: its argmax is a draw from them, under a mask from what it leaves.
+    """
+    turn = (1 - forward) / 2
+    share = torch.tensor([turn, turn, forward], device=like.device)
+    chance = torch.rand(like.shape, generator=generator, device=like.device)
+    return share.log() - (-(chance.clamp(1e-12, 1 - 1e-7)).log()).log()

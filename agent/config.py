@@ -1,0 +1,91 @@
+"""What a training run is: one frozen dataclass, and the presets that run by name."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Config:
+    """Parallel Q-learning, "PQN" (Gallici et al. 2024, arXiv:2407.04811). The field docstrings are the help.
+
+    The defaults reach the oracle's neighbourhood in the main room after about two minutes on two cores.
+    Raises ``ValueError`` that names the field for a value that no run can have.
+    """
+
+    targets: str = "main"
+    """Where targets lie: main, secondary or mixed."""
+
+    environments: int = 256
+    """Worlds stepped at once."""
+
+    rollout: int = 32
+    """Steps of every world between two updates of the network."""
+
+    steps: int = 4_000_000
+    """Environment steps of the whole run; the schedules below are fractions of it."""
+
+    seconds: float | None = None
+    """Wall-clock limit: the schedules then follow whichever of steps and seconds is further on. With none,
+    a run on the CPU is a function of config, houses and seed alone."""
+
+    seed: int = 0
+    """Seeds the worlds, the network's first weights, the exploration and the minibatches."""
+
+    discount: float = 0.99
+    """Worth of a reward one step later (gamma)."""
+
+    trace: float = 0.85
+    """How far returns run along the path taken before they trust the network (lambda): 0 one step, 1 all."""
+
+    learning_rate: float = 2e-3
+    """RAdam's rate at the start; it falls on a line to ``final_rate`` of it."""
+
+    final_rate: float = 0.05
+    """The learning rate at the end, as a fraction of the one at the start."""
+
+    clip: float = 10.0
+    """Largest norm of a gradient."""
+
+    epochs: int = 2
+    """Passes over each rollout; every second one is seen in the mirror (left and right exchanged)."""
+
+    minibatches: int = 4
+    """Updates in an epoch."""
+
+    epsilon: float = 0.4
+    """Share of random actions at the start."""
+
+    final_epsilon: float = 0.02
+    """Share of random actions after ``exploration`` of the run, and from then on."""
+
+    exploration: float = 0.2
+    """Fraction of the run over which epsilon falls."""
+
+    forward: float = 0.93
+    """Share of forward among random actions, as the paper's own exploration has it."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no run can have, before anything is made."""
+        for field in ("environments", "rollout", "steps", "epochs", "minibatches", "learning_rate", "clip"):
+            if getattr(self, field) <= 0:
+                raise ValueError(f"{field} must be positive, not {getattr(self, field)}")
+        for field in (
+            "discount",
+            "trace",
+            "final_rate",
+            "epsilon",
+            "final_epsilon",
+            "exploration",
+            "forward",
+        ):
+            if not 0 <= getattr(self, field) <= 1:
+                raise ValueError(f"{field} must lie between 0 and 1, not {getattr(self, field)}")
+        if self.seconds is not None and self.seconds <= 0:
+            raise ValueError(f"seconds must be positive, not {self.seconds}")
+        if self.environments * self.rollout < self.minibatches:
+            raise ValueError(
+                f"a rollout of {self.environments} x {self.rollout} has no {self.minibatches} minibatches"
+            )
+
+
+PRESETS = {"pqn": Config()}
+"""Configs that run by name."""

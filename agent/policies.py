@@ -1,0 +1,65 @@
+"""Policies: what turns an array of observations into an array of actions."""
+
+from typing import Protocol
+
+import torch
+from torch import Tensor
+
+from agent.avoidance import Layer, random_preference, subsume
+from agent.network import QNetwork
+
+
+class Policy(Protocol):
+    """Anything that acts. It counts how often its avoidance layer overruled what it would have done."""
+
+    interventions: int
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C)."""
+        ...
+
+
+class QPolicy:
+    """The network's best allowed action, or now and then a random allowed one."""
+
+    def __init__(
+        self,
+        network: QNetwork,
+        avoidance: Layer,
+        generator: torch.Generator,
+        epsilon: float,
+        forward: float = 0.93,
+    ) -> None:
+        """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions."""
+        self.network, self.avoidance, self.generator = network, avoidance, generator
+        self.epsilon, self.forward, self.interventions = epsilon, forward, 0
+
+    @torch.no_grad()
+    def __call__(self, observation: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C)."""
+        preference = explore(self.network(observation), self.generator, self.epsilon, self.forward)
+        actions = subsume(preference, self.avoidance(observation))
+        self.interventions += int((actions != preference.argmax(-1)).sum())
+        return actions
+
+
+class RandomPolicy:
+    """The paper's random walk, 93 % forward, under avoidance: what exploring without learning achieves."""
+
+    def __init__(self, avoidance: Layer, generator: torch.Generator, forward: float = 0.93) -> None:
+        """Walk by chance under ``avoidance``."""
+        self.avoidance, self.generator, self.forward, self.interventions = avoidance, generator, forward, 0
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C)."""
+        allowed = self.avoidance(observation)
+        preference = random_preference(allowed, self.generator, self.forward)
+        actions = subsume(preference, allowed)
+        self.interventions += int((actions != preference.argmax(-1)).sum())
+        return actions
+
+
+def explore(q: Tensor, generator: torch.Generator, epsilon: float, forward: float) -> Tensor:
+    """Preferences (E, A): the Q-values, replaced in a share ``epsilon`` of the rows by a random action's."""
+    chosen = torch.rand(q.shape[0], 1, generator=generator, device=q.device) < epsilon
+    return torch.where(chosen, random_preference(q, generator, forward), q)

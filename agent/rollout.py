@@ -1,0 +1,94 @@
+"""A rollout: what some steps of many worlds gave, kept in place for the learner."""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import torch
+from gymnasium.vector import VectorEnv
+from torch import Tensor
+
+from agent.avoidance import Layer, best_value, subsume
+from agent.network import QNetwork
+from agent.policies import explore
+
+
+@dataclass
+class Rollout:
+    """T steps of E worlds, overwritten by the next. Index t of a state array is the state before step t."""
+
+    s: Tensor
+    """Observations (T + 1, E, R, C) float32."""
+
+    v: Tensor
+    """Greatest allowed Q-value (T + 1, E) float32 of each state."""
+
+    a: Tensor
+    """Executed actions (T, E) int64: what the avoidance layer let through."""
+
+    r: Tensor
+    """Rewards (T, E) float32."""
+
+    terminated: Tensor
+    """Whether a step ended the episode for good (T, E) bool."""
+
+    truncated: Tensor
+    """Whether the time ran out at a step (T, E) bool."""
+
+    valid: Tensor
+    """Which steps count (T, E) bool: all but those after an end, whose action the world ignored."""
+
+    overruled: int = 0
+    """How many actions the avoidance layer changed."""
+
+    simulating: float = 0.0
+    """Seconds spent in the simulator."""
+
+    @classmethod
+    def starting(cls, steps: int, observation: Tensor) -> "Rollout":
+        """Make room for so many steps from the first observations (E, R, C) of a run."""
+        size = (steps, len(observation))
+        ended = torch.zeros(size, dtype=torch.bool)
+        rollout = cls(
+            s=observation.new_empty(steps + 1, *observation.shape),
+            v=observation.new_empty(steps + 1, len(observation)),
+            a=torch.empty(size, dtype=torch.int64),
+            r=observation.new_empty(size),
+            terminated=ended.clone(),
+            truncated=ended.clone(),
+            valid=ended.clone(),
+        )
+        rollout.s[-1] = observation
+        return rollout
+
+    @torch.no_grad()
+    def fill(
+        self,
+        envs: VectorEnv,
+        network: QNetwork,
+        avoidance: Layer,
+        *,
+        epsilon: float,
+        forward: float,
+        generator: torch.Generator,
+    ) -> None:
+        """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random."""
+        ended = self.terminated[-1] | self.truncated[-1]
+        self.s[0] = self.s[-1]
+        self.overruled, self.simulating = 0, 0.0
+        for t in range(len(self.a)):
+            q, allowed = network(self.s[t]), avoidance(self.s[t])
+            preference = explore(q, generator, epsilon, forward)
+            self.v[t], self.a[t], self.valid[t] = best_value(q, allowed), subsume(preference, allowed), ~ended
+            self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
+            before = perf_counter()
+            observation, reward, terminated, truncated, _ = envs.unwrapped.step_torch(self.a[t])  # pyright: ignore[reportAttributeAccessIssue]
+            self.simulating += perf_counter() - before
+            # The world reuses its tensors: copy them into their place.
+            self.s[t + 1], self.r[t], self.terminated[t], self.truncated[t] = (
+                observation,
+                reward,
+                terminated,
+                truncated,
+            )
+            ended = self.terminated[t] | self.truncated[t]
+        self.v[-1] = best_value(network(self.s[-1]), avoidance(self.s[-1]))

@@ -1,0 +1,115 @@
+"""The learning run: act for a rollout, learn from it, say how it goes, again."""
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import perf_counter
+
+import torch
+from gymnasium.vector import VectorEnv
+
+from agent.avoidance import Layer
+from agent.config import Config
+from agent.network import QNetwork
+from agent.pqn import lambda_returns, linear, mirrored, q_loss
+from agent.rollout import Rollout
+
+EPISODE = 1500
+"""Steps to which counts of targets refer: the paper's 15 s."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How a run stands after an update."""
+
+    steps: int
+    """Environment steps so far, without those that the world ignored (after an episode's end)."""
+
+    seconds: float
+    """Wall-clock time so far."""
+
+    fraction: float
+    """How much of the run is done, 0 to 1; the schedules follow it."""
+
+    targets: float
+    """Targets picked up per 1500 steps, exploring, over the last 1500 steps or so of every world."""
+
+    loss: float
+    """Mean loss of the rollout's updates."""
+
+    epsilon: float
+    """Share of random actions in the rollout."""
+
+    overruled: float
+    """Share of actions in the rollout that the avoidance layer changed."""
+
+    simulator: float
+    """Steps a second of the simulator alone, over the whole run."""
+
+    learner: float
+    """Steps a second of all else, over the whole run: acting, avoidance, returns and updates."""
+
+
+def learn(envs: VectorEnv, network: QNetwork, avoidance: Layer, config: Config) -> Iterator[Progress]:
+    """Train the network in the worlds, in place, and yield after every update.
+
+    Logging, checkpoints and evaluation are the caller's: between two yields nothing moves, and whoever stops
+    asking stops the run. ``envs`` is a vector environment with ``step_torch`` and NEXT_STEP autoreset.
+    """
+    generator = torch.Generator().manual_seed(config.seed)
+    optimizer = torch.optim.RAdam(network.parameters(), lr=config.learning_rate)
+    rollout = Rollout.starting(config.rollout, torch.as_tensor(envs.reset(seed=config.seed)[0]))
+    recent: deque[tuple[float, int]] = deque(maxlen=max(1, round(EPISODE / config.rollout)))
+    steps, fraction, seconds, simulating, start = 0, 0.0, 0.0, 0.0, perf_counter()
+    while fraction < 1:
+        epsilon = linear(config.epsilon, config.final_epsilon, fraction / max(config.exploration, 1e-9))
+        for group in optimizer.param_groups:
+            group["lr"] = config.learning_rate * linear(1.0, config.final_rate, fraction)
+        rollout.fill(envs, network, avoidance, epsilon=epsilon, forward=config.forward, generator=generator)
+        loss = update(network, optimizer, rollout, config, generator)
+
+        counted = int(rollout.valid.sum())
+        recent.append((float(rollout.r.sum()), counted))
+        steps, simulating, seconds = steps + counted, simulating + rollout.simulating, perf_counter() - start
+        fraction = max(steps / config.steps, seconds / config.seconds if config.seconds else 0.0)
+        yield Progress(
+            steps=steps,
+            seconds=seconds,
+            fraction=min(1.0, fraction),
+            targets=EPISODE * sum(reward for reward, _ in recent) / max(1, sum(count for _, count in recent)),
+            loss=loss,
+            epsilon=epsilon,
+            overruled=rollout.overruled / rollout.a.numel(),
+            simulator=steps / simulating,
+            learner=steps / (seconds - simulating),
+        )
+
+
+def update(
+    network: QNetwork,
+    optimizer: torch.optim.Optimizer,
+    rollout: Rollout,
+    config: Config,
+    generator: torch.Generator,
+) -> float:
+    """Learn from a rollout, in every second epoch from its mirror image; give back the mean loss."""
+    s, a, valid = rollout.s[:-1].flatten(0, 1), rollout.a.flatten(), rollout.valid.flatten()
+    g = lambda_returns(
+        rollout.r,
+        rollout.terminated,
+        rollout.truncated,
+        rollout.v[1:],
+        discount=config.discount,
+        trace=config.trace,
+    ).flatten()
+    losses = []
+    for epoch in range(config.epochs):
+        for batch in torch.randperm(len(a), generator=generator).chunk(config.minibatches):
+            s_tm1, a_tm1 = mirrored(s[batch], a[batch]) if epoch % 2 else (s[batch], a[batch])
+            loss = q_loss(network(s_tm1), a_tm1, g[batch], valid[batch])
+            optimizer.zero_grad()
+            loss.backward()
+            torch.nn.utils.clip_grad_norm_(network.parameters(), config.clip)
+            optimizer.step()
+            losses.append(loss.detach())
+    return float(torch.stack(losses).mean())
