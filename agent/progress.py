@@ -1,0 +1,48 @@
+"""How far a piece of work is, on standard error: a bar on a terminal; in a pipe, lines or nothing."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+Report = Callable[[float, str], None]
+"""Called with how much is done, 0 to 1, and a few words."""
+
+
+@contextmanager
+def progress(title: str, every: float | None = None) -> Iterator[Report]:
+    """Show the work under this title until the block ends.
+
+    In a pipe a plain line follows every so many seconds and at the end; with None, nothing is written.
+    """
+    if sys.stderr.isatty():
+        bar = Progress(
+            TextColumn("{task.description:<22}"),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[words]}"),
+            console=Console(stderr=True),
+        )
+        with bar:
+            task = bar.add_task(title, total=1.0, words="")
+            yield lambda done, words: bar.update(task, completed=done, words=words)
+    else:
+        yield _lines(title, every)
+
+
+def _lines(title: str, every: float | None) -> Report:
+    """Write a line at the first report, then every so many seconds, and when all is done."""
+    start, due = perf_counter(), 0.0
+
+    def report(done: float, words: str) -> None:
+        nonlocal due
+        elapsed = perf_counter() - start
+        if every is not None and (elapsed >= due or done >= 1):
+            due = elapsed + every
+            print(f"{title}: {done:4.0%} {elapsed:4.0f} s  {words}", file=sys.stderr, flush=True)
+
+    return report

@@ -1,0 +1,100 @@
+"""The avoidance layer: the shield against exact geometry, the paper's rule, and who wins."""
+
+import numpy as np
+import pytest
+import torch
+
+from agent.avoidance import (
+    FORWARD,
+    LEFT,
+    RIGHT,
+    PaperRule,
+    Shield,
+    best_value,
+    random_preference,
+    subsume,
+)
+
+REACH, BODY, STEP = 7.8889, 0.2869, 0.0717
+ANGLES = np.deg2rad(58.5 - 3 * np.arange(40))
+SHIELD = Shield(ANGLES, REACH, BODY, STEP, margin=0.0)
+
+
+def sight(x, y, heading, width, height):
+    """Observations (E, 40, 2) in an empty room, west wall at 0 and north wall at 0, from poses (E,)."""
+    angle = np.asarray(heading)[:, None] + ANGLES
+    with np.errstate(divide="ignore"):
+        across = np.where(np.cos(angle) > 0, width - x[:, None], x[:, None]) / np.abs(np.cos(angle))
+        along = np.where(np.sin(angle) < 0, height - y[:, None], y[:, None]) / np.abs(np.sin(angle))
+    distance = np.minimum(np.minimum(across, along) / REACH, 1)
+    return torch.tensor(np.stack([distance, np.zeros_like(distance)], -1), dtype=torch.float32)
+
+
+def poses(number, width, height, seed=0):
+    """Random poses (x, y, heading) of a body that stands inside the room."""
+    rng, half = np.random.default_rng(seed), BODY / 2
+    x, y = rng.uniform(half, width - half, number), rng.uniform(half, height - half, number)
+    return x, y, rng.integers(8, size=number)
+
+
+@pytest.mark.parametrize(("width", "height"), [(0.6, 0.6), (0.5, 6.0), (3.0, 4.0)])
+def test_in_an_empty_room_the_shield_forbids_exactly_the_moves_that_a_wall_blocks(width, height):
+    x, y, octant = poses(5000, width, height)
+    heading = octant * np.pi / 4
+    after_x, after_y = x + STEP * np.round(np.cos(heading)), y - STEP * np.round(np.sin(heading))
+    air = np.min([after_x, width - after_x, after_y, height - after_y], axis=0) - BODY / 2
+    allowed = SHIELD(sight(x, y, heading, width, height))[:, FORWARD].numpy()
+    clear = np.abs(air) > 1e-5  # nearer than that, rounding decides
+    assert 0.1 < allowed.mean() < 0.99
+    assert (allowed == (air > 0))[clear].all()
+
+
+def test_the_heading_shows_in_the_rays():
+    x, y, octant = poses(2000, 3.0, 4.0)
+    diagonal = SHIELD.diagonal(sight(x, y, octant * np.pi / 4, 3.0, 4.0)[..., 0])
+    assert (diagonal.numpy() == (octant % 2 == 1)).all()
+
+
+def test_a_margin_keeps_that_much_air():
+    heading = np.zeros(2)
+    x = 3.0 - BODY / 2 - STEP - np.array([0.019, 0.021])
+    allowed = Shield(ANGLES, REACH, BODY, STEP, margin=0.02)(sight(x, np.ones(2), heading, 3.0, 4.0))
+    assert allowed[:, FORWARD].tolist() == [False, True]
+
+
+def test_a_turn_is_always_allowed_and_a_target_never_in_the_way():
+    near = torch.full((1, 40, 2), 0.01)
+    assert SHIELD(near)[0].tolist() == [True, True, True]
+    near[..., 1] = 0
+    assert SHIELD(near)[0].tolist() == [True, True, False]
+
+
+def test_the_papers_rule_leaves_one_random_rotation_near_anything_but_the_target():
+    rule = PaperRule(torch.Generator().manual_seed(0))
+    scene = torch.ones(1000, 40, 2)
+    scene[..., 1] = 0
+    assert rule(scene).all()
+    scene[:, 7, 0] = 0.048
+    allowed = rule(scene)
+    assert not allowed[:, FORWARD].any()
+    assert (allowed.sum(-1) == 1).all()
+    assert 400 < allowed[:, LEFT].sum() < 600
+    scene[:, 7, 1] = 1
+    assert rule(scene).all()
+
+
+def test_the_layer_takes_the_best_of_what_it_allows_in_acts_and_in_values():
+    q = torch.tensor([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]])
+    allowed = torch.tensor([[True, True, True], [True, True, False]])
+    assert subsume(q, allowed).tolist() == [FORWARD, RIGHT]
+    assert best_value(q, allowed).tolist() == [3.0, 2.0]
+
+
+@pytest.mark.parametrize("forward", [0.93, 0.0, 1.0])
+def test_random_preferences_have_the_stated_shares_also_under_a_mask(forward):
+    preference = random_preference(torch.empty(20_000, 3), torch.Generator().manual_seed(0), forward)
+    shares = torch.bincount(preference.argmax(-1), minlength=3) / 20_000
+    assert shares.tolist() == pytest.approx([(1 - forward) / 2, (1 - forward) / 2, forward], abs=0.01)
+    if forward < 1:
+        masked = subsume(preference, torch.tensor([True, True, False]))
+        assert (masked == LEFT).float().mean().item() == pytest.approx(0.5, abs=0.02)
