@@ -1,0 +1,76 @@
+"""What the body, its eye, its task and its episodes are like. Metres and degrees."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+FOOT = 0.3048
+PIXEL = FOOT / 8.5
+"""The paper's lengths are in pixels, 8.5 to a foot."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """One world. The defaults are the paper's lengths with its quirks taken out; ``PAPER`` has them."""
+
+    body: tuple[float, float] = (8 * PIXEL, 8 * PIXEL)
+    """Side of the axis-aligned square body, metres: at the headings along an axis, and on a diagonal."""
+
+    eye: tuple[float, float] = (4 * PIXEL, 4 * PIXEL)
+    """Where the eye is, metres east and south of the body's north-west corner, at the same two headings."""
+
+    step: float = 2 * PIXEL
+    """How far ``forward`` goes along an axis, metres; on a diagonal it goes as far along both axes."""
+
+    collision: Literal["swept", "original"] = "swept"
+    """The rule that blocks a move: ``swept``, what the body touches on its way, or the ``original``
+    program's, which looks at the new place only and forgets which wall a door is in."""
+
+    ends_on_collision: bool = False
+    """Whether a blocked move ends the episode."""
+
+    rays: int = 40
+    """Number of rays."""
+
+    first_ray: float = 58.5
+    """Degrees from the heading to ray 0, counter-clockwise. 58.5 makes 40 rays mirror-symmetric."""
+
+    ray_spacing: int = 3
+    """Degrees from a ray to the next one, clockwise: a divisor of 45, so that directions are few."""
+
+    range: float = 220 * PIXEL
+    """How far a ray sees, metres."""
+
+    sees_angle: bool = False
+    """Whether an observation begins with each ray's absolute direction."""
+
+    target: float = 15 * PIXEL
+    """Side of the square target, metres."""
+
+    steps: int = 1500
+    """Steps until an episode is truncated: the paper's 15 s."""
+
+    random_start: bool = True
+    """Whether an episode starts anywhere free in the main room with any heading, or always at the free
+    place nearest to the main room's middle, heading north."""
+
+    @property
+    def channels(self) -> int:
+        """Numbers in an observation for each ray."""
+        return 3 if self.sees_angle else 2
+
+
+DEFAULT = Config()
+
+PAPER = replace(
+    DEFAULT,
+    body=(8 * PIXEL, 11 * PIXEL),
+    eye=(4 * PIXEL, 5 * PIXEL),
+    collision="original",
+    ends_on_collision=True,
+    first_ray=60.0,
+    sees_angle=True,
+    random_start=False,
+)
+"""The original program's world, as measured (its ray casting is made exact: it cut hits to whole pixels)."""
+
+PRESETS = {"default": DEFAULT, "paper": PAPER}

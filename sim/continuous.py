@@ -1,0 +1,290 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+"""The continuous backend: exact geometry of axis-aligned boxes, in metres.
+
+A direction is one of few (headings are multiples of 45 degrees, rays a divisor of that apart), so a table
+holds them all and the kernel knows no trigonometry. Each box is read once and meets all rays in an inner
+loop over local vectors that holds no branch: the compiler makes vector instructions of it.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from logic import House
+from sim.backend import DIAGONAL, HEADINGS, STRAIGHT, Lattice
+from sim.config import Config
+from sim.geometry import Geometry, geometry
+from sim.runtime import ti
+
+SKIN = 1e-5
+"""Metres by which a body is smaller than its side, so that what merely touches does not block."""
+
+SEAM = 3.6e-5
+"""Metres by which a box reaches beyond its corners for a ray, so that none slips through where two meet."""
+
+
+@ti.data_oriented
+class Continuous:
+    """A bank of H houses in padded arrays on the device, and one body's motion and sight in them."""
+
+    def __init__(self, config: Config) -> None:
+        """Make the table of directions; ``pack`` brings the houses."""
+        self.config = config
+        self.side = config.body
+        self.vector = ti.types.vector(config.rays, ti.f32)
+        self.geometries: list[Geometry] = []
+        self.headings = ti.Vector.field(2, ti.i32, shape=8)
+        self.headings.from_numpy(HEADINGS)
+        # Row k is the direction first_ray - k * spacing; heading h looks along rows turn * -h + (0..rays-1).
+        self.turn = 45 // config.ray_spacing
+        around = 8 * self.turn
+        angle = np.deg2rad(config.first_ray - config.ray_spacing * np.arange(around + config.rays))
+        east, south = np.cos(angle), -np.sin(angle)
+        east[np.abs(east) < 1e-12] = 1e-30
+        south[np.abs(south) < 1e-12] = 1e-30
+        self.around = around
+        self.directions = ti.Vector.field(4, ti.f32, shape=len(angle))
+        table = np.stack([1 / east, 1 / south, south / east, east / south], axis=1)
+        self.directions.from_numpy(table.astype(np.float32))
+
+    def pack(self, houses: Sequence[House]) -> list[Geometry]:
+        """Upload a bank of houses: boxes (H, B, 4), padded; of each house first verticals, then horizontals,
+        then pieces, with the three ends; rooms, doors and floor for the original's collision rule.
+        """
+        self.geometries = [geometry(house) for house in houses]
+        bank, rooms = self.geometries, [np.vstack([g.floor, g.rooms]) for g in self.geometries]
+        self.boxes = _padded([g.solids for g in bank])
+        self.rooms = _padded(rooms)
+        self.doors = _padded([g.doors for g in bank])
+        ends = np.array([(len(g.verticals), len(g.horizontals), len(g.pieces)) for g in bank]).cumsum(axis=1)
+        self.ends = ti.Vector.field(4, ti.i32, shape=len(bank))
+        self.ends.from_numpy(np.column_stack([ends, [len(r) for r in rooms]]).astype(np.int32))
+        return self.geometries
+
+    def lattice(self, house: int) -> Lattice:
+        """A lattice over a house; half a step off its corner, so that no body is flush by construction."""
+        west, north, east, south = self.geometries[house].bounds
+        step = self.config.step
+        origin = np.array([west + step / 2, north + step / 2], np.float32)
+        return Lattice(origin, step, (int((east - west) / step) + 1, int((south - north) / step) + 1))
+
+    def survey(self, house: int, lattice: Lattice) -> np.ndarray:
+        """See ``Backend.survey``."""
+        table = np.zeros(lattice.shape, np.uint16)
+        self._survey(house, *lattice.origin.tolist(), table)
+        return table
+
+    def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Put origins through the given poses; a heading must be a multiple of 45 degrees."""
+        eighths = pose[:, 2] / (np.pi / 4)
+        heading = np.round(eighths)
+        if not np.isfinite(pose).all() or np.abs(eighths - heading).max() > 1e-3:
+            raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
+        cell = np.zeros((len(pose), 3), np.int32)
+        cell[:, 2] = heading.astype(np.int64) % 8
+        shift = np.where(cell[:, 2] % 2, self.config.eye[1] - self.config.eye[0], 0.0)
+        origin = np.ascontiguousarray(pose[:, :2] - shift[:, None], np.float32)
+        blocked = np.zeros(len(pose), np.uint8)
+        self._stand(house.astype(np.int32), origin, cell, blocked)
+        if blocked.any():
+            e = int(blocked.argmax())
+            x, y = pose[e, :2]
+            raise ValueError(f"pose {e}: the body cannot be at ({x:.3f}, {y:.3f}) m in house {house[e]}")
+        return origin, cell
+
+    @ti.kernel
+    def _survey(self, house: ti.i32, x: ti.f32, y: ti.f32, table: ti.types.ndarray(ti.u16, 2)):
+        for i, j in ti.ndrange(table.shape[0], table.shape[1]):
+            origin = ti.Vector([x, y])
+            bits = 0
+            for heading in range(8):
+                cell = ti.Vector([i, j, heading])
+                _, blocked = self.move(house, origin, cell, 2)
+                bits |= (1 - blocked) << heading
+            straight, diagonal = ti.Vector([i, j, 0]), ti.Vector([i, j, 1])
+            bits |= ti.static(STRAIGHT) * (1 - self.blocked(house, origin, straight, straight))
+            bits |= ti.static(DIAGONAL) * (1 - self.blocked(house, origin, diagonal, diagonal))
+            table[i, j] = ti.cast(bits, ti.u16)
+
+    @ti.kernel
+    def _stand(
+        self,
+        house: ti.types.ndarray(ti.i32, 1),
+        origin: ti.types.ndarray(ti.f32, 2),
+        cell: ti.types.ndarray(ti.i32, 2),
+        blocked: ti.types.ndarray(ti.u8, 1),
+    ):
+        for e in range(house.shape[0]):
+            here = ti.Vector([cell[e, 0], cell[e, 1], cell[e, 2]])
+            at = ti.Vector([origin[e, 0], origin[e, 1]])
+            blocked[e] = ti.cast(self.blocked(house[e], at, here, here), ti.u8)
+
+    @ti.func
+    def position(self, origin, cell):
+        """The eye's place at straight headings; the body's corner lies ``eye[0]`` north-west of it."""
+        return origin + ti.cast(ti.Vector([cell[0], cell[1]]), ti.f32) * ti.static(self.config.step)
+
+    @ti.func
+    def eye(self, origin, cell):
+        """Where rays start, metres."""
+        shift = ti.static(self.config.eye[1] - self.config.eye[0])
+        return self.position(origin, cell) + ti.select(cell[2] & 1, shift, 0.0)
+
+    @ti.func
+    def half(self, cell):
+        """Half the body's side at a cell's heading, metres."""
+        return 0.5 * ti.select(cell[2] & 1, ti.static(self.side[1]), ti.static(self.side[0]))
+
+    @ti.func
+    def centre(self, origin, cell):
+        """The body's centre, metres."""
+        return self.position(origin, cell) - ti.static(self.config.eye[0]) + self.half(cell)
+
+    @ti.func
+    def move(self, house, origin, cell, action):
+        """See ``Backend.move``."""
+        new = cell
+        blocked = 0
+        if action == 2:
+            ahead = self.headings[cell[2]]
+            new = ti.Vector([cell[0] + ahead[0], cell[1] + ahead[1], cell[2]])
+            blocked = self.blocked(house, origin, cell, new)
+        else:
+            new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
+            # A square that is the same at all headings turns in place.
+            if ti.static(self.side[0] != self.side[1]):
+                blocked = self.blocked(house, origin, new, new)
+        return new, blocked
+
+    @ti.func
+    def blocked(self, house, origin, cell, new):
+        """Whether something is in the way from a cell to a new one (i32)."""
+        result = 0
+        if ti.static(self.config.collision == "swept"):
+            half = self.half(new)
+            shift = half - self.half(cell)
+            result = self.swept(house, self.centre(origin, cell) + shift, self.centre(origin, new), half)
+        else:
+            result = self.original(house, self.centre(origin, new), self.half(new))
+        return result
+
+    @ti.func
+    def swept(self, house, p, q, half):
+        """Whether a square that slides from p to q meets a box: three separating axes, x, y and across.
+
+        The same bits for p to q as for q to p, so that ways can be searched backwards.
+        """
+        middle, reach, d = 0.5 * (p + q), 0.5 * ti.abs(q - p), q - p
+        met = 0
+        for k in range(self.ends[house][2]):
+            box = self.boxes[house, k]
+            x, y = middle[0] - box[0], middle[1] - box[1]
+            width, height = box[2] + half - ti.static(SKIN), box[3] + half - ti.static(SKIN)
+            near = (ti.abs(x) < width + reach[0]) & (ti.abs(y) < height + reach[1])
+            across = ti.abs(d[0] * y - d[1] * x) <= ti.abs(d[0]) * height + ti.abs(d[1]) * width
+            met |= ti.cast(near & across, ti.i32)
+        return met
+
+    @ti.func
+    def original(self, house, centre, half):
+        """The original program's rule at the new place, with its gaps: a body astride a room's boundary must
+        be within the span of that room's door, whichever wall the door is in; one inside a room must not
+        meet furniture; one in no room must be inside the main room's rectangle.
+        """
+        ends = self.ends[house]
+        met, inside, touched = 0, 0, 0
+        for k in range(1, ends[3]):
+            room, door = self.rooms[house, k], self.doors[house, k - 1]
+            x, y = ti.abs(centre[0] - room[0]), ti.abs(centre[1] - room[1])
+            if (x < room[2] + half - ti.static(SKIN)) & (y < room[3] + half - ti.static(SKIN)):
+                touched = 1
+                if (x <= room[2] - half + ti.static(SKIN)) & (y <= room[3] - half + ti.static(SKIN)):
+                    inside = 1
+                else:
+                    along = ti.select(door[2] == 0, centre[1] - door[1], centre[0] - door[0])
+                    met |= ti.cast(ti.abs(along) > ti.max(door[2], door[3]) - half + ti.static(SKIN), ti.i32)
+        if inside:
+            for k in range(ends[1], ends[2]):
+                piece = self.boxes[house, k]
+                x, y = ti.abs(centre[0] - piece[0]), ti.abs(centre[1] - piece[1])
+                hit = (x < piece[2] + half - ti.static(SKIN)) & (y < piece[3] + half - ti.static(SKIN))
+                met |= ti.cast(hit, ti.i32)
+        if not touched:
+            floor = self.rooms[house, 0]
+            x, y = ti.abs(centre[0] - floor[0]), ti.abs(centre[1] - floor[1])
+            within = (x <= floor[2] - half + ti.static(SKIN)) & (y <= floor[3] - half + ti.static(SKIN))
+            met |= ti.cast(not within, ti.i32)
+        return met
+
+    @ti.func
+    def see(self, house, origin, cell, target):
+        """See ``Backend.see``. Of hits at one distance a wall comes before a piece, a piece before the
+        target; a box is seen from outside only.
+        """
+        eye = self.eye(origin, cell)
+        # Local copies: read from the table in the inner loops they would cost the vector instructions.
+        over_x, over_y = self.vector(0.0), self.vector(0.0)
+        slope_x, slope_y = self.vector(0.0), self.vector(0.0)
+        first = ((8 - cell[2]) & 7) * ti.static(self.turn)
+        for r in range(ti.static(self.config.rays)):
+            row = self.directions[first + r]
+            over_x[r], over_y[r], slope_x[r], slope_y[r] = row[0], row[1], row[2], row[3]
+        distance = self.vector(ti.static(self.config.range))
+        ends = self.ends[house]
+        for k in range(ends[0]):
+            box = self.boxes[house, k]
+            x, y, reach = box[0] - eye[0], box[1] - eye[1], box[3] + ti.static(SEAM)
+            for r in range(ti.static(self.config.rays)):
+                t = x * over_x[r]
+                hit = (ti.abs(x * slope_x[r] - y) <= reach) & (t >= 0) & (t < distance[r])
+                distance[r] = ti.select(hit, t, distance[r])
+        for k in range(ends[0], ends[1]):
+            box = self.boxes[house, k]
+            x, y, reach = box[0] - eye[0], box[1] - eye[1], box[2] + ti.static(SEAM)
+            for r in range(ti.static(self.config.rays)):
+                t = y * over_y[r]
+                hit = (ti.abs(y * slope_y[r] - x) <= reach) & (t >= 0) & (t < distance[r])
+                distance[r] = ti.select(hit, t, distance[r])
+        for k in range(ends[1], ends[2]):
+            box = self.boxes[house, k]
+            x, y = box[0] - eye[0], box[1] - eye[1]
+            face_x, face_y = facing(x, box[2]), facing(y, box[3])
+            reach_x, reach_y = box[2] + ti.static(SEAM), box[3] + ti.static(SEAM)
+            for r in range(ti.static(self.config.rays)):
+                t = face_x * over_x[r]
+                hit = (ti.abs(face_x * slope_x[r] - y) <= reach_y) & (t >= 0) & (t < distance[r])
+                nearest = ti.select(hit, t, distance[r])
+                u = face_y * over_y[r]
+                hit = (ti.abs(face_y * slope_y[r] - x) <= reach_x) & (u >= 0) & (u < nearest)
+                distance[r] = ti.select(hit, u, nearest)
+        seen = self.vector(0.0)
+        x, y = target[0] - eye[0], target[1] - eye[1]
+        half = ti.static(self.config.target / 2)
+        face_x, face_y = facing(x, half), facing(y, half)
+        # A body that sees is never in its target but where it was put there: then it sees nothing of it.
+        reach = ti.select((ti.abs(x) < half) & (ti.abs(y) < half), -1.0, half)
+        for r in range(ti.static(self.config.rays)):
+            t = face_x * over_x[r]
+            hit_x = (ti.abs(face_x * slope_x[r] - y) <= reach) & (t >= 0) & (t < distance[r])
+            nearest = ti.select(hit_x, t, distance[r])
+            u = face_y * over_y[r]
+            hit_y = (ti.abs(face_y * slope_y[r] - x) <= reach) & (u >= 0) & (u < nearest)
+            distance[r] = ti.select(hit_y, u, nearest)
+            seen[r] = ti.select(hit_x | hit_y, 1.0, 0.0)
+        return distance, seen
+
+
+@ti.func
+def facing(offset, half):
+    """Of the two sides of a box ``offset`` away, the one that faces the eye."""
+    return offset - ti.select(offset > 0, half, -half)
+
+
+def _padded(rows: list[np.ndarray]) -> ti.MatrixField:
+    """Lists of (n, 4) rows as one field (H, max n) of 4-vectors, float32; NaN beyond a list's end."""
+    padded = np.full((len(rows), max(1, *(len(r) for r in rows)) if rows else 1, 4), np.nan, np.float32)
+    for table, part in zip(padded, rows, strict=True):
+        table[: len(part)] = part
+    field = ti.Vector.field(4, ti.f32, shape=padded.shape[:2])
+    field.from_numpy(padded)
+    return field

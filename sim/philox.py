@@ -1,0 +1,32 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+"""Random numbers that are a function of a key and a counter: no state, so no order of drawing to keep.
+
+Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
+"""
+
+from sim.runtime import ti
+
+MASK = 0xFFFFFFFF
+Words = ti.types.vector(4, ti.u64)
+
+
+@ti.func
+def philox(key, counter: Words) -> Words:
+    """Four random 32-bit words, each in a u64, of a 64-bit key and a counter of four 32-bit words.
+
+    Words stay below 2^32 in 64 bits, so that no product overflows and Taichi's checks stay quiet.
+    """
+    mask = ti.u64(MASK)
+    k0, k1 = key & mask, key >> ti.u64(32)
+    c = counter
+    for _ in range(10):
+        p0, p1 = ti.u64(0xD2511F53) * c[0], ti.u64(0xCD9E8D57) * c[2]
+        c = Words((p1 >> ti.u64(32)) ^ c[1] ^ k0, p1 & mask, (p0 >> ti.u64(32)) ^ c[3] ^ k1, p0 & mask)
+        k0, k1 = (k0 + ti.u64(0x9E3779B9)) & mask, (k1 + ti.u64(0xBB67AE85)) & mask
+    return c
+
+
+@ti.func
+def below(word, bound):
+    """A number in 0..bound-1 from a random 32-bit word, uniform but for less than bound / 2^32."""
+    return ti.cast((word * ti.cast(bound, ti.u64)) >> ti.u64(32), ti.i32)

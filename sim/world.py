@@ -1,0 +1,225 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+"""The state of E environments over a bank of houses: episodes, targets, rewards and random numbers.
+
+How bodies move and what they see is the backend's. Every draw is Philox's word for (seed of the
+environment, episode, counter): counter 0 is the episode's house and start, counter k its k-th target, so no
+draw depends on how many environments there are, on how often others reset, or, for targets, on the agent.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from logic import House
+from sim.backend import Backend
+from sim.config import Config
+from sim.philox import below, philox
+from sim.places import places
+from sim.runtime import ti
+
+TRIES = 32
+"""Draws until a place that should lie apart from another is taken as it comes."""
+
+TERMINATED, TRUNCATED, BLOCKED = range(3)
+"""Rows of ``step``'s flags."""
+
+
+@ti.data_oriented
+class World:
+    """E environments. Arrays that ``reset`` and ``step`` fill are the caller's: torch or NumPy, contiguous."""
+
+    def __init__(
+        self, config: Config, backend: Backend, houses: Sequence[House], targets: str, num_envs: int
+    ):
+        """Pack the houses into the backend and find their starts and targets (``ValueError`` if none)."""
+        self.config, self.backend, self.num_envs = config, backend, num_envs
+        # Apart by more than this, a target is not picked up from where the one before it was.
+        self.apart = config.target + max(config.body)
+        self._pack(houses, targets)
+        self.seed = ti.field(ti.u64, shape=num_envs)
+        self.episode = ti.field(ti.i32, shape=num_envs)
+        self.house = ti.field(ti.i32, shape=num_envs)
+        self.origin = ti.Vector.field(2, ti.f32, shape=num_envs)
+        self.cell = ti.Vector.field(3, ti.i32, shape=num_envs)
+        self.target = ti.Vector.field(2, ti.f32, shape=num_envs)
+        self.count = ti.field(ti.i32, shape=num_envs)
+        self.time = ti.field(ti.i32, shape=num_envs)
+        self.over = ti.field(ti.i32, shape=num_envs)
+
+    def _pack(self, houses: Sequence[House], targets: str) -> None:
+        bank = self.backend.pack(houses)
+        self.lattices = [self.backend.lattice(index) for index in range(len(bank))]
+        found = []
+        for index, (shape, lattice) in enumerate(zip(bank, self.lattices, strict=True)):
+            try:
+                survey = self.backend.survey(index, lattice)
+                found.append(places(shape, lattice, survey, self.config, targets))
+            except ValueError as error:
+                raise ValueError(f"house {index} of {len(bank)}: {error}") from None
+        self.num_houses = len(bank)
+        self.corner = ti.Vector.field(2, ti.f32, shape=len(bank))
+        self.corner.from_numpy(np.stack([lattice.origin for lattice in self.lattices]))
+        self.start_end, self.starts = _ragged([here.starts for here in found])
+        self.target_end, self.targets = _ragged([here.targets for here in found])
+
+    @ti.kernel
+    def sow(self, seeds: ti.types.ndarray(ti.u64, 1)):
+        """Give each environment its seed (E,) uint64; its next episode is number 0."""
+        for e in self.seed:
+            self.seed[e] = seeds[e]
+            self.episode[e] = -1
+
+    @ti.kernel
+    def reset(self, house: ti.types.ndarray(ti.i32, 1), observation: ti.types.ndarray(ti.f32, 3)):
+        """Begin every environment's next episode, in ``house`` (E,) int32 where it is not negative."""
+        for e in range(self.num_envs):
+            self.begin(e, house[e])
+            self.look(e, observation)
+
+    @ti.kernel
+    def put(
+        self,
+        origin: ti.types.ndarray(ti.f32, 2),
+        cell: ti.types.ndarray(ti.i32, 2),
+        target: ti.types.ndarray(ti.f32, 2),
+        observation: ti.types.ndarray(ti.f32, 3),
+    ):
+        """Move bodies and targets of episodes just begun to given places; NaN leaves one where it is."""
+        for e in range(self.num_envs):
+            if origin[e, 0] == origin[e, 0]:
+                self.origin[e] = ti.Vector([origin[e, 0], origin[e, 1]])
+                self.cell[e] = ti.Vector([cell[e, 0], cell[e, 1], cell[e, 2]])
+            if target[e, 0] == target[e, 0]:
+                self.target[e] = ti.Vector([target[e, 0], target[e, 1]])
+            self.look(e, observation)
+
+    @ti.kernel
+    def step(
+        self,
+        action: ti.types.ndarray(ti.i64, 1),
+        observation: ti.types.ndarray(ti.f32, 3),
+        reward: ti.types.ndarray(ti.f32, 1),
+        flags: ti.types.ndarray(ti.u8, 2),
+    ):
+        """One step of every environment; the step after an episode's end begins the next one instead.
+
+        ``action`` (E,) int64; fills ``observation`` (E, R, C) and ``reward`` (E,) float32, and ``flags``
+        (3, E) uint8: terminated, truncated, blocked.
+        """
+        for e in range(self.num_envs):
+            earned, blocked, terminated, truncated = 0.0, 0, 0, 0
+            if self.over[e]:
+                self.begin(e, -1)
+            else:
+                house, origin = self.house[e], self.origin[e]
+                cell, met = self.backend.move(house, origin, self.cell[e], ti.cast(action[e], ti.i32))
+                blocked = met
+                if ti.static(self.config.ends_on_collision):
+                    terminated = blocked
+                elif blocked:
+                    cell = self.cell[e]
+                self.cell[e] = cell
+                if self.overlaps(origin, cell, self.target[e]):
+                    earned = 1.0
+                    self.draw_target(e, self.target[e], ti.static(self.apart))
+                self.time[e] += 1
+                truncated = ti.cast(self.time[e] >= ti.static(self.config.steps), ti.i32)
+                self.over[e] = terminated | truncated
+            reward[e] = earned
+            flags[ti.static(TERMINATED), e] = ti.cast(terminated, ti.u8)
+            flags[ti.static(TRUNCATED), e] = ti.cast(truncated, ti.u8)
+            flags[ti.static(BLOCKED), e] = ti.cast(blocked, ti.u8)
+            self.look(e, observation)
+
+    @ti.kernel
+    def describe(self, pose: ti.types.ndarray(ti.f32, 2), target: ti.types.ndarray(ti.f32, 2)):
+        """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), and the targets' centres (E, 2)."""
+        for e in range(self.num_envs):
+            eye = self.backend.eye(self.origin[e], self.cell[e])
+            pose[e, 0], pose[e, 1] = eye[0], eye[1]
+            pose[e, 2] = ti.cast(self.cell[e][2], ti.f32) * ti.static(np.pi / 4)
+            target[e, 0], target[e, 1] = self.target[e][0], self.target[e][1]
+
+    @ti.func
+    def begin(self, e, wanted):
+        """Begin an environment's next episode."""
+        self.episode[e] += 1
+        words = self.draw(e, 0, 0)
+        house = ti.select(wanted >= 0, wanted, below(words[0], self.num_houses))
+        self.house[e], self.origin[e] = house, self.corner[house]
+        self.time[e], self.count[e], self.over[e] = 0, 0, 0
+        self.draw_target(e, self.origin[e], -1.0)
+        first, last = span(self.start_end, house)
+        turn = 0
+        searching = True
+        while searching:
+            place = self.starts[first + below(words[1], last - first)]
+            heading = 2
+            if ti.static(self.config.random_start):
+                heading = below(words[2], 8)
+            self.cell[e] = ti.Vector([place[0], place[1], heading])
+            turn += 1
+            searching = self.overlaps(self.origin[e], self.cell[e], self.target[e]) and turn < ti.static(
+                TRIES
+            )
+            words = self.draw(e, 0, turn)
+
+    @ti.func
+    def draw_target(self, e, previous, apart):
+        """Draw an environment's next target, not within ``apart`` metres along both axes of the previous."""
+        self.count[e] += 1
+        house = self.house[e]
+        first, last = span(self.target_end, house)
+        turn = 0
+        searching = True
+        while searching:
+            place = self.targets[first + below(self.draw(e, self.count[e], turn)[0], last - first)]
+            self.target[e] = self.corner[house] + ti.cast(place, ti.f32) * ti.static(self.config.step)
+            turn += 1
+            searching = (ti.abs(self.target[e] - previous).max() < apart) and turn < ti.static(TRIES)
+
+    @ti.func
+    def draw(self, e, counter, turn):
+        """The random words of this environment's episode for a counter, at a turn of drawing again."""
+        words = ti.Vector([self.episode[e], counter, turn, 0])
+        return philox(self.seed[e], ti.cast(words, ti.u64))
+
+    @ti.func
+    def overlaps(self, origin, cell, target):
+        """Whether the body overlaps a target's square."""
+        reach = self.backend.half(cell) + ti.static(self.config.target / 2)
+        return ti.abs(self.backend.centre(origin, cell) - target).max() < reach
+
+    @ti.func
+    def look(self, e, observation: ti.template()):
+        """Write what an environment's rays see: (absolute angle / 359 degrees,) distance / range, is target."""
+        cell = self.cell[e]
+        distance, seen = self.backend.see(self.house[e], self.origin[e], cell, self.target[e])
+        at = ti.static(self.config.channels - 2)
+        for r in range(ti.static(self.config.rays)):
+            observation[e, r, at] = distance[r] * ti.static(1 / self.config.range)
+            observation[e, r, at + 1] = seen[r]
+        if ti.static(self.config.sees_angle):
+            for r in range(ti.static(self.config.rays)):
+                angle = (
+                    45.0 * cell[2] + ti.static(self.config.first_ray) - ti.static(self.config.ray_spacing) * r
+                )
+                observation[e, r, 0] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
+
+
+@ti.func
+def span(ends: ti.template(), house):
+    """Where a house's rows begin and end in a ragged field."""
+    first = 0
+    if house > 0:
+        first = ends[house - 1]
+    return first, ends[house]
+
+
+def _ragged(rows: list[np.ndarray]) -> tuple[ti.ScalarField, ti.MatrixField]:
+    """Lists of (n, 2) int32 rows end to end, as a field of ends (H,) and one of 2-vectors."""
+    ends = ti.field(ti.i32, shape=len(rows))
+    ends.from_numpy(np.cumsum([len(r) for r in rows]).astype(np.int32))
+    flat = ti.Vector.field(2, ti.i32, shape=sum(len(r) for r in rows))
+    flat.from_numpy(np.concatenate(rows))
+    return ends, flat
