@@ -1,6 +1,14 @@
 """Houses from rules: generate, check, load, save."""
 
-from logic.errors import GrammarError, HouseFileError, LimitReached, MissingProgram, Unsatisfiable, VitruviusError
+from logic.check import check
+from logic.errors import (
+    GrammarError,
+    HouseFileError,
+    LimitReached,
+    MissingProgram,
+    Unsatisfiable,
+    VitruviusError,
+)
 from logic.files import load, save
 from logic.house import Door, House, Piece, Rect, Room
 
@@ -16,6 +24,7 @@ __all__ = [
     "Room",
     "Unsatisfiable",
     "VitruviusError",
+    "check",
     "load",
     "save",
 ]

@@ -1,0 +1,282 @@
+"""The independent check: whether a house keeps its promises, in plain geometry.
+
+It reads coordinates alone: it knows no grammar and shares nothing with the rules that made the house.
+The constraints and their lengths are those of DESIGN (Geometry, Grammar). What holds only for the
+shipped grammar stands in ``FAMILY``; a house whose provenance names another grammar is judged by
+``ANY``, the promises that every grammar keeps.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+
+import shapely
+
+from logic.boxes import TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
+from logic.house import FORMAT, House, Room
+from logic.walk import free_floor, main_space, places_inside, spaces, swept
+
+BODY = 0.287
+"""Metres: side of the square body that walks the house."""
+CLEARANCE = 0.45
+"""Metres: nothing stands nearer to a door, on either side of its wall."""
+PASSAGE = 0.42
+"""Metres: the least width of a passage (the body measures 0.394 m on the diagonal)."""
+REACHABLE = 0.6
+"""The least share of a room's free floor that the body reaches from the room's door."""
+SLIVER = 1e-4
+"""Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
+ELONGATION = 2.0
+"""The most that the main room may be longer than wide."""
+SPACIOUSNESS = 2.0
+"""The most that the main room may be larger than the least main room that fits its rooms."""
+
+_BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What a grammar promises beyond what every house keeps; left empty, it promises nothing more."""
+
+    door: float | None = None
+    """Metres: the width of every door; None where it need only be the same throughout a house."""
+    basic: tuple[str, ...] = ()
+    """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
+    suits: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    """The room types there are, and the types of the pieces that suit each; empty to judge neither."""
+    at_wall: frozenset[str] = frozenset()
+    """Piece types that never stand in the middle of a room: they touch a wall."""
+
+
+ANY = Rules()
+"""The promises that every grammar keeps."""
+
+FAMILY = Rules(
+    door=0.762,
+    basic=("bedroom", "bathroom", "kitchen"),
+    suits={
+        "bedroom": frozenset({"bed", "bedside", "wardrobe"}),
+        "bathroom": frozenset({"toilet", "shower", "sink"}),
+        "kitchen": frozenset({"desk", "table", "chair"}),
+        "hall": frozenset({"sofa", "cupboard", "hallTable", "chair"}),
+    },
+    at_wall=frozenset({"bed"}),
+)
+"""The shipped grammar (the paper's section 3), and so the original's houses."""
+
+
+def check(house: House, rules: Rules | None = None) -> list[str]:
+    """Judge a house: ``[]``, or its violations in words, each with its room, pieces and lengths.
+
+    Without ``rules`` the provenance decides: ``FAMILY`` for the grammar ``family`` and for houses that
+    name no grammar (the original's among them), ``ANY`` for all others. Two promises are those of our
+    own files alone, for the original does not keep their words: where a front faces, and the least area
+    of the main room.
+    """
+    if rules is None:
+        rules = FAMILY if house.provenance is None or house.provenance.grammar == "family" else ANY
+    return [
+        *_doors(house, rules),
+        *_rooms(house),
+        *_types(house, rules),
+        *(line for index in range(len(house.rooms)) for line in _furniture(house, index, rules)),
+        *_walking(house),
+        *_main_room(house),
+    ]
+
+
+def least_area(house: House) -> float:
+    """Area of the least main room that fits the house's rooms, square metres.
+
+    The rooms keep their sizes, sides, order and the places of their doors; neighbours on a side stand as
+    near to each other as any two do in this house. A side's wall then reaches from the first door to the
+    last, for a room may stand out past the corner of the main room; but where the side around the corner
+    has rooms too, it may do so only if it does so in this house. The main room is no smaller than any
+    room and at most twice as long as wide. Needs every door on the main room's wall (``ValueError``).
+    """
+    sides: dict[str, list[Room]] = {wall: [] for wall in WALLS}
+    for index, room in enumerate(house.rooms):
+        wall = _side(house, room)
+        if wall is None:
+            raise ValueError(f"{_name(house, index)}: its door is not on the main room's wall")
+        sides[wall].append(room)
+    gaps = []
+    for wall, rooms in sides.items():
+        low = _along(wall)
+        rooms.sort(key=lambda room: room.box[low])
+        gaps += [after.box[low] - before.box[low + 2] for before, after in pairwise(rooms)]
+    gap = max(0.0, min(gaps, default=0.0))
+    needed = {wall: _needed_wall(house, wall, sides, gap) for wall in WALLS}
+    return least_rectangle(
+        max(needed["north"], needed["south"]),
+        max(needed["west"], needed["east"]),
+        max((room.area for room in house.rooms), default=0.0),
+    )
+
+
+def least_rectangle(width: float, height: float, area: float) -> float:
+    """Least area of a rectangle at least so wide, high and large, and at most twice as long as wide."""
+    # A side is at least half the other. Beyond that, the rectangle can grow to any area in proportion.
+    return max(max(width, height / ELONGATION) * max(height, width / ELONGATION), area)
+
+
+def _doors(house: House, rules: Rules) -> Iterator[str]:
+    widths = [max(room.door.width, room.door.height) for room in house.rooms]
+    for index, room in enumerate(house.rooms):
+        wanted = widths[0] if rules.door is None else rules.door
+        if abs(widths[index] - wanted) > TOLERANCE:
+            yield f"{_name(house, index)}: its door is {widths[index]:.3f} m wide (must be {wanted:.3f})"
+        if house.format == FORMAT:
+            if _side(house, room) is None:
+                yield f"{_name(house, index)}: its door is not on a wall that it shares with the main room"
+        elif not any(is_on_wall(room.door, room, wall) for wall in range(4)):
+            yield f"{_name(house, index)}: its door is not on a wall of the room"
+
+
+def _rooms(house: House) -> Iterator[str]:
+    slack = TOLERANCE * (house.floor.width + house.floor.height)
+    for index, room in enumerate(house.rooms):
+        depth = overlap(room.box, house.floor.box)
+        if house.format == FORMAT and depth > TOLERANCE:
+            yield f"{_name(house, index)} overlaps the main room by {depth:.2f} m"
+        if room.area > house.floor.area + slack:
+            yield (
+                f"{_name(house, index)} is larger ({room.area:.2f} m²) "
+                f"than the main room ({house.floor.area:.2f} m²)"
+            )
+    for one, other in combinations(range(len(house.rooms)), 2):
+        depth = overlap(house.rooms[one].box, house.rooms[other].box)
+        if depth > TOLERANCE:
+            yield f"{_name(house, one)} overlaps {_name(house, other)} by {depth:.2f} m"
+
+
+def _types(house: House, rules: Rules) -> Iterator[str]:
+    types = Counter(room.type for room in house.rooms)
+    for index, room in enumerate(house.rooms):
+        if rules.suits and room.type not in rules.suits:
+            yield f"{_name(house, index)} is none of the room types ({', '.join(rules.suits)})"
+    basic = sum(types[kind] for kind in rules.basic)
+    if rules.basic and basic < 2 <= types.total():
+        yield f"house: has {basic} rooms of the basic types (at least 2 of {', '.join(rules.basic)})"
+    if types.total() >= len(rules.basic):
+        for kind in rules.basic:
+            if not types[kind]:
+                yield f"house: has no {kind} (at least 1 from {len(rules.basic)} rooms on)"
+
+
+def _furniture(house: House, index: int, rules: Rules) -> Iterator[str]:
+    room, place = house.rooms[index], _name(house, index)
+    names = _piece_names(room)
+    if not room.pieces:
+        yield f"{place}: has no furniture"
+    for piece, name in zip(room.pieces, names, strict=True):
+        if piece.type not in rules.suits.get(room.type, {piece.type}):
+            yield f"{place}: {name} does not suit the room"
+        juts = excess(piece.box, room.box)
+        if juts > TOLERANCE:
+            yield f"{place}: {name} juts {juts:.2f} m out of the room"
+        away = distance(piece.box, room.door.box)
+        if away < CLEARANCE - TOLERANCE:
+            yield f"{place}: {name} stands {away:.2f} m from its door (at least {CLEARANCE})"
+        if piece.type in rules.at_wall and not walls_touched(piece, room):
+            yield f"{place}: {name} stands in the middle of the room (must touch a wall)"
+    for (one, a), (other, b) in combinations(zip(room.pieces, names, strict=True), 2):
+        depth = overlap(one.box, other.box)
+        if depth > TOLERANCE:
+            yield f"{place}: {a} overlaps {b} by {depth:.2f} m"
+    if house.format == FORMAT:
+        yield from _fronts(room, place, names)
+
+
+def _fronts(room: Room, place: str, names: list[str]) -> Iterator[str]:
+    """A piece at a wall has its back to it; children are free, for they turn to their parent."""
+    for piece, name in zip(room.pieces, names, strict=True):
+        if piece.orientation not in {"", *_BACK}:
+            yield f"{place}: {name} faces {piece.orientation!r} (must be N, E, S, W or empty)"
+        elif piece.orientation and piece in room.children:
+            walls = walls_touched(piece, room)
+            if walls and _BACK[piece.orientation] not in walls:
+                at = " and ".join(WALLS[wall] for wall in walls)
+                yield f"{place}: {name} faces {piece.orientation}, not away from its wall ({at})"
+
+
+def _walking(house: House) -> Iterator[str]:
+    bodies, squares = spaces(house, BODY), spaces(house, PASSAGE)
+    main = main_space(house, bodies, BODY)
+    for index, room in enumerate(house.rooms):
+        place, door = _name(house, index), shapely.box(*room.door.box)
+        if not main.intersects(places_inside(room, BODY)):
+            yield f"{place}: the body ({BODY} m square) cannot get into it from the main room"
+            continue
+        free = free_floor(room)
+        reached = shapely.union_all([swept(space, BODY) for space in bodies if space.intersects(door)])
+        share = reached.intersection(free).area / free.area
+        if share < REACHABLE:
+            yield (
+                f"{place}: the body reaches {share:.0%} of its free floor from its door "
+                f"(at least {REACHABLE:.0%})"
+            )
+        closed = [space for space in squares if space.intersection(free).area > SLIVER]
+        closed = [space for space in closed if not space.intersects(door)]
+        if closed:
+            area = shapely.union_all([swept(space, PASSAGE) for space in closed]).intersection(free).area
+            yield f"{place}: {area:.2f} m² of its floor lie behind passages narrower than {PASSAGE} m"
+
+
+def _main_room(house: House) -> Iterator[str]:
+    short, long = sorted((house.floor.width, house.floor.height))
+    if long > ELONGATION * short + TOLERANCE:
+        yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
+    if house.format != FORMAT or not house.rooms or any(_side(house, room) is None for room in house.rooms):
+        return
+    least = least_area(house)
+    if house.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
+        yield (
+            f"main room: is of {house.floor.area:.2f} m² "
+            f"(at most {SPACIOUSNESS:g} times the {least:.2f} m² that its rooms need)"
+        )
+
+
+def _needed_wall(house: House, wall: str, sides: Mapping[str, list[Room]], gap: float) -> float:
+    """The least length of a wall of the main room that holds the doors of the rooms on it, metres."""
+    chain = sides[wall]
+    if not chain:
+        return 0.0
+    low = _along(wall)
+    high = low + 2
+    first, last, floor = chain[0], chain[-1], house.floor.box
+    length = sum(room.box[high] - room.box[low] for room in chain) + gap * (len(chain) - 1)
+    if not sides[WALLS[low]] or first.box[low] < floor[low] - TOLERANCE:
+        length -= first.door.box[low] - first.box[low]
+    if not sides[WALLS[high]] or last.box[high] > floor[high] + TOLERANCE:
+        length -= last.box[high] - last.door.box[high]
+    return length
+
+
+def _along(wall: str) -> int:
+    """The box's number at which a wall begins: 0 (west) for a wall that runs east, 1 (north) for south."""
+    return 0 if wall in {"north", "south"} else 1
+
+
+def _side(house: House, room: Room) -> str | None:
+    """The wall of the main room that a room touches from outside with its door on it."""
+    for index, wall in enumerate(WALLS):
+        if is_on_wall(room.door, house.floor, index) and is_on_wall(room.door, room, (index + 2) % 4):
+            return wall
+    return None
+
+
+def _name(house: House, index: int) -> str:
+    return f"R{index} ({house.rooms[index].type})"
+
+
+def _piece_names(room: Room) -> list[str]:
+    """The type of each piece, numbered where a room has several of it."""
+    total = Counter(piece.type for piece in room.pieces)
+    seen: Counter[str] = Counter()
+    names = []
+    for piece in room.pieces:
+        seen[piece.type] += 1
+        names.append(f"{piece.type} {seen[piece.type]}" if total[piece.type] > 1 else piece.type)
+    return names
