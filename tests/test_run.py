@@ -1,0 +1,141 @@
+"""Claims about ./run, the one way to set up, on machines made of stubs: nothing is really installed."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TOOLS = "bash cat chmod cksum dirname env flock grep id ln mkdir mv rm sed sleep true xargs"
+SWIPL = "exit 0"
+APT = "echo 'E: no network' >&2; exit 100"
+UV = """
+case "$1 $2" in
+"venv -q") mkdir -p "$3/bin" && ln -s "$(command -v env)" "$3/bin/python" ;;
+"pip sync") echo sync >>"$STUBS/log"; echo "+ torch"; sleep "${SLOW:-0}"; [ ! -e "$STUBS/broken" ] ;;
+"pip install") printf '%s\\n' '#!/usr/bin/env bash' 'echo "vitruvius $* in $PWD"; exit 3' >"$5/bin/vitruvius"
+    chmod +x "$5/bin/vitruvius" ;;
+esac
+"""
+
+
+class Machine:
+    """A checkout with ./run in it, on a machine that has only basic tools and the programs given."""
+
+    def __init__(self, folder: Path, **programs: str) -> None:
+        self.stubs, self.checkout = folder / "bin", folder / "a checkout"
+        self.stubs.mkdir()
+        self.checkout.mkdir()
+        for tool in TOOLS.split():
+            if path := shutil.which(tool):
+                (self.stubs / tool).symlink_to(path)
+        for name, script in programs.items():
+            (self.stubs / name).write_text(f"#!/usr/bin/env bash\n{script}\n")
+            (self.stubs / name).chmod(0o755)
+        shutil.copy(ROOT / "run", self.checkout)
+        for name in ("pyproject.toml", "requirements.lock"):
+            (self.checkout / name).write_text(name)
+
+    def start(self, *args: str, **env: str) -> subprocess.Popen[str]:
+        everything = os.environ | dict.fromkeys(("PATH", "HOME", "STUBS"), str(self.stubs)) | env
+        command = [str(self.checkout / "run"), *args]
+        pipe = subprocess.PIPE
+        return subprocess.Popen(
+            command,
+            env=everything,
+            cwd=self.stubs,
+            stdin=subprocess.DEVNULL,
+            stdout=pipe,
+            stderr=pipe,
+            text=True,
+        )
+
+    def run(self, *args: str) -> tuple[int, str, str]:
+        process = self.start(*args)
+        out, err = process.communicate(timeout=60)
+        return process.returncode, out, err
+
+    def set_ups(self) -> int:
+        log = self.stubs / "log"
+        return len(log.read_text().splitlines()) if log.exists() else 0
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    return Machine(tmp_path, swipl=SWIPL, uv=UV, **{"apt-get": APT})
+
+
+def test_a_command_sets_up_once_and_keeps_its_arguments_folder_output_and_exit_code(machine: Machine) -> None:
+    for _ in range(2):
+        code, out, _ = machine.run("generate", "--out", "my houses.jsonl")
+        assert (code, out) == (3, f"vitruvius generate --out my houses.jsonl in {machine.stubs}\n")
+    assert machine.set_ups() == 1
+
+
+def test_help_sets_nothing_up(machine: Machine) -> None:
+    for args in [(), ("help",), ("--help",)]:
+        code, out, _ = machine.run(*args)
+        assert code == 0
+        assert "./run demo" in out
+    assert machine.set_ups() == 0
+
+
+def test_a_set_up_cut_short_is_begun_again(machine: Machine) -> None:
+    (machine.stubs / "broken").touch()
+    code, _, err = machine.run("demo")
+    assert code == 69
+    assert "could not be installed" in err.splitlines()[-1]
+    leftover = machine.checkout / ".venv" / "half a package"
+    leftover.touch()
+    (machine.stubs / "broken").unlink()
+    assert machine.run("demo")[0] == 3
+    assert not leftover.exists()
+
+
+@pytest.mark.parametrize("what", ["requirements.lock", "pyproject.toml", "run"])
+def test_a_changed_file_is_noticed(machine: Machine, what: str) -> None:
+    machine.run("demo")
+    with (machine.checkout / what).open("a") as file:
+        file.write("# changed\n")
+    machine.run("demo")
+    assert machine.set_ups() == 2
+
+
+def test_a_moved_checkout_is_set_up_anew(machine: Machine) -> None:
+    machine.run("demo")
+    old = machine.checkout / ".venv" / "with the old path"
+    old.touch()
+    machine.checkout = machine.checkout.rename(machine.checkout.with_name("moved"))
+    assert machine.run("demo")[0] == 3
+    assert machine.set_ups() == 2
+    assert not (machine.checkout / ".venv" / old.name).exists()
+
+
+def test_a_prolog_that_vanished_is_noticed_and_named(machine: Machine) -> None:
+    machine.run("demo")
+    (machine.stubs / "swipl").unlink()
+    code, out, err = machine.run("demo")
+    assert (code, out) == (69, "")
+    assert "SWI-Prolog 9.0 or later" in err.splitlines()[-1]
+
+
+def test_an_old_prolog_is_not_taken_for_a_good_one(machine: Machine) -> None:
+    (machine.stubs / "swipl").write_text("#!/usr/bin/env bash\nexit 1\n")
+    assert machine.run("demo")[0] == 69
+
+
+def test_without_uv_and_python_the_message_says_what_to_install(tmp_path: Path) -> None:
+    code, _, err = Machine(tmp_path, swipl=SWIPL, **{"apt-get": APT}).run("test")
+    assert code == 69
+    assert "python3-venv" in err.splitlines()[-1]
+
+
+@pytest.mark.skipif(not shutil.which("flock"), reason="needs flock")
+def test_two_at_once_set_up_once(machine: Machine) -> None:
+    both = [machine.start("demo", SLOW="0.5") for _ in range(2)]
+    answers = [process.communicate(timeout=60) for process in both]
+    assert [process.returncode for process in both] == [3, 3]
+    assert machine.set_ups() == 1
+    assert any("waiting for another ./run" in err for _, err in answers)
