@@ -14,6 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from logic import House
+from sim.body import Body
 from sim.geometry import Geometry
 
 LEFT, RIGHT, FORWARD = 0, 1, 2
@@ -40,6 +41,9 @@ class Lattice:
 
 class Backend(Protocol):
     """Motion and sight in a bank of houses; ``move`` and ``see`` are ``ti.func``s."""
+
+    body: Body
+    """The body that it moves."""
 
     def pack(self, houses: Sequence[House]) -> list[Geometry]:
         """Take in a bank of houses, H of them."""

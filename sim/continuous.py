@@ -1,4 +1,4 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """The continuous backend: exact geometry of axis-aligned boxes, in metres.
 
 A direction is one of few (headings are multiples of 45 degrees, rays a divisor of that apart), so a table
@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from logic import House
-from sim.backend import DIAGONAL, HEADINGS, STRAIGHT, Lattice
+from sim.backend import HEADINGS, Lattice
+from sim.body import Body
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 from sim.runtime import ti
@@ -30,7 +31,9 @@ class Continuous:
     def __init__(self, config: Config) -> None:
         """Make the table of directions; ``pack`` brings the houses."""
         self.config = config
-        self.side = config.body
+        self.body = Body(config)
+        self.turns_in_place = config.body[0] == config.body[1]
+        self.reach = max(config.body) + config.step
         self.vector = ti.types.vector(config.rays, ti.f32)
         self.geometries: list[Geometry] = []
         self.headings = ti.Vector.field(2, ti.i32, shape=8)
@@ -71,7 +74,7 @@ class Continuous:
     def survey(self, house: int, lattice: Lattice) -> np.ndarray:
         """See ``Backend.survey``."""
         table = np.zeros(lattice.shape, np.uint16)
-        self._survey(house, *lattice.origin.tolist(), table)
+        self._survey(house, lattice.origin[0], lattice.origin[1], table)
         return table
 
     def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -96,15 +99,27 @@ class Continuous:
     def _survey(self, house: ti.i32, x: ti.f32, y: ti.f32, table: ti.types.ndarray(ti.u16, 2)):
         for i, j in ti.ndrange(table.shape[0], table.shape[1]):
             origin = ti.Vector([x, y])
-            bits = 0
-            for heading in range(8):
-                cell = ti.Vector([i, j, heading])
-                _, blocked = self.move(house, origin, cell, 2)
-                bits |= (1 - blocked) << heading
-            straight, diagonal = ti.Vector([i, j, 0]), ti.Vector([i, j, 1])
-            bits |= ti.static(STRAIGHT) * (1 - self.blocked(house, origin, straight, straight))
-            bits |= ti.static(DIAGONAL) * (1 - self.blocked(house, origin, diagonal, diagonal))
-            table[i, j] = ti.cast(bits, ti.u16)
+            ways = 0x3FF
+            if ti.static(self.config.collision == "swept"):
+                here = self.body.centre(origin, ti.Vector([i, j, 0]))
+                reach = ti.static(self.reach)
+                for k in range(self.ends[house][2]):
+                    # Most boxes are out of reach at any heading: they cost one test, not ten.
+                    if self.meets(house, k, here, here, reach):
+                        for way in range(10):
+                            cell = ti.Vector([i, j, way & 7])
+                            new = cell
+                            if way < 8:
+                                new = self.ahead(cell)
+                            p, q, half = self.path(origin, cell, new)
+                            ways &= ~(self.meets(house, k, p, q, half) << way)
+            else:
+                for way in range(10):
+                    new = ti.Vector([i, j, way & 7])
+                    if way < 8:
+                        new = self.ahead(new)
+                    ways &= ~(self.blocked(house, origin, new, new) << way)
+            table[i, j] = ti.cast(ways, ti.u16)
 
     @ti.kernel
     def _stand(
@@ -120,70 +135,60 @@ class Continuous:
             blocked[e] = ti.cast(self.blocked(house[e], at, here, here), ti.u8)
 
     @ti.func
-    def position(self, origin, cell):
-        """The eye's place at straight headings; the body's corner lies ``eye[0]`` north-west of it."""
-        return origin + ti.cast(ti.Vector([cell[0], cell[1]]), ti.f32) * ti.static(self.config.step)
-
-    @ti.func
-    def eye(self, origin, cell):
-        """Where rays start, metres."""
-        shift = ti.static(self.config.eye[1] - self.config.eye[0])
-        return self.position(origin, cell) + ti.select(cell[2] & 1, shift, 0.0)
-
-    @ti.func
-    def half(self, cell):
-        """Half the body's side at a cell's heading, metres."""
-        return 0.5 * ti.select(cell[2] & 1, ti.static(self.side[1]), ti.static(self.side[0]))
-
-    @ti.func
-    def centre(self, origin, cell):
-        """The body's centre, metres."""
-        return self.position(origin, cell) - ti.static(self.config.eye[0]) + self.half(cell)
-
-    @ti.func
     def move(self, house, origin, cell, action):
         """See ``Backend.move``."""
         new = cell
         blocked = 0
         if action == 2:
-            ahead = self.headings[cell[2]]
-            new = ti.Vector([cell[0] + ahead[0], cell[1] + ahead[1], cell[2]])
+            new = self.ahead(cell)
             blocked = self.blocked(house, origin, cell, new)
         else:
             new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
             # A square that is the same at all headings turns in place.
-            if ti.static(self.side[0] != self.side[1]):
+            if ti.static(not self.turns_in_place):
                 blocked = self.blocked(house, origin, new, new)
         return new, blocked
+
+    @ti.func
+    def ahead(self, cell):
+        """The cell that is one step forward."""
+        way = self.headings[cell[2]]
+        return ti.Vector([cell[0] + way[0], cell[1] + way[1], cell[2]])
 
     @ti.func
     def blocked(self, house, origin, cell, new):
         """Whether something is in the way from a cell to a new one (i32)."""
         result = 0
         if ti.static(self.config.collision == "swept"):
-            half = self.half(new)
-            shift = half - self.half(cell)
-            result = self.swept(house, self.centre(origin, cell) + shift, self.centre(origin, new), half)
+            p, q, half = self.path(origin, cell, new)
+            for k in range(self.ends[house][2]):
+                result |= self.meets(house, k, p, q, half)
         else:
-            result = self.original(house, self.centre(origin, new), self.half(new))
+            result = self.original(house, self.body.centre(origin, new), self.body.half(new))
         return result
 
     @ti.func
-    def swept(self, house, p, q, half):
-        """Whether a square that slides from p to q meets a box: three separating axes, x, y and across.
+    def path(self, origin, cell, new):
+        """From where to where the body's centre goes, and half its side, that of the new heading."""
+        half = self.body.half(new)
+        return (
+            self.body.centre(origin, cell) + (half - self.body.half(cell)),
+            self.body.centre(origin, new),
+            half,
+        )
 
-        The same bits for p to q as for q to p, so that ways can be searched backwards.
+    @ti.func
+    def meets(self, house, k, p, q, half):
+        """Whether a square that slides from p to q meets box k (i32): three axes to separate them by, x, y
+        and across the way. The same bits for p to q as for q to p, so that ways can be searched backwards.
         """
-        middle, reach, d = 0.5 * (p + q), 0.5 * ti.abs(q - p), q - p
-        met = 0
-        for k in range(self.ends[house][2]):
-            box = self.boxes[house, k]
-            x, y = middle[0] - box[0], middle[1] - box[1]
-            width, height = box[2] + half - ti.static(SKIN), box[3] + half - ti.static(SKIN)
-            near = (ti.abs(x) < width + reach[0]) & (ti.abs(y) < height + reach[1])
-            across = ti.abs(d[0] * y - d[1] * x) <= ti.abs(d[0]) * height + ti.abs(d[1]) * width
-            met |= ti.cast(near & across, ti.i32)
-        return met
+        box = self.boxes[house, k]
+        x, y = 0.5 * (p[0] + q[0]) - box[0], 0.5 * (p[1] + q[1]) - box[1]
+        dx, dy = ti.abs(q[0] - p[0]), ti.abs(q[1] - p[1])
+        width, height = box[2] + half - ti.static(SKIN), box[3] + half - ti.static(SKIN)
+        near = (ti.abs(x) < width + 0.5 * dx) & (ti.abs(y) < height + 0.5 * dy)
+        across = ti.abs((q[0] - p[0]) * y - (q[1] - p[1]) * x) <= dx * height + dy * width
+        return ti.cast(near & across, ti.i32)
 
     @ti.func
     def original(self, house, centre, half):
@@ -221,7 +226,7 @@ class Continuous:
         """See ``Backend.see``. Of hits at one distance a wall comes before a piece, a piece before the
         target; a box is seen from outside only.
         """
-        eye = self.eye(origin, cell)
+        eye = self.body.eye(origin, cell)
         # Local copies: read from the table in the inner loops they would cost the vector instructions.
         over_x, over_y = self.vector(0.0), self.vector(0.0)
         slope_x, slope_y = self.vector(0.0), self.vector(0.0)

@@ -26,6 +26,9 @@ Houses = str | Path | Sequence[House] | dict[str, Any]
 
 BACKENDS = {"continuous": Continuous}
 
+ACTIONS = 3
+"""Turn left, turn right, forward."""
+
 METADATA = {"render_modes": ["rgb_array"], "render_fps": 30}
 
 
@@ -85,6 +88,7 @@ class HouseVectorEnv(VectorEnv):
         self,
         houses: Houses,
         num_envs: int = 1,
+        *,
         backend: str = "continuous",
         targets: str = "main",
         preset: str | Config = "default",
@@ -117,10 +121,10 @@ class HouseVectorEnv(VectorEnv):
         start()
         self.world = World(preset, BACKENDS[backend](preset), self.houses, targets, num_envs)
 
-        self.single_action_space = spaces.Discrete(3)
+        self.single_action_space = spaces.Discrete(ACTIONS)
         shape = (preset.rays, preset.channels)
         # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
-        high = np.broadcast_to(np.float32([360 / 359, 1, 1][-preset.channels :]), shape)
+        high = np.broadcast_to(np.array([360 / 359, 1, 1][-preset.channels :], np.float32), shape)
         self.single_observation_space = spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -139,7 +143,7 @@ class HouseVectorEnv(VectorEnv):
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
         ``target`` (E, 2) in metres and radians, in place of those drawn. ``ValueError`` for wrong ones.
         """
-        house, put = self._read(options or {})
+        house, origin, cell, target = self._read(options or {})
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
@@ -150,9 +154,7 @@ class HouseVectorEnv(VectorEnv):
                 raise ValueError(f"{len(seeds)} seeds for {self.num_envs} environments")
             super().reset(seed=int(seeds[0]))
             self.world.sow(np.array([s % 2**64 for s in seeds], np.uint64))
-        self.world.reset(house, self._observation)
-        if put is not None:
-            self.world.put(*put, self._observation)
+        self.world.reset(house, origin, cell, target, self._observation)
         self._flags[:] = 0
         self._ready = True
         return self._observation.copy(), self._info()
@@ -210,7 +212,7 @@ class HouseVectorEnv(VectorEnv):
             raise ValueError(
                 f"actions have shape {actions.shape}: one for each of {self.num_envs} environments"
             )
-        if actions.min() < 0 or actions.max() >= self.single_action_space.n:
+        if actions.min() < 0 or actions.max() >= ACTIONS:
             raise ValueError(f"actions go from 0 to 2, found {actions.min()} to {actions.max()}")
         self.world.step(actions, self._observation, self._reward, self._flags)
 
@@ -221,13 +223,14 @@ class HouseVectorEnv(VectorEnv):
         blocked = self._flags[BLOCKED].astype(bool)
         return {"pose": pose, "blocked": blocked, "house": self.world.house.to_numpy(), "target": target}
 
-    def _read(self, options: dict[str, Any]) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
-        """Options as the houses (E,) int32, -1 where drawn, and what ``World.put`` takes, if anything."""
+    def _read(self, options: dict[str, Any]) -> tuple[np.ndarray, ...]:
+        """Options as ``World.reset`` takes them: -1 and NaN where it should draw."""
         unknown = set(options) - {"house", "pose", "target"}
         if unknown:
             raise ValueError(f"unknown reset option {min(unknown)!r}: there are house, pose and target")
         count = self.num_envs
-        house = np.full(count, -1, np.int32)
+        house, cell = np.full(count, -1, np.int32), np.zeros((count, 3), np.int32)
+        origin, target = np.full((2, count, 2), np.nan, np.float32)
         if options.get("house") is not None:
             given = np.asarray(options["house"])
             if given.shape != (count,) or not np.issubdtype(given.dtype, np.integer):
@@ -235,21 +238,17 @@ class HouseVectorEnv(VectorEnv):
             if given.min() < 0 or given.max() >= len(self.houses):
                 raise ValueError(f"option house: the bank has houses 0 to {len(self.houses) - 1}")
             house = given.astype(np.int32)
-        if options.get("pose") is None and options.get("target") is None:
-            return house, None
-        origin, cell = np.full((count, 2), np.nan, np.float32), np.zeros((count, 3), np.int32)
-        target = np.full((count, 2), np.nan, np.float32)
         if options.get("pose") is not None:
             if options.get("house") is None:
                 raise ValueError("option pose: say in which houses, by option house")
             origin, cell = self.world.backend.place(house, _floats("pose", options["pose"], (count, 3)))
         if options.get("target") is not None:
             target = _floats("target", options["target"], (count, 2)).astype(np.float32)
-        return house, (origin, cell, target)
+        return house, origin, cell, target
 
 
 class HouseEnv(gymnasium.Env):
-    """One environment: ``HouseVectorEnv`` with ``num_envs=1``, and its arguments but for ``autoreset_mode``."""
+    """One environment: ``HouseVectorEnv`` with ``num_envs=1``, and its arguments."""
 
     metadata = METADATA
 

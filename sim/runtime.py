@@ -8,8 +8,11 @@ import io
 import os
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+# Else Taichi takes the redirection for a notebook's, says so, and wraps each launch to print through it.
+os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
+    from taichi.lang import impl
 
 __all__ = ["start", "ti"]
 
@@ -19,7 +22,7 @@ def start(threads: int | None = None) -> None:
 
     ``threads`` bounds its workers (all cores by default). Call it in the main thread: kernels compile there.
     """
-    if ti.lang.impl.get_runtime().prog is not None:
+    if impl.get_runtime().prog is not None:
         return
     # Without fast_math a hit is decided alike on every machine, and the kernel is no slower.
     options = {"arch": ti.cpu, "fast_math": False, "default_fp": ti.f32, "log_level": ti.ERROR}

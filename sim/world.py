@@ -1,4 +1,4 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """The state of E environments over a bank of houses: episodes, targets, rewards and random numbers.
 
 How bodies move and what they see is the backend's. Every draw is Philox's word for (seed of the
@@ -7,6 +7,7 @@ draw depends on how many environments there are, on how often others reset, or, 
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -20,19 +21,23 @@ from sim.runtime import ti
 TRIES = 32
 """Draws until a place that should lie apart from another is taken as it comes."""
 
+NORTH = 2
+"""The heading of fixed starts."""
+
 TERMINATED, TRUNCATED, BLOCKED = range(3)
 """Rows of ``step``'s flags."""
 
 
 @ti.data_oriented
 class World:
-    """E environments. Arrays that ``reset`` and ``step`` fill are the caller's: torch or NumPy, contiguous."""
+    """E environments. Arrays that ``reset`` and ``step`` fill are the caller's: contiguous."""
 
     def __init__(
         self, config: Config, backend: Backend, houses: Sequence[House], targets: str, num_envs: int
     ):
         """Pack the houses into the backend and find their starts and targets (``ValueError`` if none)."""
         self.config, self.backend, self.num_envs = config, backend, num_envs
+        self.body = backend.body
         # Apart by more than this, a target is not picked up from where the one before it was.
         self.apart = config.target + max(config.body)
         self._pack(houses, targets)
@@ -70,22 +75,21 @@ class World:
             self.episode[e] = -1
 
     @ti.kernel
-    def reset(self, house: ti.types.ndarray(ti.i32, 1), observation: ti.types.ndarray(ti.f32, 3)):
-        """Begin every environment's next episode, in ``house`` (E,) int32 where it is not negative."""
-        for e in range(self.num_envs):
-            self.begin(e, house[e])
-            self.look(e, observation)
-
-    @ti.kernel
-    def put(
+    def reset(
         self,
+        house: ti.types.ndarray(ti.i32, 1),
         origin: ti.types.ndarray(ti.f32, 2),
         cell: ti.types.ndarray(ti.i32, 2),
         target: ti.types.ndarray(ti.f32, 2),
         observation: ti.types.ndarray(ti.f32, 3),
     ):
-        """Move bodies and targets of episodes just begun to given places; NaN leaves one where it is."""
+        """Begin every environment's next episode, in ``house`` (E,) where that is not negative; an ``origin``
+        (E, 2) with its ``cell`` (E, 3) and a ``target`` (E, 2) replace what is drawn where they are not NaN.
+        """
         for e in range(self.num_envs):
+            self.enter(e, house[e])
+            self.draw_target(e, -1.0)
+            self.draw_start(e)
             if origin[e, 0] == origin[e, 0]:
                 self.origin[e] = ti.Vector([origin[e, 0], origin[e, 1]])
                 self.cell[e] = ti.Vector([cell[e, 0], cell[e, 1], cell[e, 2]])
@@ -107,9 +111,10 @@ class World:
         (3, E) uint8: terminated, truncated, blocked.
         """
         for e in range(self.num_envs):
-            earned, blocked, terminated, truncated = 0.0, 0, 0, 0
-            if self.over[e]:
-                self.begin(e, -1)
+            fresh = self.over[e]
+            picked, blocked, terminated, truncated = 0, 0, 0, 0
+            if fresh:
+                self.enter(e, -1)
             else:
                 house, origin = self.house[e], self.origin[e]
                 cell, met = self.backend.move(house, origin, self.cell[e], ti.cast(action[e], ti.i32))
@@ -119,13 +124,15 @@ class World:
                 elif blocked:
                     cell = self.cell[e]
                 self.cell[e] = cell
-                if self.overlaps(origin, cell, self.target[e]):
-                    earned = 1.0
-                    self.draw_target(e, self.target[e], ti.static(self.apart))
+                picked = self.overlaps(origin, cell, self.target[e])
                 self.time[e] += 1
                 truncated = ti.cast(self.time[e] >= ti.static(self.config.steps), ti.i32)
                 self.over[e] = terminated | truncated
-            reward[e] = earned
+            if fresh | picked:
+                self.draw_target(e, ti.select(fresh, -1.0, ti.static(self.apart)))
+            if fresh:
+                self.draw_start(e)
+            reward[e] = ti.cast(picked, ti.f32)
             flags[ti.static(TERMINATED), e] = ti.cast(terminated, ti.u8)
             flags[ti.static(TRUNCATED), e] = ti.cast(truncated, ti.u8)
             flags[ti.static(BLOCKED), e] = ti.cast(blocked, ti.u8)
@@ -135,48 +142,46 @@ class World:
     def describe(self, pose: ti.types.ndarray(ti.f32, 2), target: ti.types.ndarray(ti.f32, 2)):
         """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), and the targets' centres (E, 2)."""
         for e in range(self.num_envs):
-            eye = self.backend.eye(self.origin[e], self.cell[e])
+            eye = self.body.eye(self.origin[e], self.cell[e])
             pose[e, 0], pose[e, 1] = eye[0], eye[1]
             pose[e, 2] = ti.cast(self.cell[e][2], ti.f32) * ti.static(np.pi / 4)
             target[e, 0], target[e, 1] = self.target[e][0], self.target[e][1]
 
     @ti.func
-    def begin(self, e, wanted):
-        """Begin an environment's next episode."""
+    def enter(self, e, wanted):
+        """Begin an environment's next episode in the wanted house, or a drawn one if that is negative."""
         self.episode[e] += 1
-        words = self.draw(e, 0, 0)
-        house = ti.select(wanted >= 0, wanted, below(words[0], self.num_houses))
+        house = ti.select(wanted >= 0, wanted, below(self.draw(e, 0, 0)[0], self.num_houses))
         self.house[e], self.origin[e] = house, self.corner[house]
         self.time[e], self.count[e], self.over[e] = 0, 0, 0
-        self.draw_target(e, self.origin[e], -1.0)
-        first, last = span(self.start_end, house)
-        turn = 0
-        searching = True
-        while searching:
-            place = self.starts[first + below(words[1], last - first)]
-            heading = 2
-            if ti.static(self.config.random_start):
-                heading = below(words[2], 8)
-            self.cell[e] = ti.Vector([place[0], place[1], heading])
-            turn += 1
-            searching = self.overlaps(self.origin[e], self.cell[e], self.target[e]) and turn < ti.static(
-                TRIES
-            )
-            words = self.draw(e, 0, turn)
 
     @ti.func
-    def draw_target(self, e, previous, apart):
-        """Draw an environment's next target, not within ``apart`` metres along both axes of the previous."""
-        self.count[e] += 1
-        house = self.house[e]
-        first, last = span(self.target_end, house)
-        turn = 0
-        searching = True
+    def draw_start(self, e):
+        """Draw where an environment's episode starts, not on its first target."""
+        first, last = span(self.start_end, self.house[e])
+        turn, searching = 0, 1
         while searching:
-            place = self.targets[first + below(self.draw(e, self.count[e], turn)[0], last - first)]
-            self.target[e] = self.corner[house] + ti.cast(place, ti.f32) * ti.static(self.config.step)
             turn += 1
-            searching = (ti.abs(self.target[e] - previous).max() < apart) and turn < ti.static(TRIES)
+            words = self.draw(e, 0, turn)
+            place = self.starts[first + below(words[0], last - first)]
+            heading = ti.select(ti.static(self.config.random_start), below(words[1], 8), NORTH)
+            self.cell[e] = ti.Vector([place[0], place[1], heading])
+            on_target = self.overlaps(self.origin[e], self.cell[e], self.target[e])
+            searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
+
+    @ti.func
+    def draw_target(self, e, apart):
+        """Draw an environment's next target, not within ``apart`` metres of the last along both axes."""
+        self.count[e] += 1
+        corner, last_target = self.corner[self.house[e]], self.target[e]
+        first, last = span(self.target_end, self.house[e])
+        turn, searching = 0, 1
+        while searching:
+            turn += 1
+            place = self.targets[first + below(self.draw(e, self.count[e], turn)[0], last - first)]
+            self.target[e] = corner + ti.cast(place, ti.f32) * ti.static(self.config.step)
+            near = ti.cast(ti.abs(self.target[e] - last_target).max() < apart, ti.i32)
+            searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
 
     @ti.func
     def draw(self, e, counter, turn):
@@ -186,13 +191,13 @@ class World:
 
     @ti.func
     def overlaps(self, origin, cell, target):
-        """Whether the body overlaps a target's square."""
-        reach = self.backend.half(cell) + ti.static(self.config.target / 2)
-        return ti.abs(self.backend.centre(origin, cell) - target).max() < reach
+        """Whether the body overlaps a target's square (i32)."""
+        reach = self.body.half(cell) + ti.static(self.config.target / 2)
+        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
 
     @ti.func
     def look(self, e, observation: ti.template()):
-        """Write what an environment's rays see: (absolute angle / 359 degrees,) distance / range, is target."""
+        """Write what an environment's rays see: (angle / 359 degrees,) distance / range, is target."""
         cell = self.cell[e]
         distance, seen = self.backend.see(self.house[e], self.origin[e], cell, self.target[e])
         at = ti.static(self.config.channels - 2)
@@ -216,7 +221,7 @@ def span(ends: ti.template(), house):
     return first, ends[house]
 
 
-def _ragged(rows: list[np.ndarray]) -> tuple[ti.ScalarField, ti.MatrixField]:
+def _ragged(rows: list[np.ndarray]) -> tuple[Any, Any]:
     """Lists of (n, 2) int32 rows end to end, as a field of ends (H,) and one of 2-vectors."""
     ends = ti.field(ti.i32, shape=len(rows))
     ends.from_numpy(np.cumsum([len(r) for r in rows]).astype(np.int32))

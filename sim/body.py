@@ -1,0 +1,35 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+"""A square body and its eye, at poses that are counted in steps and headings."""
+
+from sim.config import Config
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Body:
+    """Where a body is at a pose: an ``origin`` (x, y), metres, and a ``cell`` (i, j, heading), int32."""
+
+    def __init__(self, config: Config) -> None:
+        """Take the body's sides, its eye and its step from the configuration."""
+        self.step, self.sides, self.eyes = config.step, config.body, config.eye
+
+    @ti.func
+    def position(self, origin, cell):
+        """The eye's place at straight headings, which the lattice is of, metres."""
+        return origin + ti.cast(ti.Vector([cell[0], cell[1]]), ti.f32) * ti.static(self.step)
+
+    @ti.func
+    def eye(self, origin, cell):
+        """Where rays start, metres."""
+        shift = ti.static(self.eyes[1] - self.eyes[0])
+        return self.position(origin, cell) + ti.select(cell[2] & 1, shift, 0.0)
+
+    @ti.func
+    def half(self, cell):
+        """Half the body's side at a cell's heading, metres."""
+        return 0.5 * ti.select(cell[2] & 1, ti.static(self.sides[1]), ti.static(self.sides[0]))
+
+    @ti.func
+    def centre(self, origin, cell):
+        """The body's centre, metres: its north-west corner is the same at all headings."""
+        return self.position(origin, cell) + (self.half(cell) - ti.static(self.eyes[0]))
