@@ -3,6 +3,7 @@
 import gzip
 import os
 import tempfile
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -23,10 +24,10 @@ def load(path: str | Path) -> list[House]:
         content = path.read_bytes()
         if path.suffix == ".gz":
             content = gzip.decompress(content)
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
-    lines = [(1, content)] if path.suffix == ".json" else enumerate(content.split(b"\n"), start=1)
+    lines = [(1, content)] if _holds_one(path) else enumerate(content.split(b"\n"), start=1)
     houses = [_parsed(line, f"{path}:{number}") for number, line in lines if line.strip()]
     if not houses:
         raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
@@ -41,7 +42,7 @@ def save(houses: Iterable[House], path: str | Path) -> None:
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
     if not records:
         raise ValueError(f"no house to write to {path}")
-    if Path(path).suffix == ".json" and len(records) != 1:
+    if _holds_one(Path(path)) and len(records) != 1:
         raise ValueError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
     content = b"\n".join(records) + b"\n"
     # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
@@ -72,10 +73,15 @@ def _umask() -> int:
     return mask
 
 
+def _holds_one(path: Path) -> bool:
+    """Whether a file is named ``.json`` (or ``.json.gz``), which is one house over any number of lines."""
+    return path.name.removesuffix(".gz").endswith(".json")
+
+
 def _parsed(line: bytes, place: str) -> House:
     try:
         record: dict[str, Any] = msgspec.json.decode(line)
         return House.from_dict(record)
-    except (msgspec.DecodeError, ValueError, OverflowError) as error:
+    except (msgspec.DecodeError, ValueError, OverflowError, RecursionError) as error:
         hint = " (the file is cut short)" if "truncated" in str(error) else ""
         raise HouseFileError(f"{place}: not a house: {error}{hint}") from None

@@ -5,6 +5,7 @@ Metres; x grows east and y grows south, so a rectangle's ``x, y`` is its north-w
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Literal
 
 import msgspec
@@ -62,7 +63,13 @@ class Room(Rect, frozen=True, forbid_unknown_fields=True):
     @property
     def pieces(self) -> tuple[Piece, ...]:
         """Every piece in the room, each before its own children."""
-        return tuple(piece for top in self.children for piece in (top, *top.children))
+        return tuple(piece for top in self.children for piece in _family(top))
+
+
+def _family(piece: Piece) -> Iterator[Piece]:
+    yield piece
+    for child in piece.children:
+        yield from _family(child)
 
 
 class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):

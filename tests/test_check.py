@@ -206,6 +206,14 @@ def test_nothing_stands_near_a_door(away: float) -> None:
     assert check(plain((moved(near, 0.45 - away, 0.0),))) == []
 
 
+def test_the_distance_to_a_door_is_measured_as_the_crow_flies() -> None:
+    diagonal = piece("wardrobe", 0.6 + DOOR + 0.4, 3.8 - 0.4 - 0.6, 0.5, 0.6)
+    assert check(plain((diagonal,))) == []
+    assert check(plain((moved(diagonal, -0.1, 0.1),))) == [
+        "R0 (bedroom): wardrobe stands 0.42 m from its door (at least 0.45)"
+    ]
+
+
 def barrier(deep: float, gap: float) -> House:
     """A wardrobe across the bedroom, this deep from the door, leaving this gap at the east wall."""
     return plain((piece("wardrobe", 0.0, 3.8 - deep - 0.6, 3.6 - gap, 0.6),))
