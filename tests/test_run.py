@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TOOLS = "bash cat chmod cksum dirname env flock grep id ln mkdir mv rm sed sleep true xargs"
+TOOLS = "bash cat chmod cksum cp dirname env flock grep id ln mkdir mv rm sed sh sleep true xargs"
 SWIPL = "exit 0"
 APT = "echo 'E: no network' >&2; exit 100"
 UV = """
@@ -19,6 +19,18 @@ case "$1 $2" in
     chmod +x "$5/bin/vitruvius" ;;
 esac
 """
+UV_INSTALLER = """echo 'mkdir -p "$UV_UNMANAGED_INSTALL" && cp "$STUBS/hidden" "$UV_UNMANAGED_INSTALL/uv"'"""
+UV_SOURCES = {
+    "curl": UV_INSTALLER,
+    "wget": UV_INSTALLER,
+    # python3 -m venv --clear FOLDER, then FOLDER/bin/python -m pip install uv
+    "python3": """
+case "$3" in
+--clear) mkdir -p "$4/bin" && cp "$0" "$4/bin/python" ;;
+install) cp "$STUBS/hidden" "${0%python}uv" ;;
+esac
+""",
+}
 
 
 class Machine:
@@ -130,6 +142,13 @@ def test_without_uv_and_python_the_message_says_what_to_install(tmp_path: Path) 
     code, _, err = Machine(tmp_path, swipl=SWIPL, **{"apt-get": APT}).run("test")
     assert code == 69
     assert "python3-venv" in err.splitlines()[-1]
+
+
+@pytest.mark.parametrize("program", ["python3", "curl", "wget"])
+def test_uv_is_brought_by_what_is_there(tmp_path: Path, program: str) -> None:
+    machine = Machine(tmp_path, swipl=SWIPL, hidden=UV, **{program: UV_SOURCES[program]})
+    assert machine.run("demo")[0] == 3
+    assert (machine.checkout / ".local/uv/bin/uv").exists()
 
 
 @pytest.mark.skipif(not shutil.which("flock"), reason="needs flock")
