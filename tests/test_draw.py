@@ -1,0 +1,178 @@
+"""Plans show what is there, in words and colours that stay, and their files are whole."""
+
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+from msgspec.structs import replace
+from PIL import Image, ImageColor
+
+from logic import House, Rect
+from logic.boxes import overlap
+from logic.canvas import DENSITY, Block, Line, Words, text_width
+from logic.draw import (
+    MARK,
+    PAPER,
+    WALL,
+    contact_sheet,
+    contact_sheet_svg,
+    draw,
+    plan,
+    plan_png,
+    plan_svg,
+    room_colour,
+)
+from logic.house import ORIGINAL, Provenance
+from tests.handmade import built, sketches, turned_house
+
+HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
+NAMESPACE = "{http://www.w3.org/2000/svg}"
+
+
+class Picture:
+    """A plan's image, asked in metres."""
+
+    def __init__(self, house: House) -> None:
+        self.image = plan_png(house)
+        drawing = plan(house, self.image.width // DENSITY, self.image.height // DENSITY)
+        floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+        left, top, right, _ = floor.box
+        self.scale = (right - left) / house.floor.width
+        self.left, self.top = left - self.scale * house.floor.x, top - self.scale * house.floor.y
+
+    def shows(self, colour: str, x: float, y: float) -> bool:
+        """Whether the point at these metres is of this colour."""
+        place = round((self.left + self.scale * x) * DENSITY), round((self.top + self.scale * y) * DENSITY)
+        return self.image.getpixel(place) == ImageColor.getrgb(colour)
+
+
+def middle(rect: Rect) -> tuple[float, float]:
+    return rect.x + rect.width / 2, rect.y + rect.height / 2
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_walls_are_drawn_with_a_gap_at_each_door(quarters: int) -> None:
+    house = turned_house(HOUSE, quarters, 3.0, -2.0)
+    picture = Picture(house)
+    for room in house.rooms:
+        x, y = middle(room.door)
+        assert picture.shows(PAPER, x, y)
+        beyond = 0.45 if room.door.width else 0.0, 0.45 if room.door.height else 0.0
+        assert picture.shows(WALL, x - beyond[0], y - beyond[1])
+        assert picture.shows(WALL, x + beyond[0], y + beyond[1])
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_mark_shows_where_each_front_faces(quarters: int) -> None:
+    house = turned_house(HOUSE, quarters)
+    picture = Picture(house)
+    ways = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
+    for piece in (piece for room in house.rooms for piece in room.pieces if piece.orientation):
+        (x, y), (east, south) = middle(piece), ways[piece.orientation]
+        ahead, aside = east * piece.width / 2, south * piece.height / 2
+        assert picture.shows(MARK, x + ahead, y + aside)
+        assert not picture.shows(MARK, x - ahead, y - aside)
+
+
+def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
+    """Its ``floor`` reaches under the rooms, and the words for its fronts are not to be trusted."""
+    floor = Rect(-3.1, -3.1, 6.2, 6.2)
+    house = replace(HOUSE, floor=floor, format=ORIGINAL)
+    picture = Picture(house)
+    assert picture.shows(WALL, -3.1, 3.0)
+    assert picture.shows(room_colour("bedroom"), 0.9, -3.1)
+    marks = [
+        shape for shape in plan(house, 300, 300).shapes if isinstance(shape, Line) and shape.stroke == MARK
+    ]
+    assert not marks
+
+
+def test_every_room_is_labelled_clear_of_its_furniture() -> None:
+    drawing = plan(HOUSE, 300, 300)
+    words = [shape for shape in drawing.shapes if isinstance(shape, Words)]
+    labels = {word.text: word for word in words}
+    assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
+    furniture = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.radius]
+    for text in ("bedroom", "bathroom", "kitchen", "hall", "main room"):
+        (x, y), size = labels[text].at, labels[text].size
+        half = text_width(text, size) / 2
+        assert size >= 7
+        assert all(overlap((x - half, y - size / 2, x + half, y + size / 2), box) < 0 for box in furniture)
+
+
+def test_the_bar_is_a_metre_long() -> None:
+    drawing = plan(HOUSE, 300, 300)
+    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+    bar = drawing.shapes[-4]
+    assert isinstance(bar, Line)
+    assert bar.points[1][0] - bar.points[0][0] == pytest.approx((floor.box[2] - floor.box[0]) / 4.2)
+
+
+def test_unknown_types_have_a_colour_and_a_name_that_stay() -> None:
+    names = ["study", "library", "greenhouse", "cellar", "corridor", ""]
+    colours = [room_colour(name) for name in names]
+    assert len(set(colours)) == len(names)
+    code = f"from logic.draw import room_colour; print(*map(room_colour, {names!r}))"
+    other = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert other.stdout.split() == colours
+    lamp = replace(HOUSE.rooms[3].children[0], type="piano", orientation="")
+    strange = replace(HOUSE, rooms=(replace(HOUSE.rooms[3], type="<salon> & co", children=(lamp,)),))
+    texts = [element.text for element in ET.fromstring(plan_svg(strange)).iter(f"{NAMESPACE}text")]
+    assert {"<salon> & co", "piano"} <= set(texts)
+
+
+def test_svg_and_png_have_the_same_shapes_and_size() -> None:
+    root = ET.fromstring(plan_svg(HOUSE))
+    image = plan_png(HOUSE)
+    assert image.size == (int(root.attrib["width"]) * DENSITY, int(root.attrib["height"]) * DENSITY)
+    shapes = plan(HOUSE, 720, int(root.attrib["height"])).shapes
+    (drawn,) = root.findall(f"{NAMESPACE}g")
+    assert len(drawn) == len(shapes)
+
+
+def test_the_title_says_where_the_house_comes_from_as_far_as_it_fits() -> None:
+    made = replace(HOUSE, provenance=Provenance("grammars/family", "", {}, 7, 12, {}))
+    words = "family · seed 7 · house 12 · 4 rooms · 66 m²"
+
+    def titles(width: int) -> set[str]:
+        return {shape.text for shape in plan(made, width, 300).shapes if isinstance(shape, Words)}
+
+    assert words in titles(300)
+    assert "house 12 · 4 rooms · 66 m²" in titles(200)
+
+
+@pytest.mark.parametrize(
+    ("count", "columns", "shape"), [(1, None, (1, 1)), (5, 2, (2, 3)), (24, None, (6, 4))]
+)
+def test_a_sheet_shows_every_house_row_by_row(
+    count: int, columns: int | None, shape: tuple[int, int]
+) -> None:
+    root = ET.fromstring(contact_sheet_svg([HOUSE] * count, columns, cell=100))
+    assert len(root.findall(f"{NAMESPACE}g")) == count
+    assert (int(root.attrib["width"]), int(root.attrib["height"])) == (100 * shape[0], 100 * shape[1])
+    if count < 6:
+        image = contact_sheet([HOUSE] * count, columns, cell=100)
+        assert image.size == (100 * DENSITY * shape[0], 100 * DENSITY * shape[1])
+
+
+@pytest.mark.parametrize("form", ["svg", "png"])
+def test_a_plan_of_each_house_and_a_sheet_are_written(tmp_path: Path, form: str) -> None:
+    paths = draw([HOUSE] * 11, tmp_path / "plans", form) if form == "svg" else draw([HOUSE], tmp_path, "png")
+    assert all(path.is_file() for path in paths)
+    assert paths[-1].name == f"contact-sheet.{form}"
+    assert sorted(paths[0].parent.iterdir()) == sorted(paths)
+    if form == "svg":
+        assert [path.name for path in paths[:2]] == ["house-00.svg", "house-01.svg"]
+        ET.parse(paths[0])
+    else:
+        assert Image.open(paths[0]).size == plan_png(HOUSE).size
+
+
+def test_what_cannot_be_drawn_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="svg or png, not 'gif'"):
+        draw([HOUSE], tmp_path, "gif")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="no house"):
+        draw([], tmp_path)
+    assert not list(tmp_path.iterdir())
