@@ -204,17 +204,15 @@ def _label(text: str, room: Box, taken: list[Box], size: float, colours: tuple[s
     """
     left, top, right, bottom = room
     middle = (left + right) / 2, (top + bottom) / 2
-    steps = [k / 16 for k in range(17)]
+    steps = [k / 8 for k in range(-8, 9)]
     tries = []
     for smaller in (size, 0.85 * size, 0.7 * size):
-        letter = max(7.0, min(smaller, 0.92 * (right - left) / text_width(text or "?", 1)))
+        letter = max(5.5, min(smaller, 0.9 * (right - left) / text_width(text or "?", 1)))
         half, tall = text_width(text, letter) / 2 + 0.3 * letter, 0.75 * letter
-        inner = left + half + 1.5, top + tall + 1.5, right - half - 1.5, bottom - tall - 1.5
-        places = [
-            (inner[0] + u * (inner[2] - inner[0]), inner[1] + v * (inner[3] - inner[1]))
-            for u, v in product(steps, steps)
-        ]
-        for x, y in (middle, *places):
+        # How far the middle of the words may go from the middle of the room.
+        wide, high = max(0.0, (right - left) / 2 - half - 1.5), max(0.0, (bottom - top) / 2 - tall - 1.5)
+        for u, v in product(steps, steps):
+            x, y = middle[0] + u * wide, middle[1] + v * high
             hidden = sum(max(0.0, overlap((x - half, y - tall, x + half, y + tall), box)) for box in taken)
             tries.append((hidden, -letter, math.dist((x, y), middle), (x, y)))
         if min(tries)[0] == 0:

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from PIL import Image, ImageColor
 
 from logic import House, Rect
-from logic.boxes import overlap
+from logic.boxes import excess, overlap
 from logic.canvas import DENSITY, Block, Line, Words, text_width
 from logic.draw import (
     MARK,
@@ -95,10 +95,14 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
     labels = {word.text: word for word in words}
     assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
     furniture = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.radius]
+    floors = [shape for shape in drawing.shapes if isinstance(shape, Block) and not shape.radius][1:]
     for text in ("bedroom", "bathroom", "kitchen", "hall", "main room"):
         (x, y), size = labels[text].at, labels[text].size
         half = text_width(text, size) / 2
         assert size >= 7
+        assert text == "main room" or any(
+            excess((x - half, y - size / 2, x + half, y + size / 2), floor.box) < 0 for floor in floors
+        )
         assert all(overlap((x - half, y - size / 2, x + half, y + size / 2), box) < 0 for box in furniture)
 
 
