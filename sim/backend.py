@@ -17,26 +17,22 @@ from logic import House
 from sim.body import Body
 from sim.geometry import Geometry
 
-LEFT, RIGHT, FORWARD = 0, 1, 2
-"""The actions: turn left or right by 45 degrees, one step forward."""
-
-HEADINGS = np.array([(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)], np.int32)
-"""Steps east and south that ``forward`` makes at each of the eight headings."""
-
 STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
 """Bits of a survey: the body can be at this place with a heading along an axis, on a diagonal."""
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """The places that a body reaches from one of them: origin + pitch * (i, j), 0 <= i, j < shape."""
+    """The places that a body reaches from one of them: origin + pitch * (i, j) for i and j from ``first``."""
 
     origin: np.ndarray
-    """(2,) float32, metres."""
+    """(2,) float32, metres: the place (0, 0)."""
     pitch: float
     """Metres between neighbours: what ``forward`` goes along an axis."""
     shape: tuple[int, int]
     """Places east and south."""
+    first: tuple[int, int] = (0, 0)
+    """The i and j of the place furthest north-west."""
 
 
 class Backend(Protocol):
@@ -49,12 +45,12 @@ class Backend(Protocol):
         """Take in a bank of houses, H of them."""
         ...
 
-    def lattice(self, house: int) -> Lattice:
-        """The lattice that a house's starts and targets lie on; it covers the house."""
+    def lattice(self, house: int, origin: np.ndarray | None = None) -> Lattice:
+        """A lattice over a house, through ``origin`` or where the house's starts and targets lie."""
         ...
 
     def survey(self, house: int, lattice: Lattice) -> np.ndarray:
-        """What the body can do everywhere: (X, Y) uint16, by the very arithmetic of ``move``.
+        """What the body can do at each place: (X, Y) uint16, by the very arithmetic of ``move``.
 
         Bit h: ``forward`` at heading h is not blocked; bits 8 and 9: ``STRAIGHT`` and ``DIAGONAL``.
         """

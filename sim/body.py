@@ -1,8 +1,13 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """A square body and its eye, at poses that are counted in steps and headings."""
 
+import numpy as np
+
 from sim.config import Config
 from sim.runtime import ti
+
+HEADINGS = np.array([(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)], np.int32)
+"""Steps east and south that ``forward`` makes at each of the eight headings."""
 
 
 @ti.data_oriented
@@ -12,6 +17,14 @@ class Body:
     def __init__(self, config: Config) -> None:
         """Take the body's sides, its eye and its step from the configuration."""
         self.step, self.sides, self.eyes = config.step, config.body, config.eye
+        self.headings = ti.Vector.field(2, ti.i32, shape=len(HEADINGS))
+        self.headings.from_numpy(HEADINGS)
+
+    @ti.func
+    def ahead(self, cell):
+        """The cell that is one step forward."""
+        way = self.headings[cell[2]]
+        return ti.Vector([cell[0] + way[0], cell[1] + way[1], cell[2]])
 
     @ti.func
     def position(self, origin, cell):

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from logic import House
-from sim.backend import HEADINGS, Lattice
+from sim.backend import Lattice
 from sim.body import Body
 from sim.config import Config
 from sim.geometry import Geometry, geometry
@@ -36,8 +36,6 @@ class Continuous:
         self.reach = max(config.body) + config.step
         self.vector = ti.types.vector(config.rays, ti.f32)
         self.geometries: list[Geometry] = []
-        self.headings = ti.Vector.field(2, ti.i32, shape=8)
-        self.headings.from_numpy(HEADINGS)
         # Row k is the direction first_ray - k * spacing; heading h looks along rows turn * -h + (0..rays-1).
         self.turn = 45 // config.ray_spacing
         around = 8 * self.turn
@@ -64,17 +62,20 @@ class Continuous:
         self.ends.from_numpy(np.column_stack([ends, [len(r) for r in rooms]]).astype(np.int32))
         return self.geometries
 
-    def lattice(self, house: int) -> Lattice:
-        """A lattice over a house; half a step off its corner, so that no body is flush by construction."""
+    def lattice(self, house: int, origin: np.ndarray | None = None) -> Lattice:
+        """A house's own lattice lies half a step off its corner, so that no body is flush by construction."""
         west, north, east, south = self.geometries[house].bounds
-        step = self.config.step
-        origin = np.array([west + step / 2, north + step / 2], np.float32)
-        return Lattice(origin, step, (int((east - west) / step) + 1, int((south - north) / step) + 1))
+        corner, step = np.array([west, north]), self.config.step
+        if origin is None:
+            origin = (corner + step / 2).astype(np.float32)
+        i, j = np.ceil((corner - origin) / step).astype(int).tolist()
+        columns, rows = (np.floor((np.array([east, south]) - origin) / step).astype(int) + 1).tolist()
+        return Lattice(origin, step, (columns - i, rows - j), (i, j))
 
     def survey(self, house: int, lattice: Lattice) -> np.ndarray:
         """See ``Backend.survey``."""
         table = np.zeros(lattice.shape, np.uint16)
-        self._survey(house, lattice.origin[0], lattice.origin[1], table)
+        self._survey(house, ti.math.vec2(lattice.origin), ti.math.ivec2(lattice.first), table)
         return table
 
     def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -96,9 +97,15 @@ class Continuous:
         return origin, cell
 
     @ti.kernel
-    def _survey(self, house: ti.i32, x: ti.f32, y: ti.f32, table: ti.types.ndarray(ti.u16, 2)):
-        for i, j in ti.ndrange(table.shape[0], table.shape[1]):
-            origin = ti.Vector([x, y])
+    def _survey(
+        self,
+        house: ti.i32,
+        origin: ti.math.vec2,
+        first: ti.math.ivec2,
+        table: ti.types.ndarray(ti.u16, 2),
+    ):
+        for column, row in ti.ndrange(table.shape[0], table.shape[1]):
+            i, j = column + first[0], row + first[1]
             ways = 0x3FF
             if ti.static(self.config.collision == "swept"):
                 here = self.body.centre(origin, ti.Vector([i, j, 0]))
@@ -110,16 +117,16 @@ class Continuous:
                             cell = ti.Vector([i, j, way & 7])
                             new = cell
                             if way < 8:
-                                new = self.ahead(cell)
+                                new = self.body.ahead(cell)
                             p, q, half = self.path(origin, cell, new)
                             ways &= ~(self.meets(house, k, p, q, half) << way)
             else:
                 for way in range(10):
                     new = ti.Vector([i, j, way & 7])
                     if way < 8:
-                        new = self.ahead(new)
+                        new = self.body.ahead(new)
                     ways &= ~(self.blocked(house, origin, new, new) << way)
-            table[i, j] = ti.cast(ways, ti.u16)
+            table[column, row] = ti.cast(ways, ti.u16)
 
     @ti.kernel
     def _stand(
@@ -140,7 +147,7 @@ class Continuous:
         new = cell
         blocked = 0
         if action == 2:
-            new = self.ahead(cell)
+            new = self.body.ahead(cell)
             blocked = self.blocked(house, origin, cell, new)
         else:
             new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
@@ -148,12 +155,6 @@ class Continuous:
             if ti.static(not self.turns_in_place):
                 blocked = self.blocked(house, origin, new, new)
         return new, blocked
-
-    @ti.func
-    def ahead(self, cell):
-        """The cell that is one step forward."""
-        way = self.headings[cell[2]]
-        return ti.Vector([cell[0] + way[0], cell[1] + way[1], cell[2]])
 
     @ti.func
     def blocked(self, house, origin, cell, new):

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from sim.backend import DIAGONAL, HEADINGS, STRAIGHT, Lattice
+from sim.backend import DIAGONAL, STRAIGHT, Lattice
+from sim.body import HEADINGS
 from sim.config import Config
 from sim.geometry import TOLERANCE, Geometry
 

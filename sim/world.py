@@ -18,6 +18,9 @@ from sim.philox import below, philox
 from sim.places import places
 from sim.runtime import ti
 
+SKIN = 1e-5
+"""Metres: lines nearer than this touch."""
+
 TRIES = 32
 """Draws until a place that should lie apart from another is taken as it comes."""
 
@@ -111,27 +114,7 @@ class World:
         (3, E) uint8: terminated, truncated, blocked.
         """
         for e in range(self.num_envs):
-            fresh = self.over[e]
-            picked, blocked, terminated, truncated = 0, 0, 0, 0
-            if fresh:
-                self.enter(e, -1)
-            else:
-                house, origin = self.house[e], self.origin[e]
-                cell, met = self.backend.move(house, origin, self.cell[e], ti.cast(action[e], ti.i32))
-                blocked = met
-                if ti.static(self.config.ends_on_collision):
-                    terminated = blocked
-                elif blocked:
-                    cell = self.cell[e]
-                self.cell[e] = cell
-                picked = self.overlaps(origin, cell, self.target[e])
-                self.time[e] += 1
-                truncated = ti.cast(self.time[e] >= ti.static(self.config.steps), ti.i32)
-                self.over[e] = terminated | truncated
-            if fresh | picked:
-                self.draw_target(e, ti.select(fresh, -1.0, ti.static(self.apart)))
-            if fresh:
-                self.draw_start(e)
+            picked, terminated, truncated, blocked = self.advance(e, ti.cast(action[e], ti.i32))
             reward[e] = ti.cast(picked, ti.f32)
             flags[ti.static(TERMINATED), e] = ti.cast(terminated, ti.u8)
             flags[ti.static(TRUNCATED), e] = ti.cast(truncated, ti.u8)
@@ -146,6 +129,31 @@ class World:
             pose[e, 0], pose[e, 1] = eye[0], eye[1]
             pose[e, 2] = ti.cast(self.cell[e][2], ti.f32) * ti.static(np.pi / 4)
             target[e, 0], target[e, 1] = self.target[e][0], self.target[e][1]
+
+    @ti.func
+    def advance(self, e, action):
+        """One step of an environment but for sight: picked up, terminated, truncated, blocked (i32)."""
+        fresh = self.over[e]
+        picked, terminated, truncated, blocked = 0, 0, 0, 0
+        if fresh:
+            self.enter(e, -1)
+        else:
+            cell, blocked_ = self.backend.move(self.house[e], self.origin[e], self.cell[e], action)
+            blocked = blocked_
+            if ti.static(self.config.ends_on_collision):
+                terminated = blocked
+            elif blocked:
+                cell = self.cell[e]
+            self.cell[e] = cell
+            picked = self.overlaps(self.origin[e], cell, self.target[e])
+            self.time[e] += 1
+            truncated = ti.cast(self.time[e] >= ti.static(self.config.steps), ti.i32)
+            self.over[e] = terminated | truncated
+        if fresh | picked:
+            self.draw_target(e, ti.select(fresh, -1.0, ti.static(self.apart)))
+        if fresh:
+            self.draw_start(e)
+        return picked, terminated, truncated, blocked
 
     @ti.func
     def enter(self, e, wanted):
@@ -191,8 +199,8 @@ class World:
 
     @ti.func
     def overlaps(self, origin, cell, target):
-        """Whether the body overlaps a target's square (i32)."""
-        reach = self.body.half(cell) + ti.static(self.config.target / 2)
+        """Whether the body overlaps a target's square (i32); touching is not overlapping."""
+        reach = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
         return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
 
     @ti.func
