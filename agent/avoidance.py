@@ -11,9 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.pqn import FORWARD, LEFT, RIGHT
-
-ACTIONS = 3
+from agent.pqn import ACTIONS, FORWARD, LEFT, RIGHT
 
 
 class Layer(Protocol):

@@ -66,7 +66,7 @@ def load(path: str | Path, shape: tuple[int, int] | None = None) -> Checkpoint:
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train anew") from None
-    if shape is not None and found != tuple(shape):
-        seen, world = " x ".join(map(str, found)), " x ".join(map(str, shape))
+    if shape is not None and found[:2] != tuple(shape):
+        seen, world = " x ".join(map(str, found[:2])), " x ".join(map(str, shape))
         raise CheckpointError(f"{path}: the network reads {seen} (rays x channels), this world gives {world}")
     return checkpoint

@@ -30,6 +30,9 @@ class Config:
     seed: int = 0
     """Seeds the worlds, the network's first weights, the exploration and the minibatches."""
 
+    recall: int = 8
+    """How many of its last actions the network is told: eight turns are once round."""
+
     discount: float = 0.99
     """Worth of a reward one step later (gamma)."""
 

@@ -7,12 +7,17 @@ from torch import Tensor
 
 from agent.avoidance import Layer, random_preference, subsume
 from agent.network import QNetwork
+from agent.pqn import NONE, remembered
 
 
 class Policy(Protocol):
     """Anything that acts. It counts how often its avoidance layer overruled what it would have done."""
 
     interventions: int
+
+    def begin(self, environments: int) -> None:
+        """Forget: an episode begins in so many environments."""
+        ...
 
     def __call__(self, observation: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C)."""
@@ -27,19 +32,29 @@ class QPolicy:
         network: QNetwork,
         avoidance: Layer,
         generator: torch.Generator,
-        epsilon: float,
+        epsilon: float = 0.01,
         forward: float = 0.93,
     ) -> None:
-        """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions."""
+        """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
+
+        A hundredth is what a body needs to leave a loop that it does not know it is in.
+        """
         self.network, self.avoidance, self.generator = network, avoidance, generator
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
+        self.past = torch.empty(0, dtype=torch.int64)
+
+    def begin(self, environments: int) -> None:
+        """Forget: an episode begins in so many environments."""
+        self.interventions = 0
+        self.past = torch.full((environments, self.network.shape[2]), NONE)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C)."""
-        preference = explore(self.network(observation), self.generator, self.epsilon, self.forward)
+        preference = explore(self.network(observation, self.past), self.generator, self.epsilon, self.forward)
         actions = subsume(preference, self.avoidance(observation))
         self.interventions += int((actions != preference.argmax(-1)).sum())
+        self.past = remembered(self.past, actions, torch.zeros_like(actions, dtype=torch.bool))
         return actions
 
 
@@ -49,6 +64,10 @@ class RandomPolicy:
     def __init__(self, avoidance: Layer, generator: torch.Generator, forward: float = 0.93) -> None:
         """Walk by chance under ``avoidance``."""
         self.avoidance, self.generator, self.forward, self.interventions = avoidance, generator, forward, 0
+
+    def begin(self, environments: int) -> None:
+        """Forget: an episode begins in so many environments."""
+        self.interventions = 0
 
     def __call__(self, observation: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C)."""

@@ -10,6 +10,12 @@ from torch import Tensor
 LEFT, RIGHT, FORWARD = range(3)
 """The actions: turn left by 45 degrees, turn right, one step forward."""
 
+ACTIONS = 3
+"""How many there are."""
+
+NONE = 3
+"""Stands for an action before the episode began."""
+
 
 def lambda_returns(
     r_t: Tensor, terminated_t: Tensor, truncated_t: Tensor, v_t: Tensor, *, discount: float, trace: float
@@ -40,13 +46,18 @@ def q_loss(q_tm1: Tensor, a_tm1: Tensor, g_tm1: Tensor, valid: Tensor) -> Tensor
     return 0.5 * (error.square() * valid).sum() / valid.sum().clamp(min=1)
 
 
-def mirrored(s_tm1: Tensor, a_tm1: Tensor) -> tuple[Tensor, Tensor]:
-    """The same observations (B, R, C) and actions (B,) in a mirror: rays reversed, left for right.
+def mirrored(actions: Tensor) -> Tensor:
+    """The same actions, of any shape, in a mirror: left for right; rays are mirrored by ``flip(1)``.
 
-    Houses are as likely as their mirror images and the rays lie symmetrically about the heading, so the
+    Houses are as likely as their mirror images and the rays lie symmetrically about the heading, so a
     mirrored transition is as good as the one that was lived.
     """
-    return s_tm1.flip(1), torch.where(a_tm1 == FORWARD, a_tm1, RIGHT - a_tm1)
+    return torch.where(actions <= RIGHT, RIGHT - actions, actions)
+
+
+def remembered(past: Tensor, actions: Tensor, ended: Tensor) -> Tensor:
+    """The last actions (E, K), the latest first, after ``actions`` (E,): all NONE where the episode ended."""
+    return torch.cat([actions[:, None], past[:, :-1]], dim=1).masked_fill(ended[:, None], NONE)
 
 
 def linear(start: float, end: float, progress: float) -> float:

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import torch
-from gymnasium.vector import VectorEnv
 from torch import Tensor
 
 from agent.avoidance import Layer, best_value, subsume
 from agent.network import QNetwork
 from agent.policies import explore
+from agent.pqn import NONE, remembered
+from sim import HouseVectorEnv
 
 
 @dataclass
@@ -18,6 +19,9 @@ class Rollout:
 
     s: Tensor
     """Observations (T + 1, E, R, C) float32."""
+
+    past: Tensor
+    """The actions before each state (T + 1, E, K) int64, the latest first."""
 
     v: Tensor
     """Greatest allowed Q-value (T + 1, E) float32 of each state."""
@@ -44,12 +48,13 @@ class Rollout:
     """Seconds spent in the simulator."""
 
     @classmethod
-    def starting(cls, steps: int, observation: Tensor) -> "Rollout":
-        """Make room for so many steps from the first observations (E, R, C) of a run."""
+    def starting(cls, steps: int, observation: Tensor, recall: int) -> "Rollout":
+        """Make room for so many steps from the first observations (E, R, C) of a run; K is ``recall``."""
         size = (steps, len(observation))
         ended = torch.zeros(size, dtype=torch.bool)
         rollout = cls(
             s=observation.new_empty(steps + 1, *observation.shape),
+            past=torch.full((steps + 1, len(observation), recall), NONE),
             v=observation.new_empty(steps + 1, len(observation)),
             a=torch.empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
@@ -63,7 +68,7 @@ class Rollout:
     @torch.no_grad()
     def fill(
         self,
-        envs: VectorEnv,
+        envs: HouseVectorEnv,
         network: QNetwork,
         avoidance: Layer,
         *,
@@ -73,22 +78,20 @@ class Rollout:
     ) -> None:
         """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random."""
         ended = self.terminated[-1] | self.truncated[-1]
-        self.s[0] = self.s[-1]
+        self.s[0], self.past[0] = self.s[-1], self.past[-1]
         self.overruled, self.simulating = 0, 0.0
         for t in range(len(self.a)):
-            q, allowed = network(self.s[t]), avoidance(self.s[t])
+            q, allowed = network(self.s[t], self.past[t]), avoidance(self.s[t])
             preference = explore(q, generator, epsilon, forward)
             self.v[t], self.a[t], self.valid[t] = best_value(q, allowed), subsume(preference, allowed), ~ended
             self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
             before = perf_counter()
-            observation, reward, terminated, truncated, _ = envs.unwrapped.step_torch(self.a[t])  # pyright: ignore[reportAttributeAccessIssue]
+            observation, reward, terminated, truncated, _ = envs.step_torch(self.a[t])
             self.simulating += perf_counter() - before
-            # The world reuses its tensors: copy them into their place.
-            self.s[t + 1], self.r[t], self.terminated[t], self.truncated[t] = (
-                observation,
-                reward,
-                terminated,
-                truncated,
-            )
-            ended = self.terminated[t] | self.truncated[t]
-        self.v[-1] = best_value(network(self.s[-1]), avoidance(self.s[-1]))
+            # Copied: the world writes over its tensors at the next step.
+            self.s[t + 1], self.r[t] = observation, reward
+            self.terminated[t], self.truncated[t] = terminated, truncated
+            # The step after an end begins the next episode: it is no memory of that one.
+            begun, ended = ended, self.terminated[t] | self.truncated[t]
+            self.past[t + 1] = remembered(self.past[t], self.a[t], begun)
+        self.v[-1] = best_value(network(self.s[-1], self.past[-1]), avoidance(self.s[-1]))

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import torch
-from gymnasium.vector import VectorEnv
 
 from agent.avoidance import Layer
 from agent.config import Config
 from agent.network import QNetwork
 from agent.pqn import lambda_returns, linear, mirrored, q_loss
 from agent.rollout import Rollout
+from sim import HouseVectorEnv
 
 EPISODE = 1500
 """Steps to which counts of targets refer: the paper's 15 s."""
@@ -50,15 +50,17 @@ class Progress:
     """Steps a second of all else, over the whole run: acting, avoidance, returns and updates."""
 
 
-def learn(envs: VectorEnv, network: QNetwork, avoidance: Layer, config: Config) -> Iterator[Progress]:
+def learn(envs: HouseVectorEnv, network: QNetwork, avoidance: Layer, config: Config) -> Iterator[Progress]:
     """Train the network in the worlds, in place, and yield after every update.
 
     Logging, checkpoints and evaluation are the caller's: between two yields nothing moves, and whoever stops
-    asking stops the run. ``envs`` is a vector environment with ``step_torch`` and NEXT_STEP autoreset.
+    asking stops the run. ``envs`` has NEXT_STEP autoreset.
     """
     generator = torch.Generator().manual_seed(config.seed)
     optimizer = torch.optim.RAdam(network.parameters(), lr=config.learning_rate)
-    rollout = Rollout.starting(config.rollout, torch.as_tensor(envs.reset(seed=config.seed)[0]))
+    rollout = Rollout.starting(
+        config.rollout, torch.as_tensor(envs.reset(seed=config.seed)[0]), config.recall
+    )
     recent: deque[tuple[float, int]] = deque(maxlen=max(1, round(EPISODE / config.rollout)))
     steps, fraction, seconds, simulating, start = 0, 0.0, 0.0, 0.0, perf_counter()
     while fraction < 1:
@@ -93,7 +95,8 @@ def update(
     generator: torch.Generator,
 ) -> float:
     """Learn from a rollout, in every second epoch from its mirror image; give back the mean loss."""
-    s, a, valid = rollout.s[:-1].flatten(0, 1), rollout.a.flatten(), rollout.valid.flatten()
+    s, past = rollout.s[:-1].flatten(0, 1), rollout.past[:-1].flatten(0, 1)
+    a, valid = rollout.a.flatten(), rollout.valid.flatten()
     g = lambda_returns(
         rollout.r,
         rollout.terminated,
@@ -105,8 +108,10 @@ def update(
     losses = []
     for epoch in range(config.epochs):
         for batch in torch.randperm(len(a), generator=generator).chunk(config.minibatches):
-            s_tm1, a_tm1 = mirrored(s[batch], a[batch]) if epoch % 2 else (s[batch], a[batch])
-            loss = q_loss(network(s_tm1), a_tm1, g[batch], valid[batch])
+            s_tm1, past_tm1, a_tm1 = s[batch], past[batch], a[batch]
+            if epoch % 2:
+                s_tm1, past_tm1, a_tm1 = s_tm1.flip(1), mirrored(past_tm1), mirrored(a_tm1)
+            loss = q_loss(network(s_tm1, past_tm1), a_tm1, g[batch], valid[batch])
             optimizer.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(network.parameters(), config.clip)

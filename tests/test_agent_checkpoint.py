@@ -37,8 +37,8 @@ def test_a_checkpoint_comes_back_as_it_was(tmp_path):
     checkpoint = load(made(tmp_path / "agent.pt"), shape=(40, 2))
     assert checkpoint.config == Config(steps=1000, seed=3)
     assert checkpoint.steps == 512
-    x = torch.rand(5, 40, 2)
-    assert torch.equal(checkpoint.network(x), seeded_network(3)(x))
+    x, past = torch.rand(5, 40, 2), torch.randint(4, (5, 8))
+    assert torch.equal(checkpoint.network(x, past), seeded_network(3)(x, past))
 
 
 def test_saving_leaves_one_file_and_replaces_an_old_one(tmp_path):

@@ -1,0 +1,29 @@
+"""Where an agent meets the simulator: make worlds, and read off the body that the shield guards."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import cast
+
+import gymnasium
+import numpy as np
+
+from agent.avoidance import Shield
+from logic import House
+from sim import HouseVectorEnv
+
+
+def make_worlds(houses: str | Path | Sequence[House], number: int, targets: str = "main") -> HouseVectorEnv:
+    """So many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
+
+    Raises ``ValueError`` for a mode of targets that is not there and ``HouseFileError`` for a wrong file.
+    """
+    bank = str(houses) if isinstance(houses, Path) else houses
+    envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=number, houses=bank, targets=targets)
+    return cast(HouseVectorEnv, envs.unwrapped)
+
+
+def shield(envs: HouseVectorEnv) -> Shield:
+    """The avoidance layer for the body and the rays of these worlds."""
+    world = envs.config
+    angles = np.deg2rad(world.first_ray - world.ray_spacing * np.arange(world.rays))
+    return Shield(angles, reach=world.range, body=world.body[0], step=world.step)
