@@ -6,10 +6,11 @@ shipped grammar stands in ``FAMILY``; a house whose provenance names another gra
 ``ANY``, the promises that every grammar keeps.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import shapely
 
@@ -45,6 +46,8 @@ class Rules:
     """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
     suits: Mapping[str, frozenset[str]] = field(default_factory=dict)
     """The room types there are, and the types of the pieces that suit each; empty to judge neither."""
+    room_gap: float = math.inf
+    """Metres: as near as neighbouring rooms may come; what the house shows, if less, counts instead."""
     at_wall: frozenset[str] = frozenset()
     """Piece types that never stand in the middle of a room: they touch a wall."""
 
@@ -54,6 +57,7 @@ ANY = Rules()
 
 FAMILY = Rules(
     door=0.762,
+    room_gap=0.3,
     basic=("bedroom", "bathroom", "kitchen"),
     suits={
         "bedroom": frozenset({"bed", "bedside", "wardrobe"}),
@@ -82,18 +86,19 @@ def check(house: House, rules: Rules | None = None) -> list[str]:
         *_types(house, rules),
         *(line for index in range(len(house.rooms)) for line in _furniture(house, index, rules)),
         *_walking(house),
-        *_main_room(house),
+        *_main_room(house, rules),
     ]
 
 
-def least_area(house: House) -> float:
+def least_area(house: House, rules: Rules = ANY) -> float:
     """Area of the least main room that fits the house's rooms, square metres.
 
-    The rooms keep their sizes, sides, order and the places of their doors; neighbours on a side stand as
-    near to each other as any two do in this house. A side's wall then reaches from the first door to the
-    last, for a room may stand out past the corner of the main room; but where the side around the corner
-    has rooms too, it may do so only if it does so in this house. The main room is no smaller than any
-    room and at most twice as long as wide. Needs every door on the main room's wall (``ValueError``).
+    The rooms keep their sizes, sides, order and the places of their doors; neighbours, on a side or around
+    a corner, stand as near to each other as the rules allow or as any two do in this house. A side's wall
+    then reaches from the first door to the last, for a room may stand out past the corner of the main room;
+    but where the side around the corner has rooms too, it may do so only if it does so in this house. The
+    main room is no smaller than any room and at most twice as long as wide. Needs every door on the main
+    room's wall (``ValueError``).
     """
     sides: dict[str, list[Room]] = {wall: [] for wall in WALLS}
     for index, room in enumerate(house.rooms):
@@ -106,7 +111,10 @@ def least_area(house: House) -> float:
         low = _along(wall)
         rooms.sort(key=lambda room: room.box[low])
         gaps += [after.box[low] - before.box[low + 2] for before, after in pairwise(rooms)]
-    gap = max(0.0, min(gaps, default=0.0))
+    gaps += [
+        max(_corner(house, sides, *pair), _corner(house, sides, *pair[::-1])) for pair in _corners(sides)
+    ]
+    gap = max(0.0, min([*gaps, rules.room_gap])) if gaps else 0.0
     needed = {wall: _needed_wall(house, wall, sides, gap) for wall in WALLS}
     return least_rectangle(
         max(needed["north"], needed["south"]),
@@ -204,13 +212,14 @@ def _fronts(room: Room, place: str, names: list[str]) -> Iterator[str]:
 def _walking(house: House) -> Iterator[str]:
     bodies, squares = spaces(house, BODY), spaces(house, PASSAGE)
     main = main_space(house, bodies, BODY)
+    covered = [(space, swept(space, BODY)) for space in bodies]
     for index, room in enumerate(house.rooms):
         place, door = _name(house, index), shapely.box(*room.door.box)
         if not main.intersects(places_inside(room, BODY)):
             yield f"{place}: the body ({BODY} m square) cannot get into it from the main room"
             continue
         free = free_floor(room)
-        reached = shapely.union_all([swept(space, BODY) for space in bodies if space.intersects(door)])
+        reached = shapely.union_all([floor for space, floor in covered if space.intersects(door)])
         share = reached.intersection(free).area / free.area
         if share < REACHABLE:
             yield (
@@ -224,13 +233,13 @@ def _walking(house: House) -> Iterator[str]:
             yield f"{place}: {area:.2f} m² of its floor lie behind passages narrower than {PASSAGE} m"
 
 
-def _main_room(house: House) -> Iterator[str]:
+def _main_room(house: House, rules: Rules) -> Iterator[str]:
     short, long = sorted((house.floor.width, house.floor.height))
     if long > ELONGATION * short + TOLERANCE:
         yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
     if house.format != FORMAT or not house.rooms or any(_side(house, room) is None for room in house.rooms):
         return
-    least = least_area(house)
+    least = least_area(house, rules)
     if house.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
         yield (
             f"main room: is of {house.floor.area:.2f} m² "
@@ -247,11 +256,27 @@ def _needed_wall(house: House, wall: str, sides: Mapping[str, list[Room]], gap: 
     high = low + 2
     first, last, floor = chain[0], chain[-1], house.floor.box
     length = sum(room.box[high] - room.box[low] for room in chain) + gap * (len(chain) - 1)
-    if not sides[WALLS[low]] or first.box[low] < floor[low] - TOLERANCE:
-        length -= first.door.box[low] - first.box[low]
-    if not sides[WALLS[high]] or last.box[high] > floor[high] + TOLERANCE:
-        length -= last.box[high] - last.door.box[high]
+    for end, inset in (
+        (low, first.door.box[low] - first.box[low]),
+        (high, last.box[high] - last.door.box[high]),
+    ):
+        stands_out = not sides[WALLS[end]] or _corner(house, sides, wall, WALLS[end]) < -TOLERANCE
+        length += -inset if stands_out else gap
     return length
+
+
+def _corners(sides: Mapping[str, list[Room]]) -> Iterator[tuple[str, str]]:
+    """The corners of the main room with rooms on both sides."""
+    for one, other in product(("west", "east"), ("north", "south")):
+        if sides[one] and sides[other]:
+            yield one, other
+
+
+def _corner(house: House, sides: Mapping[str, list[Room]], wall: str, other: str) -> float:
+    """How far the last room on a wall stays short of the corner with the other, metres; negative past it."""
+    end = WALLS.index(other)
+    edge = house.floor.box[end]
+    return min(room.box[end] - edge if end < 2 else edge - room.box[end] for room in sides[wall])
 
 
 def _along(wall: str) -> int:

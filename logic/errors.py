@@ -4,6 +4,7 @@
 
     VitruviusError
     ├── GrammarError    a rule file is absent or wrong: file, line, column
+    ├── RequestError    the request makes no sense: wrong usage
     ├── HouseFileError  a house file is absent, truncated or wrong
     ├── Unsatisfiable   proved: no house satisfies the request
     ├── LimitReached    the stated budget ran out before a house or a proof
@@ -31,6 +32,12 @@ class GrammarError(VitruviusError):
         self.message, self.file, self.line, self.column = message, file, line, column
         place = ":".join(str(part) for part in (file, line, column) if part is not None)
         super().__init__(f"{place}: {message}" if place else message)
+
+
+class RequestError(VitruviusError, ValueError):
+    """The request makes no sense, whatever the rules: a count below zero, an unknown type."""
+
+    exit_code = 2
 
 
 class HouseFileError(VitruviusError):

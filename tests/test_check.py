@@ -271,11 +271,11 @@ def test_the_main_room_is_at_most_twice_as_long_as_wide() -> None:
     assert check(built(9.0, 4.5, (*((sketch,) for sketch in large), ()))) == []
 
 
-@pytest.mark.parametrize(("side", "spoiled"), [(5.0, False), (5.3, False), (5.4, True), (6.5, True)])
+@pytest.mark.parametrize(("side", "spoiled"), [(5.0, False), (6.0, False), (6.02, True), (6.5, True)])
 def test_the_main_room_is_not_needlessly_large(side: float, spoiled: bool) -> None:
-    """The hall, of 14.43 m², is all that keeps this main room from being smaller."""
+    """Rooms of 3.6 and 3.7 m, with a gap of 0.3 m at both ends, keep this main room from being smaller."""
     house = built(side, side, tuple((sketch,) for sketch in sketches()))
-    words = f"main room: is of {side**2:.2f} m² (at most 2 times the 14.43 m² that its rooms need)"
+    words = f"main room: is of {side**2:.2f} m² (at most 2 times the 18.06 m² that its rooms need)"
     assert check(house) == ([words] if spoiled else [])
 
 
@@ -373,10 +373,12 @@ def test_the_least_area_is_that_of_rooms_pushed_together(data: st.DataObject) ->
         sides.append(tuple(row))
     house = built(15.0, 15.0, tuple(sides))
     assume(not any("overlaps" in line for line in check(house)))
-    crowded = any(len(row) > 1 for row in sides)
-    needed = [
-        _shortest_wall(row, gap if crowded else 0.0, *_corners(sides, side)) for side, row in enumerate(sides)
-    ]
+    gaps = [gap] * any(len(row) > 1 for row in sides)
+    for one, other in ((side - 1, side) for side in range(4)):
+        if sides[one] and sides[other]:
+            gaps.append(max(15.0 - sides[one][-1].shift - sides[one][-1].width, sides[other][0].shift))
+    least_gap = min(gaps, default=0.0)
+    needed = [_shortest_wall(row, least_gap, *_corners(sides, side)) for side, row in enumerate(sides)]
     largest = max((s.width * s.depth for row in sides for s in row), default=0.0)
     expected = least_rectangle(max(needed[0], needed[2]), max(needed[1], needed[3]), largest)
     turns = data.draw(st.integers(0, 3))
@@ -385,8 +387,8 @@ def test_the_least_area_is_that_of_rooms_pushed_together(data: st.DataObject) ->
 
 def _corners(sides: list, side: int) -> tuple[bool, bool]:
     """Whether the chain of a side must stay inside at its first and at its last corner."""
-    first = bool(sides[side - 1]) and not (sides[side] and sides[side][0].shift < 0)
-    end = sides[side] and sides[side][-1].shift + sides[side][-1].width > 15.0
+    first = bool(sides[side - 1]) and not (sides[side] and sides[side][0].shift < -1e-6)
+    end = sides[side] and sides[side][-1].shift + sides[side][-1].width > 15.0 + 1e-6
     return first, bool(sides[(side + 1) % 4]) and not end
 
 
@@ -407,8 +409,8 @@ def _shortest_wall(row: tuple[Sketch, ...], gap: float, first: bool, last: bool)
         if k:
             at_most({k - 1: 1.0, k: -1.0}, -row[k - 1].width - gap)
     if first:
-        at_most({0: -1.0}, 0.0)
+        at_most({0: -1.0}, -gap)
     if last:
-        at_most({count - 1: 1.0, count: -1.0}, -row[-1].width)
+        at_most({count - 1: 1.0, count: -1.0}, -row[-1].width - gap)
     bounds = [(None, None)] * count + [(0, None)]
     return float(linprog([0.0] * count + [1.0], above, below, bounds=bounds).fun)

@@ -1,0 +1,52 @@
+"""A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from logic.errors import GrammarError
+
+SHIPPED = Path(__file__).parent / "grammars"
+CORE = Path(__file__).parent / "rules"
+
+
+@dataclass(frozen=True)
+class Grammar:
+    """A grammar's name, its rule files and the hash that names their content."""
+
+    name: str
+    directory: Path
+    asp: tuple[Path, ...]
+    prolog: tuple[Path, ...]
+    hash: str
+
+
+def shipped() -> list[str]:
+    """Names of the grammars that come with Vitruvius."""
+    return sorted(path.name for path in SHIPPED.iterdir() if path.is_dir())
+
+
+def find(grammar: str | Path) -> Grammar:
+    """Find a shipped grammar by its name, or a user's by its directory.
+
+    Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files.
+    """
+    directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
+    if not directory.is_dir():
+        names = ", ".join(shipped())
+        raise GrammarError(f"no grammar is called {grammar}, and it is no directory. Shipped ones: {names}")
+    directory = directory.resolve()
+    asp, prolog = (tuple(sorted(directory.glob(pattern))) for pattern in ("*.lp", "*.pl"))
+    for files, kind in ((asp, ".lp"), (prolog, ".pl")):
+        if not files:
+            raise GrammarError(f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory)
+    return Grammar(directory.name, directory, asp, prolog, _hash(asp + prolog))
+
+
+def _hash(files: tuple[Path, ...]) -> str:
+    """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
+    digest = hashlib.sha256()
+    for file in (*files, *sorted(CORE.glob("*.[lp][lp]"))):
+        content = file.read_bytes()
+        digest.update(f"{file.name} {len(content)}\n".encode() + content)
+    return digest.hexdigest()

@@ -1,0 +1,145 @@
+"""Stage 1, clingo: every discrete choice of a house, drawn fairly and independently of the solver's state.
+
+The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
+drawn pick by pick: the variables in random order, each taking its first value, in random order, that some
+stable model shares with all the picks before it. Only the answers "satisfiable" and "unsatisfiable" are used,
+so a layout depends on the rules and the random numbers alone, never on what was solved before.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import clingo
+import numpy as np
+from clingo import Function, Symbol
+
+from logic.errors import GrammarError
+from logic.messages import clingo_error
+
+Part = tuple[str, Sequence[Symbol]]
+
+CORE = Path(__file__).parent / "rules" / "core.lp"
+
+
+class Program:
+    """One ground program: the rooms of a house, or the furniture of one type of room."""
+
+    def __init__(self, files: Iterable[Path], constants: Mapping[str, object], parts: Iterable[Part]) -> None:
+        """Ground these parts of the core and the grammar's files, with these constants.
+
+        ``remarks`` keeps what clingo remarks on the way. Raises ``GrammarError`` for its first error.
+        """
+        self.remarks: list[str] = []
+        self._control = clingo.Control(
+            [f"-c{name}={value}" for name, value in constants.items()],
+            logger=lambda _, text: self.remarks.append(text),
+            message_limit=1000,
+        )
+        try:
+            for file in (CORE, *files):
+                self._control.load(str(file))
+            self._control.ground([("base", []), *parts, ("pick", [])])
+        except RuntimeError as error:
+            raise clingo_error(self.remarks, str(error)) from None
+        self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
+        self._variables, self._shares = self._options()
+
+    def _options(self) -> tuple[list[tuple[int, list[int]]], np.ndarray]:
+        """Each variable's number of picks and pick literals, in an order that only the rules decide; all weights."""
+        options: dict[Symbol, dict[Symbol, int]] = {}
+        for symbol in self.atoms("option", 3):
+            variable, value, weight = symbol.arguments
+            if weight.type != clingo.SymbolType.Number or weight.number < 1:
+                raise GrammarError(f"{symbol}: a weight must be a positive integer")
+            options.setdefault(variable, {})[value] = weight.number
+        picks = {symbol.arguments[0]: symbol.arguments[1].number for symbol in self.atoms("picks", 2)}
+        variables = [
+            (picks.get(variable, 1), [self._literal[Function("pick", [variable, value])] for value in sorted(values)])
+            for variable, values in sorted(options.items())
+        ]
+        weights = [values[value] for _, values in sorted(options.items()) for value in sorted(values)]
+        return variables, np.array(weights, float)
+
+    def atoms(self, name: str, arity: int) -> list[Symbol]:
+        """All atoms of this signature that may hold, in any model."""
+        return [atom.symbol for atom in self._control.symbolic_atoms.by_signature(name, arity)]
+
+    def clash(self, assumed: Sequence[Symbol]) -> list[Symbol]:
+        """A minimal subset of the assumed atoms that no stable model has: empty if there is no model at all."""
+        kept = list(assumed)
+        for atom in assumed:
+            fewer = [other for other in kept if other != atom]
+            if not self._satisfiable([self._literal[other] for other in fewer]):
+                kept = fewer
+        return kept
+
+    def draw(
+        self, rng: np.random.Generator, assumed: Iterable[Symbol] = (), nogoods: Sequence[Sequence[Symbol]] = ()
+    ) -> list[Symbol] | None:
+        """Draw a layout with the assumed atoms and no whole nogood: its shown atoms, sorted.
+
+        None proves that there is no such layout. The same random numbers and arguments give the same layout.
+        """
+        keys = rng.exponential(size=len(self._shares)) / self._shares
+        order = rng.permutation(len(self._variables))
+        fixed = [self._literal[atom] for atom in assumed] + self._forbidding(nogoods)
+        if not self._satisfiable(fixed):
+            return None
+        fixed = self._extended(fixed, self._queues(keys, order))
+        with self._control.solve(assumptions=fixed, yield_=True) as handle:
+            model = handle.model()
+            assert model is not None, "these picks were satisfiable a moment ago"
+            return sorted(model.symbols(shown=True))
+
+    def _queues(self, keys: np.ndarray, order: np.ndarray) -> list[tuple[int, list[int]]]:
+        """The variables in this order, each with its literals by key: the least of exponential numbers divided by
+        weights is a weighted draw (Efraimidis and Spirakis 2006)."""
+        ends = np.cumsum([len(literals) for _, literals in self._variables])
+        queues = []
+        for place in order:
+            count, literals = self._variables[place]
+            own = keys[ends[place] - len(literals) : ends[place]]
+            queues.append((count, [literals[i] for i in np.argsort(own)]))
+        return queues
+
+    def _extended(self, fixed: list[int], queues: list[tuple[int, list[int]]]) -> list[int]:
+        """Add to the fixed literals the first picks of each queue that are compatible with all before them."""
+        while queues:
+            # Most picks are compatible: try all the first choices at once, and look for the culprit only then.
+            wanted = [(place, literal) for place, (count, queue) in enumerate(queues) for literal in queue[:count]]
+            good = self._longest_prefix(fixed, [literal for _, literal in wanted])
+            fixed = fixed + [literal for _, literal in wanted[:good]]
+            if good == len(wanted):
+                return fixed
+            culprit, refused = wanted[good]
+            taken = {literal for place, literal in wanted[:good] if place == culprit}
+            count, queue = queues[culprit]
+            left = [literal for literal in queue if literal not in taken and literal != refused]
+            queues = [(count - len(taken), left), *queues[culprit + 1 :]]
+        return fixed
+
+    def _longest_prefix(self, fixed: list[int], wanted: list[int]) -> int:
+        """How many of the wanted literals, in order, some model has together with the fixed ones."""
+        low, high = 0, len(wanted)
+        trial = high
+        while low < high:
+            if self._satisfiable(fixed + wanted[:trial]):
+                low = trial
+            else:
+                high = trial - 1
+            trial = (low + high + 1) // 2
+        return low
+
+    def _satisfiable(self, assumptions: Sequence[int]) -> bool:
+        return bool(self._control.solve(assumptions=assumptions).satisfiable)
+
+    def _forbidding(self, nogoods: Sequence[Sequence[Symbol]]) -> list[int]:
+        """A literal, if needed, under which no model has all atoms of any nogood: it binds this draw alone."""
+        if not nogoods:
+            return []
+        with self._control.backend() as backend:
+            guard = backend.add_atom()
+            backend.add_rule([guard], choice=True)
+            for nogood in nogoods:
+                backend.add_rule([], [guard, *(self._literal[atom] for atom in nogood)])
+        return [guard]

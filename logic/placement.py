@@ -1,0 +1,136 @@
+"""Stage 2, SWI-Prolog through pyswip: CLP(R) turns a layout into a house with coordinates in metres.
+
+One goal a house, terms in and JSON out: pyswip converts compound terms slowly. SWI-Prolog is one engine a
+process, so this runs in a worker process (``logic.worker``) and nowhere else.
+"""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from clingo import Symbol
+
+from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
+from logic.grammar import Grammar
+
+NAMES = ("door_width", "door_clearance", "passage", "room_gap")
+"""The lengths that every grammar states, each as a fact of this name."""
+
+
+@dataclass(frozen=True)
+class RoomLayout:
+    """One room of a layout: its number, type and side, and the atoms that furnish it."""
+
+    number: int
+    type: Symbol
+    side: Symbol
+    furniture: Sequence[Symbol]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """An answer of stage 1: the rooms, clockwise, and which side may stand out past each corner."""
+
+    rooms: Sequence[RoomLayout]
+    corners: Sequence[Symbol]
+
+
+class Refuted(Exception):
+    """No sizes and places satisfy the rules for these rooms of a layout: a proof, not a failure to find any."""
+
+    def __init__(self, rooms: Sequence[int], inferences: int) -> None:
+        """Keep the rooms' numbers, and the Prolog inferences that the proof took."""
+        super().__init__(f"rooms {list(rooms)} are refuted")
+        self.rooms, self.inferences = rooms, inferences
+
+
+class Placer:
+    """The Prolog engine of this process with one grammar's lengths."""
+
+    def __init__(self, grammar: Grammar) -> None:
+        """Load the core and the grammar's ``.pl`` files.
+
+        Raises ``GrammarError`` for anything that SWI-Prolog remarks about them, ``MissingProgram`` without it.
+        """
+        try:
+            from pyswip import Prolog
+        except Exception as error:  # pyswip raises many kinds where it finds no usable SWI-Prolog.
+            raise MissingProgram(f"SWI-Prolog cannot be used: {error}. Install it, or use ./run") from None
+        self._prolog = Prolog
+        self._directory = grammar.directory
+        self._ask(f"use_module({_quoted(Path(__file__).parent / 'rules' / 'core.pl')})")
+        files = ",".join(_quoted(file) for file in grammar.prolog)
+        for file, line, column, text in self._json(f"grammar_problems([{files}],Json)"):
+            raise GrammarError(text, file or grammar.directory, line, column)
+
+    def lengths(self, furniture: Mapping[str, Iterable[str]]) -> dict[str, Any]:
+        """The named lengths, and the extremes of each room type and its pieces, in metres.
+
+        ``{"lengths": {name: m}, "rooms": {type: [w, ww, d, dd]}, "pieces": {type: {piece: [l, ll, d, dd]}}}``.
+        Raises ``GrammarError`` for a length that is absent or of no use.
+        """
+        wanted = ",".join(f"{type_}-[{','.join(pieces)}]" for type_, pieces in furniture.items())
+        report = self._json(f"grammar_lengths([{wanted}],[{','.join(NAMES)}],Json)")
+        named = {name: self._required(f"{name}/1", name, value) for name, value in report["lengths"]}
+        rooms, pieces = {}, {}
+        for type_, room, each in report["types"]:
+            rooms[type_] = self._required("room_size/3", type_, room)
+            pieces[type_] = {piece: self._required("piece_size/4", piece, extent) for piece, extent in each}
+        return {"lengths": named, "rooms": rooms, "pieces": pieces}
+
+    def _required(self, clause: str, name: str, value: Any) -> Any:
+        if value is None:
+            raise GrammarError(f"{clause} has no clause for {name}: add one to a .pl file", self._directory)
+        if isinstance(value, str):
+            raise GrammarError(f"{clause} for {name} {value}", self._directory)
+        return value
+
+    def place(self, layout: Layout, rng: np.random.Generator, inferences: int) -> dict[str, Any]:
+        """Place a layout: ``{"floor": {...}, "rooms": [{...}], "inferences": n}``, metres, as in a house file.
+
+        Raises ``Refuted`` where the constraints have no solution, ``LimitReached`` past so many inferences.
+        """
+        # A length takes at most two random numbers: four lengths a piece, four a room, two for the main room.
+        pieces = sum(len(room.furniture) for room in layout.rooms)
+        uniforms = rng.random(2 * (4 * pieces + 4 * len(layout.rooms) + 2)).tolist()
+        rooms = ",".join(f"room({r.number},{r.type},{r.side},{_list(r.furniture)})" for r in layout.rooms)
+        answer = self._json(f"placed(layout([{rooms}],{_list(layout.corners)}),{uniforms},{inferences},Json)")
+        if "limit" in answer:
+            raise LimitReached(f"a house reached its limit of {inferences} inferences")
+        if "refuted" in answer:
+            raise Refuted(answer["refuted"], answer["inferences"])
+        return answer
+
+    def version(self) -> str:
+        """SWI-Prolog's version, as in 9.0.4."""
+        number = self._ask("current_prolog_flag(version,Version)")["Version"]
+        return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+
+    def _json(self, goal: str) -> Any:
+        return json.loads(self._ask(goal)["Json"])
+
+    def _ask(self, goal: str) -> dict[str, Any]:
+        """The first answer of a goal; that it has none, or raises, is a fault of ours or of the grammar's."""
+        from pyswip.prolog import PrologError
+
+        try:
+            answers = list(self._prolog.query(goal, maxresult=1))
+        except PrologError as error:
+            reason = str(error).rsplit("Returned:", 1)[-1].strip(" '.")
+            raise GrammarError(f"a clause raises an error: {reason}", self._directory) from None
+        if not answers:
+            raise VitruviusError(f"SWI-Prolog has no answer to: {goal[:200]}")
+        return answers[0]
+
+
+def _list(symbols: Iterable[Symbol]) -> str:
+    """Ground ASP atoms are Prolog terms as they stand."""
+    return f"[{','.join(map(str, symbols))}]"
+
+
+def _quoted(path: Path) -> str:
+    text = str(path).replace("\\", "\\\\").replace("'", "\\'")
+    return f"'{text}'"

@@ -1,0 +1,131 @@
+:- module(loading, [load_grammar/2, metres/2, room_extent/5, piece_extent/6, room_report/2, piece_report/3]).
+
+/** <module> A grammar's lengths
+
+The `.pl` files of a grammar are loaded into the module `grammar`: room_size/3, piece_size/4 and the named
+lengths. They are the single source of lengths; what stage 1 needs of them is derived here.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(yall)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+
+:- dynamic problem/4.
+:- table room_extent/5, piece_extent/6.      % each is a few simplex runs, and asked for in every room
+:- dynamic grammar:room_size/3, grammar:piece_size/4.
+:- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
+:- dynamic user:message_hook/3.
+:- multifile user:message_hook/3.
+
+% - loading ------------------------------------------------------------------
+
+%!  load_grammar(+Files, -Problems) is det.
+%
+%   Problems are problem(File,Line,Column,Text) for all that SWI-Prolog remarks while it loads the files: it
+%   would otherwise drop a clause with a syntax error and go on.
+
+load_grammar(Files, Problems) :-
+    retractall(problem(_,_,_,_)),
+    grammar:use_module(library(clpr)),
+    setup_call_cleanup(
+        asserta((user:message_hook(Term, Kind, Lines) :- loading:noted(Term, Kind, Lines)), Hook),
+        forall(member(File, Files), load_files(grammar:File, [if(true)])),
+        erase(Hook)),
+    findall(problem(F,L,C,T), problem(F,L,C,T), Problems).
+
+noted(Term, Kind, Lines) :-
+    memberchk(Kind, [error, warning]),
+    place(Term, File, Line, Column),
+    message_text(Term, Lines, Text),
+    assertz(problem(File, Line, Column, Text)).
+
+place(error(_, file(File,Line,Before,_)), File, Line, Column) :- !, Column is Before + 1.
+place(_, File, Line, 1) :- source_location(File, Line), !.
+place(_, File, 1, 1)    :- prolog_load_context(source, File), !.
+place(_, '', 1, 1).
+
+message_text(error(syntax_error(Which), _), _, Text) :- !,
+    format(string(Text), "syntax error: ~w", [Which]).
+message_text(_, Lines, Text) :-
+    with_output_to(string(Raw), print_message_lines(current_output, '', Lines)),
+    split_string(Raw, "\n", " \t", Parts),
+    exclude(==(""), Parts, Said),
+    atomics_to_string(Said, ' ', Text).
+
+atomics_to_string(Parts, Separator, Text) :-
+    atomic_list_concat(Parts, Separator, Atom),
+    atom_string(Atom, Text).
+
+% - lengths ------------------------------------------------------------------
+
+%!  metres(?Name, -Metres) is nondet.
+
+metres(door_width,     M) :- grammar:door_width(M).
+metres(door_clearance, M) :- grammar:door_clearance(M).
+metres(passage,        M) :- grammar:passage(M).
+metres(room_gap,       M) :- grammar:room_gap(M).
+
+%!  room_extent(+Type, -W, -WW, -D, -DD) is semidet.
+%
+%   A room of this type is W to WW wide and D to DD deep.
+
+room_extent(Type, W, WW, D, DD) :-
+    once(grammar:room_size(Type, Width, Depth)),
+    extremes(Width, W, WW),
+    extremes(Depth, D, DD).
+
+%!  piece_extent(+Type, +Piece, -L, -LL, -D, -DD) is semidet.
+%
+%   In a room of this type, a piece takes L to LL of a wall and stands D to DD out from it.
+
+piece_extent(Type, Piece, L, LL, D, DD) :-
+    room_extent(Type, W1, W2, D1, D2),
+    Least is min(W1, D1), Most is max(W2, D2),
+    { Wall >= Least, Wall =< Most },
+    once(grammar:piece_size(Piece, Length, Depth, Wall)),
+    extremes(Length, L, LL),
+    extremes(Depth, D, DD).
+
+extremes(X, X, X)      :- number(X), !.
+extremes(X, Low, High) :- inf(X, Low), sup(X, High).
+
+% - reports ------------------------------------------------------------------
+
+%!  room_report(+Type, -Report) is det.
+%!  piece_report(+Type, +Piece, -Report) is det.
+%
+%   Report lists the four extremes, or says in words why the clause is of no use, or is null without a clause.
+
+room_report(Type, Report) :-
+    ( grammar:room_size(Type, W, D) -> report([W,D], Report) ; Report = null ).
+
+piece_report(Type, Piece, Report) :-
+    (   room_extent(Type, W1, W2, D1, D2)
+    ->  Least is min(W1, D1), Most is max(W2, D2),
+        { Wall >= Least, Wall =< Most },
+        ( grammar:piece_size(Piece, L, D, Wall) -> report([L,D], Report) ; Report = null )
+    ;   Report = [0,0,0,0] ).
+
+report(Sizes, Report) :- nonlinear(Sizes, Constraint), !,
+    format(string(Report), "has the nonlinear constraint ~p, and CLP(R) decides linear ones", [Constraint]).
+report(Sizes, "is not bounded on both sides") :- \+ maplist([X]>>extremes(X, _, _), Sizes), !.
+report(Sizes, "allows a size that is not positive") :- member(X, Sizes), extremes(X, Low, _), Low =< 0, !.
+report(Sizes, [A,AA,B,BB]) :- maplist(extremes, Sizes, [A,B], [AA,BB]).
+
+nonlinear(Sizes, Constraint) :-
+    copy_term(Sizes, _, Goals),
+    member({Conjunction}, Goals),
+    conjunct(Constraint, Conjunction),
+    Constraint =.. [_, A, B],
+    \+ ( linear(A), linear(B) ).
+
+conjunct(G, (A,B)) :- !, ( conjunct(G, A) ; conjunct(G, B) ).
+conjunct(G, G).
+
+linear(X)   :- var(X), !.
+linear(X)   :- number(X).
+linear(A+B) :- linear(A), linear(B).
+linear(A-B) :- linear(A), linear(B).
+linear(-A)  :- linear(A).
+linear(A*B) :- ( number(A) -> linear(B) ; number(B), linear(A) ).
