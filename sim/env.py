@@ -22,6 +22,8 @@ from sim.world import BLOCKED, TERMINATED, TRUNCATED, World
 if TYPE_CHECKING:
     import torch
 
+    from sim.film import Camera, Scene
+
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
 BACKENDS = {"continuous": Continuous}
@@ -134,6 +136,7 @@ class HouseVectorEnv(VectorEnv):
         self._reward = np.zeros(num_envs, np.float32)
         self._flags = np.zeros((3, num_envs), np.uint8)
         self._tensors: tuple[Any, ...] | None = None
+        self._cameras: list[Camera] | None = None
 
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
@@ -201,9 +204,29 @@ class HouseVectorEnv(VectorEnv):
         """A picture of each environment, (height, width, 3) uint8, where ``render_mode`` is ``rgb_array``."""
         if self.render_mode is None:
             return None
-        from sim.film import frame
+        if not self._ready:
+            raise ResetNeeded("call reset() before render()")
+        if self._cameras is None:
+            from sim.film import Camera
 
-        return tuple(np.asarray(frame(self, index)) for index in range(self.num_envs))
+            self._cameras = [Camera(self, index) for index in range(self.num_envs)]
+        return tuple(np.asarray(camera.shoot()) for camera in self._cameras)
+
+    def scene(self, index: int) -> "Scene":
+        """What there is to see of one environment, for ``sim.film``."""
+        from sim.film import Scene
+
+        info, seen = self._info(), self._observation[index, :, -2:]
+        return Scene(
+            house=self.houses[info["house"][index]],
+            config=self.config,
+            pose=info["pose"][index],
+            target=info["target"][index],
+            distance=seen[:, 0] * self.config.range,
+            is_target=seen[:, 1] > 0,
+            step=int(self.world.time.to_numpy()[index]),
+            found=int(self.world.count.to_numpy()[index]) - 1,
+        )
 
     def _advance(self, actions: np.ndarray) -> None:
         if not self._ready:
