@@ -6,10 +6,12 @@ from logic.errors import (
     HouseFileError,
     LimitReached,
     MissingProgram,
+    RequestError,
     Unsatisfiable,
     VitruviusError,
 )
 from logic.files import load, save
+from logic.generate import generate
 from logic.house import Door, House, Piece, Rect, Room
 
 __all__ = [
@@ -21,10 +23,12 @@ __all__ = [
     "MissingProgram",
     "Piece",
     "Rect",
+    "RequestError",
     "Room",
     "Unsatisfiable",
     "VitruviusError",
     "check",
+    "generate",
     "load",
     "save",
 ]

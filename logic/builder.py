@@ -55,8 +55,8 @@ class Builder:
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
         """Make house ``index``: a function of the grammar, the request, the seed and the index.
 
-        Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no such
-        house, ``LimitReached`` past so many Prolog inferences.
+        Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no
+        such house, ``LimitReached`` past so many Prolog inferences.
         """
         rng = np.random.default_rng([seed, index])
         refuted = Refutations()
@@ -70,9 +70,13 @@ class Builder:
                 if inferences <= 0:
                     raise LimitReached(f"{request}: house {index} reached its limit of inferences") from None
                 refuted.learn(layout, proof.rooms)
-                layout = self._refurnished(layout, proof.rooms, rng, refuted) or self.layout(request, rng, refuted)
+                layout = self._refurnished(layout, proof.rooms, rng, refuted) or self.layout(
+                    request, rng, refuted
+                )
 
-    def layout(self, request: Request, rng: np.random.Generator, refuted: "Refutations | None" = None) -> Layout:
+    def layout(
+        self, request: Request, rng: np.random.Generator, refuted: "Refutations | None" = None
+    ) -> Layout:
         """Stage 1: draw a layout that is not refuted yet; raises ``Unsatisfiable`` where none is left."""
         refuted = refuted or Refutations()
         while True:
@@ -135,7 +139,9 @@ class Builder:
         """The proof in words: the least part of the request that clashes with the grammar's rules."""
         if refuted.unfurnishable:
             bare = ", ".join(sorted(refuted.unfurnishable))
-            reasons = tuple(f"no room of type {type_} can be furnished" for type_ in sorted(refuted.unfurnishable))
+            reasons = tuple(
+                f"no room of type {type_} can be furnished" for type_ in sorted(refuted.unfurnishable)
+            )
             why = f"its sizes and clearances leave no way to furnish: {bare}. Change them in its .pl files"
         else:
             clash = [atom.arguments[0].arguments for atom in program.clash(wishes)]
@@ -152,15 +158,23 @@ class Builder:
             type_, piece = (argument.name for argument in symbol.arguments[:2])
             if type_ not in furniture:
                 known = ", ".join(self.types)
-                raise GrammarError(f"{symbol}: no room type {type_}. type/1 has {known}", self._grammar.directory)
+                raise GrammarError(
+                    f"{symbol}: no room type {type_}. type/1 has {known}", self._grammar.directory
+                )
             furniture[type_].append(piece)
         lengths = self._placer.lengths(furniture)
-        named = [("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()]
+        named = [
+            ("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()
+        ]
         programs = {}
         for type_ in self.types:
             reach = ("reach", [Function(type_), *_millimetres(lengths["rooms"][type_])])
-            extents = [("extent", [Function(f), *_millimetres(x)]) for f, x in lengths["pieces"][type_].items()]
-            programs[type_] = Program(self._grammar.asp, {"this": type_}, [("room", []), *named, reach, *extents])
+            extents = [
+                ("extent", [Function(f), *_millimetres(x)]) for f, x in lengths["pieces"][type_].items()
+            ]
+            programs[type_] = Program(
+                self._grammar.asp, {"this": type_}, [("room", []), *named, reach, *extents]
+            )
         return programs
 
     def _refuse_unknown_atoms(self, *programs: Program) -> None:

@@ -10,12 +10,13 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise, product
+from itertools import combinations
 
 import shapely
 
 from logic.boxes import TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
 from logic.house import FORMAT, House, Room
+from logic.least import ELONGATION, least_area, side_of
 from logic.walk import free_floor, main_space, places_inside, spaces, swept
 
 BODY = 0.287
@@ -28,8 +29,6 @@ REACHABLE = 0.6
 """The least share of a room's free floor that the body reaches from the room's door."""
 SLIVER = 1e-4
 """Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
-ELONGATION = 2.0
-"""The most that the main room may be longer than wide."""
 SPACIOUSNESS = 2.0
 """The most that the main room may be larger than the least main room that fits its rooms."""
 
@@ -90,45 +89,6 @@ def check(house: House, rules: Rules | None = None) -> list[str]:
     ]
 
 
-def least_area(house: House, rules: Rules = ANY) -> float:
-    """Area of the least main room that fits the house's rooms, square metres.
-
-    The rooms keep their sizes, sides, order and the places of their doors; neighbours, on a side or around
-    a corner, stand as near to each other as the rules allow or as any two do in this house. A side's wall
-    then reaches from the first door to the last, for a room may stand out past the corner of the main room;
-    but where the side around the corner has rooms too, it may do so only if it does so in this house. The
-    main room is no smaller than any room and at most twice as long as wide. Needs every door on the main
-    room's wall (``ValueError``).
-    """
-    sides: dict[str, list[Room]] = {wall: [] for wall in WALLS}
-    for index, room in enumerate(house.rooms):
-        wall = _side(house, room)
-        if wall is None:
-            raise ValueError(f"{_name(house, index)}: its door is not on the main room's wall")
-        sides[wall].append(room)
-    gaps = []
-    for wall, rooms in sides.items():
-        low = _along(wall)
-        rooms.sort(key=lambda room: room.box[low])
-        gaps += [after.box[low] - before.box[low + 2] for before, after in pairwise(rooms)]
-    gaps += [
-        max(_corner(house, sides, *pair), _corner(house, sides, *pair[::-1])) for pair in _corners(sides)
-    ]
-    gap = max(0.0, min([*gaps, rules.room_gap])) if gaps else 0.0
-    needed = {wall: _needed_wall(house, wall, sides, gap) for wall in WALLS}
-    return least_rectangle(
-        max(needed["north"], needed["south"]),
-        max(needed["west"], needed["east"]),
-        max((room.area for room in house.rooms), default=0.0),
-    )
-
-
-def least_rectangle(width: float, height: float, area: float) -> float:
-    """Least area of a rectangle at least so wide, high and large, and at most twice as long as wide."""
-    # A side is at least half the other. Beyond that, the rectangle can grow to any area in proportion.
-    return max(max(width, height / ELONGATION) * max(height, width / ELONGATION), area)
-
-
 def _doors(house: House, rules: Rules) -> Iterator[str]:
     widths = [max(room.door.width, room.door.height) for room in house.rooms]
     for index, room in enumerate(house.rooms):
@@ -136,7 +96,7 @@ def _doors(house: House, rules: Rules) -> Iterator[str]:
         if abs(widths[index] - wanted) > TOLERANCE:
             yield f"{_name(house, index)}: its door is {widths[index]:.3f} m wide (must be {wanted:.3f})"
         if house.format == FORMAT:
-            if _side(house, room) is None:
+            if side_of(house, room) is None:
                 yield f"{_name(house, index)}: its door is not on a wall that it shares with the main room"
         elif not any(is_on_wall(room.door, room, wall) for wall in range(4)):
             yield f"{_name(house, index)}: its door is not on a wall of the room"
@@ -237,59 +197,14 @@ def _main_room(house: House, rules: Rules) -> Iterator[str]:
     short, long = sorted((house.floor.width, house.floor.height))
     if long > ELONGATION * short + TOLERANCE:
         yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
-    if house.format != FORMAT or not house.rooms or any(_side(house, room) is None for room in house.rooms):
+    if house.format != FORMAT or not house.rooms or any(side_of(house, room) is None for room in house.rooms):
         return
-    least = least_area(house, rules)
+    least = least_area(house, rules.room_gap)
     if house.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
         yield (
             f"main room: is of {house.floor.area:.2f} m² "
             f"(at most {SPACIOUSNESS:g} times the {least:.2f} m² that its rooms need)"
         )
-
-
-def _needed_wall(house: House, wall: str, sides: Mapping[str, list[Room]], gap: float) -> float:
-    """The least length of a wall of the main room that holds the doors of the rooms on it, metres."""
-    chain = sides[wall]
-    if not chain:
-        return 0.0
-    low = _along(wall)
-    high = low + 2
-    first, last, floor = chain[0], chain[-1], house.floor.box
-    length = sum(room.box[high] - room.box[low] for room in chain) + gap * (len(chain) - 1)
-    for end, inset in (
-        (low, first.door.box[low] - first.box[low]),
-        (high, last.box[high] - last.door.box[high]),
-    ):
-        stands_out = not sides[WALLS[end]] or _corner(house, sides, wall, WALLS[end]) < -TOLERANCE
-        length += -inset if stands_out else gap
-    return length
-
-
-def _corners(sides: Mapping[str, list[Room]]) -> Iterator[tuple[str, str]]:
-    """The corners of the main room with rooms on both sides."""
-    for one, other in product(("west", "east"), ("north", "south")):
-        if sides[one] and sides[other]:
-            yield one, other
-
-
-def _corner(house: House, sides: Mapping[str, list[Room]], wall: str, other: str) -> float:
-    """How far the last room on a wall stays short of the corner with the other, metres; negative past it."""
-    end = WALLS.index(other)
-    edge = house.floor.box[end]
-    return min(room.box[end] - edge if end < 2 else edge - room.box[end] for room in sides[wall])
-
-
-def _along(wall: str) -> int:
-    """The box's number at which a wall begins: 0 (west) for a wall that runs east, 1 (north) for south."""
-    return 0 if wall in {"north", "south"} else 1
-
-
-def _side(house: House, room: Room) -> str | None:
-    """The wall of the main room that a room touches from outside with its door on it."""
-    for index, wall in enumerate(WALLS):
-        if is_on_wall(room.door, house.floor, index) and is_on_wall(room.door, room, (index + 2) % 4):
-            return wall
-    return None
 
 
 def _name(house: House, index: int) -> str:

@@ -12,6 +12,7 @@
 """
 
 from pathlib import Path
+from typing import Any
 
 
 class VitruviusError(Exception):
@@ -67,3 +68,24 @@ class MissingProgram(VitruviusError):
     """A program that Vitruvius needs is not installed."""
 
     exit_code = 69
+
+
+def to_record(error: VitruviusError) -> dict[str, Any]:
+    """An error as JSON; ``from_record`` gives it back."""
+    record: dict[str, Any] = {"kind": type(error).__name__, "message": str(error)}
+    if isinstance(error, GrammarError):
+        file = str(error.file) if error.file else None
+        record |= {"message": error.message, "file": file, "line": error.line, "column": error.column}
+    if isinstance(error, Unsatisfiable):
+        record["reasons"] = error.reasons
+    return record
+
+
+def from_record(record: dict[str, Any]) -> VitruviusError:
+    """The error that ``to_record`` wrote."""
+    kind: type[VitruviusError] = globals()[record["kind"]]
+    if kind is GrammarError:
+        return GrammarError(record["message"], record["file"], record["line"], record["column"])
+    if kind is Unsatisfiable:
+        return Unsatisfiable(record["message"], tuple(record["reasons"]))
+    return kind(record["message"])

@@ -39,7 +39,9 @@ def find(grammar: str | Path) -> Grammar:
     asp, prolog = (tuple(sorted(directory.glob(pattern))) for pattern in ("*.lp", "*.pl"))
     for files, kind in ((asp, ".lp"), (prolog, ".pl")):
         if not files:
-            raise GrammarError(f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory)
+            raise GrammarError(
+                f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory
+            )
     return Grammar(directory.name, directory, asp, prolog, _hash(asp + prolog))
 
 

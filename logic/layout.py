@@ -45,7 +45,7 @@ class Program:
         self._variables, self._shares = self._options()
 
     def _options(self) -> tuple[list[tuple[int, list[int]]], np.ndarray]:
-        """Each variable's number of picks and pick literals, in an order that only the rules decide; all weights."""
+        """Each variable's number of picks and its pick literals, in an order fixed by the rules; all weights."""
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
             variable, value, weight = symbol.arguments
@@ -54,7 +54,10 @@ class Program:
             options.setdefault(variable, {})[value] = weight.number
         picks = {symbol.arguments[0]: symbol.arguments[1].number for symbol in self.atoms("picks", 2)}
         variables = [
-            (picks.get(variable, 1), [self._literal[Function("pick", [variable, value])] for value in sorted(values)])
+            (
+                picks.get(variable, 1),
+                [self._literal[Function("pick", [variable, value])] for value in sorted(values)],
+            )
             for variable, values in sorted(options.items())
         ]
         weights = [values[value] for _, values in sorted(options.items()) for value in sorted(values)]
@@ -65,7 +68,7 @@ class Program:
         return [atom.symbol for atom in self._control.symbolic_atoms.by_signature(name, arity)]
 
     def clash(self, assumed: Sequence[Symbol]) -> list[Symbol]:
-        """A minimal subset of the assumed atoms that no stable model has: empty if there is no model at all."""
+        """A minimal subset of the assumed atoms that no stable model has: empty if there is no model."""
         kept = list(assumed)
         for atom in assumed:
             fewer = [other for other in kept if other != atom]
@@ -74,7 +77,10 @@ class Program:
         return kept
 
     def draw(
-        self, rng: np.random.Generator, assumed: Iterable[Symbol] = (), nogoods: Sequence[Sequence[Symbol]] = ()
+        self,
+        rng: np.random.Generator,
+        assumed: Iterable[Symbol] = (),
+        nogoods: Sequence[Sequence[Symbol]] = (),
     ) -> list[Symbol] | None:
         """Draw a layout with the assumed atoms and no whole nogood: its shown atoms, sorted.
 
@@ -92,8 +98,10 @@ class Program:
             return sorted(model.symbols(shown=True))
 
     def _queues(self, keys: np.ndarray, order: np.ndarray) -> list[tuple[int, list[int]]]:
-        """The variables in this order, each with its literals by key: the least of exponential numbers divided by
-        weights is a weighted draw (Efraimidis and Spirakis 2006)."""
+        """The variables in this order, each with its number of picks and its literals, least key first.
+
+        The least of exponential numbers divided by weights is a weighted draw (Efraimidis, Spirakis 2006).
+        """
         ends = np.cumsum([len(literals) for _, literals in self._variables])
         queues = []
         for place in order:
@@ -103,10 +111,12 @@ class Program:
         return queues
 
     def _extended(self, fixed: list[int], queues: list[tuple[int, list[int]]]) -> list[int]:
-        """Add to the fixed literals the first picks of each queue that are compatible with all before them."""
+        """Add to the fixed literals the first picks of each queue that fit all before them."""
         while queues:
-            # Most picks are compatible: try all the first choices at once, and look for the culprit only then.
-            wanted = [(place, literal) for place, (count, queue) in enumerate(queues) for literal in queue[:count]]
+            # Most picks fit: try all the first choices at once, and look for a culprit only then.
+            wanted = [
+                (place, literal) for place, (count, queue) in enumerate(queues) for literal in queue[:count]
+            ]
             good = self._longest_prefix(fixed, [literal for _, literal in wanted])
             fixed = fixed + [literal for _, literal in wanted[:good]]
             if good == len(wanted):
@@ -134,7 +144,7 @@ class Program:
         return bool(self._control.solve(assumptions=assumptions).satisfiable)
 
     def _forbidding(self, nogoods: Sequence[Sequence[Symbol]]) -> list[int]:
-        """A literal, if needed, under which no model has all atoms of any nogood: it binds this draw alone."""
+        """A literal, if needed, under which no model has a whole nogood: it binds this draw alone."""
         if not nogoods:
             return []
         with self._control.backend() as backend:

@@ -5,7 +5,9 @@ from collections.abc import Iterable
 
 from logic.errors import GrammarError
 
-_PLACED = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)$", re.S)
+_PLACED = re.compile(
+    r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)$", re.S
+)
 
 
 def clingo_error(remarks: Iterable[str], otherwise: str) -> GrammarError:

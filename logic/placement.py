@@ -39,7 +39,7 @@ class Layout:
 
 
 class Refuted(Exception):
-    """No sizes and places satisfy the rules for these rooms of a layout: a proof, not a failure to find any."""
+    """Proved: no sizes and places satisfy the rules for these rooms of a layout."""
 
     def __init__(self, rooms: Sequence[int], inferences: int) -> None:
         """Keep the rooms' numbers, and the Prolog inferences that the proof took."""
@@ -53,7 +53,7 @@ class Placer:
     def __init__(self, grammar: Grammar) -> None:
         """Load the core and the grammar's ``.pl`` files.
 
-        Raises ``GrammarError`` for anything that SWI-Prolog remarks about them, ``MissingProgram`` without it.
+        Raises ``GrammarError`` for whatever SWI-Prolog remarks on them, ``MissingProgram`` without it.
         """
         try:
             from pyswip import Prolog
@@ -69,7 +69,8 @@ class Placer:
     def lengths(self, furniture: Mapping[str, Iterable[str]]) -> dict[str, Any]:
         """The named lengths, and the extremes of each room type and its pieces, in metres.
 
-        ``{"lengths": {name: m}, "rooms": {type: [w, ww, d, dd]}, "pieces": {type: {piece: [l, ll, d, dd]}}}``.
+        ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}}``, where
+        extremes are ``[least width, greatest width, least depth, greatest depth]``.
         Raises ``GrammarError`` for a length that is absent or of no use.
         """
         wanted = ",".join(f"{type_}-[{','.join(pieces)}]" for type_, pieces in furniture.items())
@@ -89,7 +90,7 @@ class Placer:
         return value
 
     def place(self, layout: Layout, rng: np.random.Generator, inferences: int) -> dict[str, Any]:
-        """Place a layout: ``{"floor": {...}, "rooms": [{...}], "inferences": n}``, metres, as in a house file.
+        """Place a layout: ``{"floor": {}, "rooms": [{}], "inferences": n}``, metres, as in a house file.
 
         Raises ``Refuted`` where the constraints have no solution, ``LimitReached`` past so many inferences.
         """

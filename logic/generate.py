@@ -1,0 +1,139 @@
+"""Houses by request: solver processes at work, their answers in order, their ends in hand."""
+
+import json
+import os
+import selectors
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from logic.errors import GrammarError, LimitReached, RequestError, from_record
+from logic.grammar import find
+from logic.house import House
+
+MOST_ROOMS = 128
+START_UP = 60.0
+"""Seconds that a solver process may take to load a grammar, however small the budget of a house."""
+
+
+def generate(
+    rooms: int,
+    *,
+    types: Mapping[str, int] | None = None,
+    grammar: str | Path = "family",
+    seed: int = 0,
+    count: int = 1,
+    start: int = 0,
+    workers: int = 1,
+    inferences: int = 100_000_000,
+    seconds: float = 60.0,
+) -> Iterator[House]:
+    """Generate houses ``start`` to ``start + count - 1`` of a request, one by one, in order.
+
+    ``rooms`` is the number of secondary rooms (1 to 128) and ``types`` the exact counts of some room types.
+    ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
+    request, the seed and ``i``: the number of ``workers``, each a process of its own, changes nothing but the
+    time. ``inferences`` (of Prolog) and ``seconds`` bound each house.
+
+    Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
+    ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
+    """
+    request = {"rooms": rooms, "types": dict(types or {}), "seed": seed, "inferences": inferences}
+    for counts, least in (
+        ({"rooms": rooms, "count": count, "workers": workers, "inferences": inferences}, 1),
+        ({"seed": seed, "start": start} | {f"type {type_}": n for type_, n in request["types"].items()}, 0),
+    ):
+        for name, value in counts.items():
+            if type(value) is not int or value < least:
+                raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}")
+    if rooms > MOST_ROOMS:
+        raise RequestError(f"rooms must be at most {MOST_ROOMS}, not {rooms}")
+    if not seconds > 0:
+        raise RequestError(f"seconds must be above 0, not {seconds!r}")
+    return _houses(str(find(grammar).directory), request, range(start, start + count), workers, seconds)
+
+
+def _houses(
+    grammar: str, request: dict[str, Any], indices: range, workers: int, seconds: float
+) -> Iterator[House]:
+    """Deal the indices out in turn, so that answers come back in the order in which they are asked for."""
+    team = [_Worker(grammar) for _ in range(min(workers, len(indices)))]
+    try:
+        for worker in team:
+            worker.answer(START_UP)
+        for turn, worker in enumerate(team):
+            worker.ask(request | {"index": indices[turn]})
+        for turn, index in enumerate(indices):
+            worker = team[turn % len(team)]
+            record = worker.answer(seconds, f"house {index}")
+            if turn + len(team) < len(indices):
+                worker.ask(request | {"index": indices[turn + len(team)]})
+            yield House.from_dict(record["house"])
+    finally:
+        for worker in team:
+            worker.end()
+
+
+class _Worker:
+    """A solver process and the two ends of its pipes."""
+
+    def __init__(self, grammar: str) -> None:
+        self._grammar = grammar
+        # A session of its own: Ctrl-C goes to the parent alone, which then ends the worker.
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "logic.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )
+        self._answers = selectors.DefaultSelector()
+        assert self._process.stdout
+        os.set_blocking(self._process.stdout.fileno(), False)
+        self._answers.register(self._process.stdout, selectors.EVENT_READ)
+        self._received = b""
+        self.ask({"grammar": grammar})
+
+    def ask(self, question: dict[str, Any]) -> None:
+        """Send a request; that the process is gone shows in its answer."""
+        assert self._process.stdin
+        try:
+            self._process.stdin.write(json.dumps(question).encode() + b"\n")
+            self._process.stdin.flush()
+        except BrokenPipeError:
+            pass
+
+    def answer(self, seconds: float, what: str = "loading the grammar") -> dict[str, Any]:
+        """Wait for the answer to the oldest open request, at most so many seconds."""
+        deadline = time.monotonic() + seconds
+        while b"\n" not in self._received:
+            if not self._answers.select(max(0.0, deadline - time.monotonic())):
+                raise LimitReached(
+                    f"{what}: the limit of {seconds:g} seconds is reached. Raise it with --seconds"
+                )
+            part = os.read(self._process.stdout.fileno(), 1 << 20)  # pyright: ignore[reportOptionalMemberAccess]
+            if not part:
+                raise self._died()
+            self._received += part
+        line, self._received = self._received.split(b"\n", 1)
+        record = json.loads(line)
+        if "error" in record:
+            raise from_record(record["error"])
+        return record
+
+    def _died(self) -> Exception:
+        code = self._process.wait()
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        return GrammarError(
+            f"the rules ended the solver process ({how}): look for a directive that halts, or for clauses "
+            "without end",
+            self._grammar,
+        )
+
+    def end(self) -> None:
+        """Kill the process: it holds nothing that anyone needs."""
+        self._process.kill()
+        self._process.communicate()

@@ -1,0 +1,72 @@
+"""A solver process: ``python -m logic.worker``, JSON lines in and out over pipes.
+
+Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
+with limited memory, and the parent owns deadlines and Ctrl-C. The first line names the grammar; each
+further line asks for one house. Each is answered by a line: ``{"versions": ...}``, ``{"house": ...}`` or
+``{"error": ...}``.
+"""
+
+import json
+import os
+import queue
+import resource
+import sys
+import threading
+import traceback
+from typing import TextIO
+
+from logic.errors import LimitReached, VitruviusError, to_record
+
+MEMORY = 4 << 30
+"""Bytes of address space that a worker may take."""
+
+
+def main() -> None:
+    """Answer requests until the parent closes its end of the pipe."""
+    answers = _private_stdout()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    requests: queue.SimpleQueue[str] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(sys.stdin, requests), daemon=True).start()
+    builder = None
+    while True:
+        request = json.loads(requests.get())
+        try:
+            # Imported here: that a solver is missing is an answer too.
+            from logic.builder import Builder, Request
+            from logic.grammar import find
+
+            if builder is None:
+                builder = Builder(find(request["grammar"]))
+                answer = {"versions": builder.versions}
+            else:
+                wanted = Request(request["rooms"], request["types"])
+                house = builder.house(wanted, request["seed"], request["index"], request["inferences"])
+                answer = {"house": house.to_dict()}
+        except VitruviusError as error:
+            answer = {"error": to_record(error)}
+        except MemoryError:
+            answer = {
+                "error": to_record(LimitReached(f"the solvers need more than {MEMORY >> 30} GiB of memory"))
+            }
+        except Exception:
+            answer = {"error": to_record(VitruviusError(traceback.format_exc()))}
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
+
+
+def _private_stdout() -> TextIO:
+    """The pipe to the parent; whatever the rules print goes to stderr from here on."""
+    pipe = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    return pipe
+
+
+def _listen(parent: TextIO, requests: "queue.SimpleQueue[str]") -> None:
+    """Pass on the parent's lines, and end with it: the solvers do not notice by themselves."""
+    for line in parent:
+        requests.put(line)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()
