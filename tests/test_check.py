@@ -15,8 +15,9 @@ from scipy.ndimage import label
 from scipy.optimize import linprog
 
 from logic import House, Piece, Rect, Room, check, load
-from logic.check import ANY, BODY, least_area, least_rectangle
+from logic.check import ANY, BODY
 from logic.house import ORIGINAL, Provenance
+from logic.least import least_area, least_rectangle
 from logic.walk import main_space, spaces
 from tests.handmade import DOOR, Sketch, built, houses, moved, piece, sketches, turned, turned_house
 

@@ -56,10 +56,14 @@ def test_a_json_file_holds_one_house_over_any_number_of_lines(tmp_path: Path, na
         save([HOUSE, HOUSE], path)
 
 
-def test_the_same_houses_give_the_same_bytes(tmp_path: Path) -> None:
-    save([HOUSE], tmp_path / "a.jsonl.gz")
-    save([HOUSE], tmp_path / "b.jsonl.gz")
-    assert (tmp_path / "a.jsonl.gz").read_bytes() == (tmp_path / "b.jsonl.gz").read_bytes()
+def test_the_same_houses_give_the_same_bytes_at_any_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    paths = [tmp_path / "a.jsonl.gz", tmp_path / "b.jsonl.gz"]
+    for path, now in zip(paths, (1e9, 2e9), strict=True):
+        monkeypatch.setattr("time.time", lambda now=now: now)
+        save([HOUSE], path)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
 def test_a_record_without_a_unit_is_the_original_s_in_pixels() -> None:
@@ -187,8 +191,9 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
         load(tmp_path)
 
 
+@pytest.mark.parametrize("step", ["fsync", "replace"])
 def test_an_error_on_the_way_leaves_the_old_file_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str
 ) -> None:
     path = tmp_path / "houses.jsonl"
     write_whole(path, b"old")
@@ -196,7 +201,7 @@ def test_an_error_on_the_way_leaves_the_old_file_and_nothing_else(
     def full(*_: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, step, full)
     with pytest.raises(OSError, match="no space"):
         save([HOUSE], path)
     assert path.read_bytes() == b"old"
