@@ -140,9 +140,9 @@ def room_colour(kind: str) -> str:
 
 
 def _opening(door: Box, wall: float) -> Block:
-    """Paper over the wall between the ends of a door."""
+    """Paper over the wall between the ends of a door: half a wall less, for walls end in a square."""
     left, top, right, bottom = door
-    by_x, by_y = (0.0, 0.75 * wall) if right - left > bottom - top else (0.75 * wall, 0.0)
+    by_x, by_y = (-0.5 * wall, 0.75 * wall) if right - left > bottom - top else (0.75 * wall, -0.5 * wall)
     return Block((left - by_x, top - by_y, right + by_x, bottom + by_y), PAPER)
 
 
