@@ -275,5 +275,5 @@ def _encoded(image: Image.Image) -> bytes:
     from io import BytesIO
 
     buffer = BytesIO()
-    image.save(buffer, "PNG", optimize=True)
+    image.save(buffer, "PNG")
     return buffer.getvalue()
