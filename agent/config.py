@@ -1,6 +1,9 @@
 """What a training run is: one frozen dataclass, and the presets that run by name."""
 
 from dataclasses import dataclass
+from typing import Literal
+
+from logic.errors import RequestError
 
 
 @dataclass(frozen=True)
@@ -8,11 +11,11 @@ class Config:
     """Parallel Q-learning, "PQN" (Gallici et al. 2024, arXiv:2407.04811). The field docstrings are the help.
 
     The defaults reach the oracle's neighbourhood in the main room after about two minutes on two cores.
-    Raises ``ValueError`` that names the field for a value that no run can have.
+    Raises ``RequestError``, a ``ValueError``, that names the field for a value that no run can have.
     """
 
-    targets: str = "main"
-    """Where targets lie: main, secondary or mixed."""
+    targets: Literal["main", "secondary", "mixed"] = "main"
+    """Where targets lie."""
 
     environments: int = 256
     """Worlds stepped at once."""
@@ -68,27 +71,21 @@ class Config:
 
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
-        for field in ("environments", "rollout", "steps", "epochs", "minibatches", "learning_rate", "clip"):
-            if getattr(self, field) <= 0:
-                raise ValueError(f"{field} must be positive, not {getattr(self, field)}")
-        for field in (
-            "discount",
-            "trace",
-            "final_rate",
-            "epsilon",
-            "final_epsilon",
-            "exploration",
-            "forward",
-        ):
-            if not 0 <= getattr(self, field) <= 1:
-                raise ValueError(f"{field} must lie between 0 and 1, not {getattr(self, field)}")
-        if self.seconds is not None and self.seconds <= 0:
-            raise ValueError(f"seconds must be positive, not {self.seconds}")
-        if self.environments * self.rollout < self.minibatches:
-            raise ValueError(
-                f"a rollout of {self.environments} x {self.rollout} has no {self.minibatches} minibatches"
-            )
+        for name in POSITIVE:
+            if getattr(self, name) is not None and not getattr(self, name) > 0:
+                raise RequestError(f"{name} must be above 0, not {getattr(self, name)}")
+        for name in SHARES:
+            if not 0 <= getattr(self, name) <= 1:
+                raise RequestError(f"{name} must lie between 0 and 1, not {getattr(self, name)}")
+        if self.minibatches > self.environments * self.rollout:
+            raise RequestError(f"minibatches must not exceed environments x rollout, not {self.minibatches}")
 
+
+POSITIVE = (
+    *("environments", "rollout", "steps", "seconds", "recall", "learning_rate", "clip"),
+    *("epochs", "minibatches"),
+)
+SHARES = ("discount", "trace", "final_rate", "epsilon", "final_epsilon", "exploration", "forward")
 
 PRESETS = {"pqn": Config()}
 """Configs that run by name."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -10,9 +10,10 @@ import torch
 from agent.avoidance import PaperRule
 from agent.network import QNetwork
 from agent.policies import Policy, QPolicy, RandomPolicy
+from agent.progress import Report
 from agent.statistics import Estimate, interquartile_mean
 from agent.world import make_worlds, shield
-from logic import House, load
+from logic import House
 from sim import HouseVectorEnv
 
 
@@ -44,19 +45,34 @@ class Score:
         return interquartile_mean(self.targets / oracle.targets)
 
 
+class Scores(NamedTuple):
+    """The players of an evaluation, in the order of its table."""
+
+    agent: Score
+    walk: Score
+    oracle: Score
+
+
 def evaluate(
-    network: QNetwork, houses: str | Path | Sequence[House], *, targets: str = "main", seed: int = 0
-) -> tuple[Score, Score, Score]:
-    """Scores of the agent, of random + avoidance and of the shortest-path oracle, one episode a house."""
-    bank = load(houses) if isinstance(houses, str | Path) else houses
-    envs = make_worlds(bank, len(bank), targets)
+    network: QNetwork,
+    houses: Sequence[House],
+    *,
+    targets: str = "main",
+    seed: int = 0,
+    tell: Report = lambda done, words: None,
+) -> Scores:
+    """What the agent, the random walk and the oracle do, one episode a house; ``tell`` follows it."""
+    envs = make_worlds(houses, len(houses), targets)
     agent = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
     chance = torch.Generator().manual_seed(seed)
-    return (
-        play("agent", envs, agent, seed),
-        play("random + avoidance", envs, RandomPolicy(PaperRule(chance), chance), seed),
-        play_oracle(envs, seed),
-    )
+    tell(0.0, "agent")
+    agent_score = play("agent", envs, agent, seed)
+    tell(0.3, "random + avoidance")
+    walk_score = play("random + avoidance", envs, RandomPolicy(PaperRule(chance), chance), seed)
+    tell(0.6, "shortest-path oracle")
+    oracle_score = play_oracle(envs, seed)
+    tell(1.0, f"{len(houses)} houses")
+    return Scores(agent_score, walk_score, oracle_score)
 
 
 def play(player: str, envs: HouseVectorEnv, policy: Policy, seed: int) -> Score:

@@ -1,24 +1,25 @@
 """Where an agent meets the simulator: make worlds, and read off the body that the shield guards."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import cast
 
 import gymnasium
 import numpy as np
 
 from agent.avoidance import Shield
-from logic import House
+from logic import House, HouseFileError
 from sim import HouseVectorEnv
 
 
-def make_worlds(houses: str | Path | Sequence[House], number: int, targets: str = "main") -> HouseVectorEnv:
+def make_worlds(houses: Sequence[House], number: int, targets: str = "main") -> HouseVectorEnv:
     """So many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
 
-    Raises ``ValueError`` for a mode of targets that is not there and ``HouseFileError`` for a wrong file.
+    Raises ``HouseFileError`` where the body or a target has no place in one of the houses.
     """
-    bank = str(houses) if isinstance(houses, Path) else houses
-    envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=number, houses=bank, targets=targets)
+    try:
+        envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=number, houses=houses, targets=targets)
+    except ValueError as error:
+        raise HouseFileError(str(error)) from None
     return cast(HouseVectorEnv, envs.unwrapped)
 
 

@@ -1,0 +1,48 @@
+"""Film an episode: the body, its rays and its trail, every few steps."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from agent.network import QNetwork
+from agent.policies import QPolicy
+from agent.world import make_worlds, shield
+from logic import House
+from sim.film import Camera, film
+
+STRIDE = 4
+"""Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
+
+
+def record(
+    network: QNetwork,
+    house: House,
+    path: Path,
+    *,
+    targets: str = "main",
+    seed: int = 0,
+    steps: int | None = None,
+    tell: Callable[[float, str], None] = lambda done, words: None,
+) -> Path:
+    """Write a GIF of the agent's episode in the house, whole or the first so many steps; give back its path.
+
+    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
+    """
+    envs = make_worlds([house], 1, targets)
+    length = min(steps or envs.config.steps, envs.config.steps)
+    observation = torch.as_tensor(envs.reset(seed=seed, options={"house": np.zeros(1, int)})[0])
+    policy = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
+    policy.begin(1)
+    camera = Camera(envs, width=480)
+    frames = [camera.shoot()]
+    for step in range(1, length + 1):
+        observation, _, terminated, truncated, _ = envs.step_torch(policy(observation))
+        ended = bool(terminated | truncated)
+        if step % STRIDE == 0 or ended:
+            frames.append(camera.shoot())
+        tell(step / length, f"step {step}")
+        if ended:
+            break
+    return film(frames, path)
