@@ -18,11 +18,11 @@ uniform(X) --> start(X, 1).
 %!  uniform(?X, +Low, +High)// is det.
 %
 %   The same law where the projection is known to lie within Low..High: a point of that range which the store
-%   takes is uniform in the projection already, and saves two simplex runs.
+%   takes is uniform in the projection already, and saves two simplex runs. One that it refuses is spent.
 
 uniform(X, _, _)      --> { number(X) }, !.
 uniform(X, Low, High) --> [U], { V is Low + U*(High-Low), {X = V} }, !.
-uniform(X, _, _)      --> uniform(X).
+uniform(X, _, _)      --> [_], uniform(X).
 
 %!  start(?X, +Gaps)// is det.
 %

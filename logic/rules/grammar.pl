@@ -98,14 +98,18 @@ extremes(X, Low, High) :- inf(X, Low), sup(X, High).
 %   Report lists the four extremes, or says in words why the clause is of no use, or is null without a clause.
 
 room_report(Type, Report) :-
-    ( grammar:room_size(Type, W, D) -> report([W,D], Report) ; Report = null ).
+    bounded(( grammar:room_size(Type, W, D) -> report([W,D], Report) ; Report = null ), Report).
 
 piece_report(Type, Piece, Report) :-
     (   room_extent(Type, W1, W2, D1, D2)
     ->  Least is min(W1, D1), Most is max(W2, D2),
         { Wall >= Least, Wall =< Most },
-        ( grammar:piece_size(Piece, L, D, Wall) -> report([L,D], Report) ; Report = null )
+        bounded(( grammar:piece_size(Piece, L, D, Wall) -> report([L,D], Report) ; Report = null ), Report)
     ;   Report = [0,0,0,0] ).
+
+bounded(Goal, Report) :-
+    call_with_inference_limit(Goal, 1 000 000, Result),
+    ( Result == inference_limit_exceeded -> Report = "recurs without end" ; true ).
 
 report(Sizes, Report) :- nonlinear(Sizes, Constraint), !,
     format(string(Report), "has the nonlinear constraint ~p, and CLP(R) decides linear ones", [Constraint]).

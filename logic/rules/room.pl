@@ -73,8 +73,8 @@ along_wall(Chains, Layout, Frame, chain(Stretch,Pieces,End)) :-
     maplist(stands_within(Room), Pieces),
     end(Stretch, near, Chains, Layout, free(0.0,From), free(Near,Low)),
     end(Stretch, far,  Chains, Layout, free(Length,To), free(Far,High)),
-    Pieces = [First|_],
-    first(First, Near, Low),
+    Pieces = [piece(_,Start,_,_,Joined)|_],
+    first(Joined, Start, Near, Low),
     chained(Pieces, Low, High, Last),
     last(End, Last, Far, High).
 
@@ -126,16 +126,17 @@ standing(Stretch, far,  Chains, Piece) :- memberchk(chain(Stretch,Pieces,_), Cha
 
 %   Pieces are joined, or apart by a passage that opens onto the core.
 
-first(piece(_,Start,_,_,joined), Near, _) :- { Start = Near }.
-first(piece(_,Start,_,_,apart),  _, Low)  :- metres(passage, P), { Start >= Low + P }.
+first(joined, Start, Near, _) :- { Start = Near }.
+first(apart,  Start, _, Low)  :- metres(passage, P), { Start >= Low + P }.
 
 chained([Last], _, _, Last) :- !.
 chained([piece(_,S1,L1,_,_), Next|Pieces], Low, High, Last) :-
-    next(Next, S1, L1, Low, High),
+    Next = piece(_,S2,_,_,Joined),
+    next(Joined, S1, L1, S2, Low, High),
     chained([Next|Pieces], Low, High, Last).
 
-next(piece(_,S2,_,_,joined), S1, L1, Low, High) :- { S2 = S1 + L1, S2 >= Low, S2 =< High }.
-next(piece(_,S2,_,_,apart),  S1, L1, Low, High) :-
+next(joined, S1, L1, S2, Low, High) :- { S2 = S1 + L1, S2 >= Low, S2 =< High }.
+next(apart,  S1, L1, S2, Low, High) :-
     metres(passage, P),
     { S2 >= S1 + L1 + P, S2 >= Low + P, S1 + L1 + P =< High }.
 

@@ -1,0 +1,238 @@
+"""From rules to houses: what is promised of every house, and of every request that has none."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from logic import (
+    GrammarError,
+    House,
+    LimitReached,
+    RequestError,
+    Unsatisfiable,
+    check,
+    generate,
+    load,
+)
+from logic.grammar import SHIPPED
+
+GOLDEN = Path(__file__).parent / "golden" / "family-4-rooms.json"
+Edit = Callable[[str, str, str], Path]
+
+
+@pytest.fixture
+def edited(tmp_path: Path) -> Edit:
+    """A copy of the family grammar with one text of one file replaced, as a user would edit it."""
+
+    def edit(file: str, old: str, new: str) -> Path:
+        folder = tmp_path / "mine"
+        if not folder.exists():
+            shutil.copytree(SHIPPED / "family", folder)
+        text = (folder / file).read_text()
+        assert old in text
+        (folder / file).write_text(text.replace(old, new, 1))
+        return folder
+
+    return edit
+
+
+def line_of(file: Path, text: str) -> int:
+    return next(number for number, line in enumerate(file.read_text().split("\n"), 1) if text in line)
+
+
+# Houses.
+
+
+@pytest.mark.parametrize("rooms", range(1, 17))
+def test_houses_of_every_size_keep_every_promise(rooms: int) -> None:
+    """300 houses in all: 19 of each size, one less for the last four."""
+    houses = list(generate(rooms=rooms, seed=rooms, count=19 if rooms <= 12 else 18, workers=2))
+    assert [check(house) for house in houses] == [[]] * len(houses)
+    assert {len(house.rooms) for house in houses} == {rooms}
+
+
+def test_a_house_is_a_function_of_its_seed_and_index() -> None:
+    houses = list(generate(rooms=4, seed=3, count=5))
+    assert len({json.dumps(house.to_dict()["floor"]) for house in houses}) == 5
+    assert list(generate(rooms=4, seed=3, count=2, start=3)) == houses[3:]
+    assert list(generate(rooms=4, seed=3, count=5, workers=3)) == houses
+    assert next(generate(rooms=4, seed=4)) != houses[0]
+
+
+def test_a_seed_gives_the_golden_house() -> None:
+    """The same seed gives the same house on every machine, to a millionth of a metre."""
+    made, golden = next(generate(rooms=4, seed=2026)), load(GOLDEN)[0]
+    assert flat(made) == pytest.approx(flat(golden), abs=1e-6)
+    assert [[piece.type for piece in room.pieces] for room in made.rooms] == [
+        [piece.type for piece in room.pieces] for room in golden.rooms
+    ]
+
+
+def flat(house: House) -> list[float]:
+    rects = [house.floor, *(rect for room in house.rooms for rect in (room, room.door, *room.pieces))]
+    return [value for rect in rects for value in rect.box]
+
+
+def test_types_are_exact_counts() -> None:
+    for house in generate(rooms=6, types={"bedroom": 3, "hall": 0}, count=5):
+        types = [room.type for room in house.rooms]
+        assert (types.count("bedroom"), types.count("hall")) == (3, 0)
+
+
+def test_a_house_says_where_it_comes_from() -> None:
+    house = next(generate(rooms=2, types={"bedroom": 1}, seed=5, start=7))
+    assert house.provenance
+    assert (house.provenance.grammar, house.provenance.seed, house.provenance.index) == ("family", 5, 7)
+    assert house.provenance.request == {"rooms": 2, "types": {"bedroom": 1}}
+    assert set(house.provenance.versions) == {"vitruvius", "clingo", "swi-prolog"}
+    assert House.from_dict(json.loads(json.dumps(house.to_dict()))) == house
+
+
+def test_a_new_room_type_needs_no_python(edited: Edit) -> None:
+    """Two files: its name and furniture in .lp, its sizes in .pl."""
+    edited("rooms.lp", "type(bedroom;", "type(study; bedroom;")
+    edited("furniture.lp", "may(hall,sofa,0,2).", "may(hall,sofa,0,2). may(study,lectern,1,1). stands(lectern,back).")
+    folder = edited("sizes.pl", "room_size(hall,", "room_size(study, 3.0, D) :- { D >= 2.5, D =< 3.0 }.\nroom_size(hall,")
+    text = (folder / "sizes.pl").read_text() + "piece_size(lectern, 0.6, 0.5, _).\n"
+    (folder / "sizes.pl").write_text(text)
+    (house,) = generate(rooms=1, types={"study": 1}, grammar=folder)
+    assert [piece.type for piece in house.rooms[0].pieces] == ["lectern"]
+    assert check(house) == []
+
+
+# No houses: proofs, limits and errors.
+
+
+def test_too_many_of_a_type_is_proved_impossible() -> None:
+    with pytest.raises(Unsatisfiable, match="excludes? 9 of type bathroom") as caught:
+        next(generate(rooms=3, types={"bathroom": 9, "kitchen": 1}))
+    assert caught.value.reasons == ("rooms=3", "types bathroom=9")
+
+
+def test_a_room_too_small_for_its_furniture_is_proved_impossible(edited: Edit) -> None:
+    """No bed of 1.9 m and no passage fit into 2 m: stage 2 refutes every layout, which stage 1 learns."""
+    small = "room_size(bedroom,  2.0, 2.0).\nroom_size(pantry,"
+    folder = edited("sizes.pl", "room_size(bedroom,", small)
+    with pytest.raises(Unsatisfiable, match="bedroom") as caught:
+        next(generate(rooms=3, grammar=folder))
+    assert caught.value.reasons == ("no room of type bedroom can be furnished",)
+    assert [room.type for room in next(generate(rooms=1, grammar=folder, seed=1)).rooms] != ["bedroom"]
+
+
+def test_a_limit_of_inferences_is_stated() -> None:
+    with pytest.raises(LimitReached, match="1000 inferences"):
+        next(generate(rooms=8, inferences=1000))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "word"),
+    [
+        ({"rooms": 0}, "rooms"),
+        ({"rooms": 129}, "128"),
+        ({"rooms": 2.5}, "rooms"),
+        ({"rooms": 3, "count": 0}, "count"),
+        ({"rooms": 3, "types": {"bedroom": -1}}, "bedroom"),
+        ({"rooms": 3, "types": {"bedrom": 1}}, "it has bathroom, bedroom"),
+        ({"rooms": 3, "seconds": 0.0}, "seconds"),
+    ],
+)
+def test_a_request_without_sense_is_refused(wrong: dict, word: str) -> None:
+    with pytest.raises(RequestError, match=word):
+        next(generate(**wrong))
+
+
+def test_an_unknown_grammar_is_named() -> None:
+    with pytest.raises(GrammarError, match="famly.*family"):
+        generate(rooms=3, grammar="famly")
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "says"),
+    [
+        ("rooms.lp", "basic(bedroom; bathroom", "basic(bedroom bathroom", "syntax error"),
+        ("rooms.lp", "not room(_,T)", "not rom(_,T)", "rom"),
+        ("sizes.pl", "L =< 2.2, D >= 0.5,  D", "L =< 2.2 D >= 0.5,  D", "operator"),
+        ("sizes.pl", "piece_size(sofa,      L, D, _) :- { L >=", "piece_size(sofa, L, D, _) :- { M >=", "ingleton"),
+        ("sizes.pl", "passage(0.42).", ":- atom_length(X, Y), passage(X, Y).", "instantiated"),
+    ],
+)
+def test_a_wrong_rule_is_named_by_file_and_line(edited: Edit, file: str, old: str, new: str, says: str) -> None:
+    """SWI-Prolog drops such a clause and clingo such an atom, and both go on: here it is an error."""
+    folder = edited(file, old, new)
+    with pytest.raises(GrammarError, match=says) as caught:
+        next(generate(rooms=3, grammar=folder))
+    assert caught.value.file == str(folder / file)
+    assert caught.value.line == line_of(folder / file, new)
+    assert caught.value.column
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "says"),
+    [
+        ("sizes.pl", "room_size(hall,", "room_size(hal,", "room_size/3 has no clause for hall"),
+        ("sizes.pl", "piece_size(sink,", "piece_size(snk,", "piece_size/4 has no clause for sink"),
+        ("sizes.pl", "room_gap(0.3).", "room_gab(0.3).", "room_gap/1 has no clause"),
+        ("sizes.pl", "D = L + 0.3", "D = L * L", "nonlinear"),
+        ("sizes.pl", "L >= 0.36, L =< 0.4, D = L", "L >= 0.36, D = L", "not bounded"),
+        ("sizes.pl", "L >= 0.36, L =< 0.4", "L >= 0, L =< 0.4", "not positive"),
+        ("furniture.lp", "may(hall,sofa", "may(hal,sofa", "no room type hal"),
+        ("sizes.pl", "passage(0.42).", "passage(0.42).\n:- initialization(halt).", "ended the solver process"),
+    ],
+)
+def test_rules_that_cannot_work_are_named(edited: Edit, file: str, old: str, new: str, says: str) -> None:
+    with pytest.raises(GrammarError, match=says):
+        next(generate(rooms=3, grammar=edited(file, old, new)))
+
+
+def test_rules_that_never_end_meet_the_limit(edited: Edit) -> None:
+    loop = "piece_size(toilet, L, D, W) :- piece_size(toilet, L, D, W).\npiece_size(tub,"
+    with pytest.raises(GrammarError, match="without end"):
+        next(generate(rooms=3, grammar=edited("sizes.pl", "piece_size(toilet,", loop)))
+
+
+def test_what_rules_print_does_not_reach_the_answers(edited: Edit) -> None:
+    folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).\n:- format('{\"house\": 1}~n').")
+    assert check(next(generate(rooms=1, grammar=folder))) == []
+
+
+# Processes.
+
+SCRIPT = "from logic import generate\nfor house in generate(rooms=16, count=9999):\n    print('house', flush=True)\n"
+
+
+def children(process: int) -> list[int]:
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(process)], capture_output=True, text=True, check=False)
+    return [int(pid) for pid in found.stdout.split()]
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_no_solver_outlives_its_parent(how: signal.Signals) -> None:
+    parent = subprocess.Popen(
+        [sys.executable, "-c", SCRIPT], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    assert parent.stdout
+    assert parent.stdout.readline() == "house\n"
+    (worker,) = children(parent.pid)
+    began = time.monotonic()
+    parent.send_signal(how)
+    parent.wait(timeout=5)
+    while alive(worker) and time.monotonic() - began < 5:
+        time.sleep(0.02)
+    assert not alive(worker)
+    parent.stdout.close()
+
+
+def alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z" if Path("/proc").exists() else True

@@ -1,0 +1,127 @@
+"""Stage 1: what the rules allow, and that layouts are drawn fairly and for their random numbers alone."""
+
+from collections import Counter
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clingo import Function, Number, Symbol
+from scipy.stats import chisquare
+
+from logic import GrammarError
+from logic.grammar import find
+from logic.layout import Program
+
+FAMILY = find("family")
+CHOICE = """
+#program house.
+option(colour,red,1).  option(colour,blue,1).  option(colour,green,2).
+option(size,(small;large),1).
+option(hand,1..4,1).  picks(hand,2).
+:- pick(colour,red), pick(size,large).
+#show pick/2.
+"""
+
+
+def program(folder: Path, text: str) -> Program:
+    file = folder / "rules.lp"
+    file.write_text(text)
+    return Program([file], {}, [("house", [])])
+
+
+def house(rooms: int, **types: int) -> tuple[Program, list[Symbol]]:
+    terms = [[Function(name), Number(count)] for name, count in types.items()]
+    made = Program(FAMILY.asp, {"rooms": rooms}, [("house", []), *(("wish", term) for term in terms)])
+    return made, [Function("granted", [Function("wish", term)]) for term in terms]
+
+
+def draws(made: Program, count: int) -> list[tuple[str, ...]]:
+    found = (made.draw(np.random.default_rng([7, i])) for i in range(count))
+    return [tuple(map(str, layout or ())) for layout in found]
+
+
+def test_a_layout_picks_as_many_values_as_each_variable_wants(tmp_path: Path) -> None:
+    for layout in draws(program(tmp_path, CHOICE), 50):
+        picks = Counter(atom.split("(")[1].split(",")[0] for atom in layout if atom.startswith("pick"))
+        assert (picks["colour"], picks["size"], picks["hand"]) == (1, 1, 2)
+
+
+def test_every_allowed_layout_is_drawn_and_no_other(tmp_path: Path) -> None:
+    found = {
+        (atom("colour", layout), atom("size", layout)) for layout in draws(program(tmp_path, CHOICE), 300)
+    }
+    assert found == set(product(["red", "blue", "green"], ["small", "large"])) - {("red", "large")}
+
+
+def atom(name: str, layout: tuple[str, ...]) -> str:
+    return next(text.split(",")[1].rstrip(")") for text in layout if text.startswith(f"pick({name},"))
+
+
+def test_values_are_drawn_by_their_weights(tmp_path: Path) -> None:
+    free = CHOICE.replace(":- pick(colour,red), pick(size,large).", "")
+    seen = Counter(atom("colour", layout) for layout in draws(program(tmp_path, free), 2000))
+    assert chisquare([seen["red"], seen["blue"], seen["green"]], [500, 500, 1000]).pvalue > 1e-3
+
+
+def test_a_draw_depends_on_its_random_numbers_alone() -> None:
+    """Not on the solver's past: neither on earlier draws nor on the nogoods of other houses."""
+    fresh, _ = house(6)
+    used, _ = house(6)
+    first = used.draw(np.random.default_rng(0))
+    assert first
+    for seed in range(40):
+        used.draw(np.random.default_rng(seed), nogoods=[first])
+    for seed in range(5):
+        assert used.draw(np.random.default_rng(seed)) == fresh.draw(np.random.default_rng(seed))
+
+
+def test_a_nogood_excludes_its_layout_and_no_other(tmp_path: Path) -> None:
+    file = tmp_path / "coin.lp"
+    file.write_text("#program coin. option(coin,(heads;tails),1). #show pick/2.")
+    made = Program([file], {}, [("coin", [])])
+    heads, tails = ([Function("pick", [Function("coin"), Function(side)])] for side in ("heads", "tails"))
+    for seed in range(8):
+        assert made.draw(np.random.default_rng(seed), nogoods=[heads]) == tails
+    assert made.draw(np.random.default_rng(0), nogoods=[heads, tails]) is None
+    assert {str(made.draw(np.random.default_rng(seed))) for seed in range(20)} == {str(heads), str(tails)}
+
+
+def test_the_family_s_houses_of_four_rooms_are_all_drawn_alike() -> None:
+    """5,880 layouts of four rooms: types with one of each basic, three bars among seven places, corners."""
+    seen = Counter(draws(house(4)[0], 6000))
+    shares = np.array(list(seen.values())) / 6000
+    # 6000 uniform draws from 5,880 layouts have this entropy, in the mean: the draw comes close.
+    uniform = np.unique(np.random.default_rng(0).integers(5880, size=6000), return_counts=True)[1] / 6000
+    entropy, best = (-(p * np.log(p)).sum() for p in (shares, uniform))
+    assert entropy > 0.97 * best
+
+
+@pytest.mark.parametrize("rooms", [1, 2, 3, 7, 16])
+def test_the_family_s_room_types_keep_the_paper_s_promise(rooms: int) -> None:
+    made, _ = house(rooms)
+    for seed in range(20):
+        atoms = made.draw(np.random.default_rng(seed)) or []
+        types = [str(a.arguments[1]) for a in atoms if a.name == "room"]
+        sides = [str(a.arguments[1]) for a in atoms if a.name == "side"]
+        basic = [t for t in types if t in {"bedroom", "bathroom", "kitchen"}]
+        assert len(types) == len(sides) == rooms
+        assert len(basic) >= min(2, rooms - 1)
+        assert rooms < 3 or len(set(basic)) == 3
+        assert sides == sorted(sides, key=["north", "east", "south", "west"].index), "numbered clockwise"
+
+
+def test_a_clash_is_minimal() -> None:
+    made, granted = house(4, bathroom=9, bedroom=1, hall=1)
+    assert [str(atom) for atom in made.clash(granted)] == ["granted(wish(bathroom,9))"]
+
+
+def test_a_syntax_error_is_placed(tmp_path: Path) -> None:
+    with pytest.raises(GrammarError) as caught:
+        program(tmp_path, "type(study).\ntype(library)) .\n")
+    assert (caught.value.file, caught.value.line) == (str(tmp_path / "rules.lp"), 2)
+
+
+def test_a_weight_is_a_positive_integer(tmp_path: Path) -> None:
+    with pytest.raises(GrammarError, match="positive"):
+        program(tmp_path, "#program house. option(coin,heads,0).")
