@@ -20,7 +20,7 @@ from sim.runtime import ti
 SKIN = 1e-5
 """Metres by which a body is smaller than its side, so that what merely touches does not block."""
 
-SEAM = 3.6e-5
+SEAM = 2e-5
 """Metres by which a box reaches beyond its corners for a ray, so that none slips through where two meet."""
 
 
@@ -49,12 +49,12 @@ class Continuous:
         self.directions.from_numpy(table.astype(np.float32))
 
     def pack(self, houses: Sequence[House]) -> list[Geometry]:
-        """Upload a bank of houses: boxes (H, B, 4), padded; of each house first verticals, then horizontals,
-        then pieces, with the three ends; rooms, doors and floor for the original's collision rule.
+        """Upload a bank: boxes (H, B, 4) by their edges, padded, of each house verticals, then horizontals,
+        then pieces, and where each kind ends; floor, rooms and doors for the original's collision rule.
         """
         self.geometries = [geometry(house) for house in houses]
         bank, rooms = self.geometries, [np.vstack([g.floor, g.rooms]) for g in self.geometries]
-        self.boxes = _padded([g.solids for g in bank])
+        self.boxes = _padded([_edges(g.solids) for g in bank])
         self.rooms = _padded(rooms)
         self.doors = _padded([g.doors for g in bank])
         ends = np.array([(len(g.verticals), len(g.horizontals), len(g.pieces)) for g in bank]).cumsum(axis=1)
@@ -184,9 +184,10 @@ class Continuous:
         and across the way. The same bits for p to q as for q to p, so that ways can be searched backwards.
         """
         box = self.boxes[house, k]
-        x, y = 0.5 * (p[0] + q[0]) - box[0], 0.5 * (p[1] + q[1]) - box[1]
+        x, y = 0.5 * (p[0] + q[0] - box[0] - box[2]), 0.5 * (p[1] + q[1] - box[1] - box[3])
         dx, dy = ti.abs(q[0] - p[0]), ti.abs(q[1] - p[1])
-        width, height = box[2] + half - ti.static(SKIN), box[3] + half - ti.static(SKIN)
+        width = 0.5 * (box[2] - box[0]) + half - ti.static(SKIN)
+        height = 0.5 * (box[3] - box[1]) + half - ti.static(SKIN)
         near = (ti.abs(x) < width + 0.5 * dx) & (ti.abs(y) < height + 0.5 * dy)
         across = ti.abs((q[0] - p[0]) * y - (q[1] - p[1]) * x) <= dx * height + dy * width
         return ti.cast(near & across, ti.i32)
@@ -211,10 +212,7 @@ class Continuous:
                     met |= ti.cast(ti.abs(along) > ti.max(door[2], door[3]) - half + ti.static(SKIN), ti.i32)
         if inside:
             for k in range(ends[1], ends[2]):
-                piece = self.boxes[house, k]
-                x, y = ti.abs(centre[0] - piece[0]), ti.abs(centre[1] - piece[1])
-                hit = (x < piece[2] + half - ti.static(SKIN)) & (y < piece[3] + half - ti.static(SKIN))
-                met |= ti.cast(hit, ti.i32)
+                met |= self.meets(house, k, centre, centre, half)
         if not touched:
             floor = self.rooms[house, 0]
             x, y = ti.abs(centre[0] - floor[0]), ti.abs(centre[1] - floor[1])
@@ -239,23 +237,25 @@ class Continuous:
         ends = self.ends[house]
         for k in range(ends[0]):
             box = self.boxes[house, k]
-            x, y, reach = box[0] - eye[0], box[1] - eye[1], box[3] + ti.static(SEAM)
+            x = box[0] - eye[0]
+            y, reach = extent(box[1], box[3], eye[1])
             for r in range(ti.static(self.config.rays)):
                 t = x * over_x[r]
                 hit = (ti.abs(x * slope_x[r] - y) <= reach) & (t >= 0) & (t < distance[r])
                 distance[r] = ti.select(hit, t, distance[r])
         for k in range(ends[0], ends[1]):
             box = self.boxes[house, k]
-            x, y, reach = box[0] - eye[0], box[1] - eye[1], box[2] + ti.static(SEAM)
+            y = box[1] - eye[1]
+            x, reach = extent(box[0], box[2], eye[0])
             for r in range(ti.static(self.config.rays)):
                 t = y * over_y[r]
                 hit = (ti.abs(y * slope_y[r] - x) <= reach) & (t >= 0) & (t < distance[r])
                 distance[r] = ti.select(hit, t, distance[r])
         for k in range(ends[1], ends[2]):
             box = self.boxes[house, k]
-            x, y = box[0] - eye[0], box[1] - eye[1]
-            face_x, face_y = facing(x, box[2]), facing(y, box[3])
-            reach_x, reach_y = box[2] + ti.static(SEAM), box[3] + ti.static(SEAM)
+            face_x, face_y = facing(box[0], box[2], eye[0]), facing(box[1], box[3], eye[1])
+            x, reach_x = extent(box[0], box[2], eye[0])
+            y, reach_y = extent(box[1], box[3], eye[1])
             for r in range(ti.static(self.config.rays)):
                 t = face_x * over_x[r]
                 hit = (ti.abs(face_x * slope_x[r] - y) <= reach_y) & (t >= 0) & (t < distance[r])
@@ -264,26 +264,38 @@ class Continuous:
                 hit = (ti.abs(face_y * slope_y[r] - x) <= reach_x) & (u >= 0) & (u < nearest)
                 distance[r] = ti.select(hit, u, nearest)
         seen = self.vector(0.0)
-        x, y = target[0] - eye[0], target[1] - eye[1]
-        half = ti.static(self.config.target / 2)
-        face_x, face_y = facing(x, half), facing(y, half)
-        # A body that sees is never in its target but where it was put there: then it sees nothing of it.
-        reach = ti.select((ti.abs(x) < half) & (ti.abs(y) < half), -1.0, half)
+        low, high = target - ti.static(self.config.target / 2), target + ti.static(self.config.target / 2)
+        face_x, face_y = facing(low[0], high[0], eye[0]), facing(low[1], high[1], eye[1])
+        x, reach_x = extent(low[0], high[0], eye[0])
+        y, reach_y = extent(low[1], high[1], eye[1])
+        if (low < eye).all() and (eye < high).all():  # only where somebody put it there
+            reach_x, reach_y = -1.0, -1.0
         for r in range(ti.static(self.config.rays)):
             t = face_x * over_x[r]
-            hit_x = (ti.abs(face_x * slope_x[r] - y) <= reach) & (t >= 0) & (t < distance[r])
+            hit_x = (ti.abs(face_x * slope_x[r] - y) <= reach_y) & (t >= 0) & (t < distance[r])
             nearest = ti.select(hit_x, t, distance[r])
             u = face_y * over_y[r]
-            hit_y = (ti.abs(face_y * slope_y[r] - x) <= reach) & (u >= 0) & (u < nearest)
+            hit_y = (ti.abs(face_y * slope_y[r] - x) <= reach_x) & (u >= 0) & (u < nearest)
             distance[r] = ti.select(hit_y, u, nearest)
             seen[r] = ti.select(hit_x | hit_y, 1.0, 0.0)
         return distance, seen
 
 
 @ti.func
-def facing(offset, half):
-    """Of the two sides of a box ``offset`` away, the one that faces the eye."""
-    return offset - ti.select(offset > 0, half, -half)
+def facing(low, high, eye):
+    """How far it is, along one axis, to the side of a box that faces the eye."""
+    return ti.select(low > eye, low, high) - eye
+
+
+@ti.func
+def extent(low, high, eye):
+    """A side's middle as seen from the eye, and how far from it a ray still hits."""
+    return 0.5 * (low + high) - eye, 0.5 * (high - low) + ti.static(SEAM)
+
+
+def _edges(rows: np.ndarray) -> np.ndarray:
+    """Rows (x, y, half width, half height) as (west, north, east, south): edges lose nothing in float32."""
+    return np.hstack([rows[:, :2] - rows[:, 2:], rows[:, :2] + rows[:, 2:]])
 
 
 def _padded(rows: list[np.ndarray]) -> ti.MatrixField:

@@ -18,15 +18,16 @@ if TYPE_CHECKING:
 Colour = tuple[int, int, int]
 Box = tuple[float, float, float, float]
 
-PAPER, FLOOR, INK, FAINT = (238, 236, 231), (252, 251, 248), (44, 52, 64), (139, 143, 150)
+PAPER, FLOOR, INK, FAINT = (238, 237, 233), (251, 250, 246), (51, 58, 69), (139, 146, 156)
 ROOMS: dict[str, Colour] = {
-    "bedroom": (227, 235, 246),
-    "bathroom": (222, 241, 238),
-    "kitchen": (252, 239, 217),
-    "hall": (240, 230, 244),
+    "bedroom": (219, 230, 244),
+    "bathroom": (211, 235, 231),
+    "kitchen": (250, 235, 201),
+    "hall": (233, 225, 241),
 }
-OTHER_ROOM: Colour = (234, 234, 234)
-PIECE, PIECE_EDGE, THRESHOLD = (213, 203, 189), (166, 152, 132), (201, 176, 138)
+"""Floors of the family's rooms, as the plans have them."""
+OTHER_ROOM: Colour = (232, 232, 230)
+PIECE, PIECE_EDGE, PIECE_INK, THRESHOLD = (255, 255, 255), (154, 161, 171), (125, 131, 140), (217, 190, 150)
 BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
 TARGET, TARGET_EDGE, TARGET_RAY = (245, 178, 45), (183, 118, 8), (224, 122, 20)
 
@@ -39,7 +40,7 @@ class Style:
     colour: Colour
 
 
-ROOM_LABEL, PIECE_LABEL, CAPTION_LABEL = Style(0.26, FAINT), Style(0.2, (120, 106, 86)), Style(0.3, INK)
+ROOM_LABEL, PIECE_LABEL, CAPTION_LABEL = Style(0.26, FAINT), Style(0.2, PIECE_INK), Style(0.3, INK)
 
 SHARP = 2
 """Everything is drawn this much larger and then reduced: smooth lines."""

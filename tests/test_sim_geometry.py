@@ -1,0 +1,37 @@
+"""A house's walls and pieces, in both conventions of files."""
+
+import numpy as np
+import pytest
+import shapely
+
+from sim.geometry import geometry
+from tests import worlds
+from tests.reference import walls
+
+
+def as_lines(rows: np.ndarray) -> shapely.MultiLineString:
+    low, high = rows[:, :2] - rows[:, 2:], rows[:, :2] + rows[:, 2:]
+    return shapely.MultiLineString(np.stack([low, high], axis=1).tolist())
+
+
+@pytest.mark.parametrize("original", [False, True])
+@pytest.mark.parametrize("seed", range(20))
+def test_walls_are_the_references(seed, original):
+    house = worlds.random_house(seed, original)
+    shape = geometry(house)
+    ours = shapely.union_all([as_lines(shape.verticals), as_lines(shape.horizontals)])
+    theirs = walls(house)
+    assert ours.buffer(1e-5).symmetric_difference(theirs.buffer(1e-5)).area < 1e-8
+
+
+def test_a_door_opens_the_wall_that_a_room_shares_with_the_main_room():
+    shape = geometry(worlds.drawn(worlds.ONE_ROOM, cell=1.0))
+    shared = shape.verticals[shape.verticals[:, 0] == 4.0]
+    assert sorted((y - half, y + half) for _, y, _, half in shared) == [(0.0, 1.0), (2.0, 3.0)]
+
+
+def test_pieces_and_their_children_are_solid():
+    shape = geometry(worlds.drawn(worlds.ONE_ROOM, cell=1.0))
+    np.testing.assert_array_equal(shape.pieces, [[1.5, 1.5, 0.5, 0.5]])
+    house = worlds.example()
+    assert len(geometry(house).pieces) == sum(len(room.pieces) for room in house.rooms) > 10

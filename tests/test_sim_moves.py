@@ -1,0 +1,80 @@
+"""What bodies do, against the float64 reference."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim import DEFAULT, HouseVectorEnv
+from tests import worlds
+from tests.reference import Reference
+
+LEFT, RIGHT, FORWARD = 0, 1, 2
+
+
+ROOM = worlds.drawn("a+a\n...\n...", cell=1.0)
+HOUSES = [*worlds.RANDOM, ROOM]
+EACH = 100
+"""Poses in each house."""
+
+
+@pytest.fixture(scope="module")
+def stepped():
+    """Step from poses (n, 3) in one house: poses before and after, and what was blocked."""
+    made = {}
+
+    def step(house, pose, actions, config=DEFAULT):
+        if config not in made:
+            made[config] = HouseVectorEnv(HOUSES, num_envs=EACH, preset=config)
+        envs, count = made[config], len(pose)
+        options = {"house": np.full(EACH, HOUSES.index(house)), "pose": np.resize(pose, (EACH, 3))}
+        _, before = envs.reset(seed=0, options=options)
+        _, _, _, _, after = envs.step(np.resize(actions, EACH))
+        poses = (info["pose"][:count].astype(float) for info in (before, after))
+        return *poses, after["blocked"][:count]
+
+    return step
+
+
+@pytest.mark.parametrize("step", [DEFAULT.step, 0.3, 3.0])
+def test_moves_are_the_references(stepped, step):
+    """At steps of any length: a swept body tunnels through nothing."""
+    config, decided = replace(DEFAULT, step=step), 0
+    for house in worlds.RANDOM:
+        reference, pose = Reference(house), worlds.free_poses(house, EACH, seed=1)
+        before, after, blocked = stepped(house, pose, np.full(len(pose), FORWARD), config)
+        way = np.round(np.column_stack([np.cos(before[:, 2]), -np.sin(before[:, 2])]))
+        for e in range(len(pose)):
+            there = before[e, :2] + way[e] * step
+            expected = reference.in_the_way(before[e, :2], there, config.body[0])
+            decided += expected is not None
+            assert expected is None or blocked[e] == expected
+            np.testing.assert_allclose(after[e, :2], before[e, :2] if blocked[e] else there, atol=1e-5)
+    assert decided > 0.98 * EACH * len(worlds.RANDOM)
+
+
+def test_turns_are_by_45_degrees_and_never_blocked(stepped):
+    pose = np.array([[1.0, 2.0, k * np.pi / 4] for k in range(8)])
+    for action, turn in ((LEFT, 1), (RIGHT, -1)):
+        before, after, blocked = stepped(ROOM, pose, np.full(8, action))
+        quarter = np.round((after[:, 2] - before[:, 2]) / (np.pi / 4)) % 8
+        assert (quarter == turn % 8).all()
+        assert not blocked.any()
+        np.testing.assert_array_equal(after[:, :2], before[:, :2])
+
+
+def test_the_body_walks_through_a_door(stepped):
+    pose = np.array([[1.5, 1.4, np.pi / 2]])
+    for _ in range(10):
+        _, pose, blocked = stepped(ROOM, pose, [FORWARD])
+        assert not blocked
+    assert pose[0, 1] < 0.7
+    _, _, blocked = stepped(ROOM, [[0.7, 1.2, np.pi / 2]], [FORWARD])
+    assert blocked
+
+
+def test_a_body_that_touches_a_wall_slides_along_it(stepped):
+    flush = DEFAULT.body[0] / 2
+    pose = np.array([[flush, 2.0, np.pi / 2], [flush, 2.0, np.pi]])
+    _, _, blocked = stepped(ROOM, pose, [FORWARD, FORWARD])
+    assert blocked.tolist() == [False, True]

@@ -1,0 +1,141 @@
+"""Houses for tests: drawn as text, or random, in either convention of files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from logic import Door, House, Piece, Rect, Room
+from sim import DEFAULT
+from tests.reference import Reference
+
+SEED = Path(__file__).parents[1].parent / "shared/seed"
+"""The original program's own house and a recording of it."""
+
+ONE_ROOM = """
+aaaa....
+aA.+....
+aaaa....
+"""
+"""A room ``a`` with a piece in it, west of the main room; ``+`` is its door's cell."""
+
+TWO_ROOMS = """
+aa+aa.bbb
+.......bb
+"""
+
+Sides = tuple[float, float, float, float]
+
+
+def drawn(text: str, cell: float = 0.9) -> House:
+    """A house from text, a square ``cell`` metres a side for each character.
+
+    ``.`` is the main room (a rectangle), a small letter a secondary room, its capital a piece in it, and
+    ``+`` a cell of the room it touches that is open to the main room beside it, over the cell's length.
+    """
+    rows = text.strip("\n").split("\n")
+    letters = np.array([list(row) for row in rows])
+
+    def box(mask: np.ndarray) -> Sides:
+        y, x = np.nonzero(mask)
+        north, west = y.min(), x.min()
+        east, south = x.max() + 1, y.max() + 1
+        return (
+            float(west * cell),
+            float(north * cell),
+            float((east - west) * cell),
+            float((south - north) * cell),
+        )
+
+    doors = {}
+    for y, x in np.argwhere(letters == "+"):
+        around = {(0, 1): "", (0, -1): "", (1, 0): "", (-1, 0): ""}
+        for dy, dx in around:
+            if 0 <= y + dy < letters.shape[0] and 0 <= x + dx < letters.shape[1]:
+                around[dy, dx] = str(letters[y + dy, x + dx])
+        room = next(c.lower() for c in around.values() if c.isalpha())
+        dy, dx = next(way for way, c in around.items() if c == ".")
+        west, north = (x + (dx > 0)) * cell, (y + (dy > 0)) * cell
+        doors[room] = Door(float(west), float(north), cell * (dx == 0), cell * (dy == 0))
+    rooms = []
+    for name in sorted({c for c in letters.ravel() if c.islower()}):
+        piece = letters == name.upper()
+        pieces = (Piece(*box(piece), type="table"),) if piece.any() else ()
+        rooms.append(Room(*box(letters == name), type="bedroom", children=pieces, door=doors[name]))
+    return House(Rect(*box(letters == ".")), tuple(rooms))
+
+
+def example(whole_pixels: bool = False) -> House:
+    """The original program's house; with its lengths cut to whole pixels, as its simulator has them."""
+    path = SEED / "example1.json"
+    if not path.exists():
+        pytest.skip(f"{path.name} is not here")
+
+    def cut(value: dict[str, float]) -> dict[str, float]:
+        return {key: int(x) if isinstance(x, float) else x for key, x in value.items()}
+
+    return House.from_dict(json.loads(path.read_text(), object_hook=cut if whole_pixels else None))
+
+
+def random_house(seed: int, original: bool = False) -> House:
+    """A main room with up to one furnished room on each side, which touches it, or overlaps it as the
+    original's files have it. Pieces may overlap each other and stand anywhere but near the door.
+    """
+    rng = np.random.default_rng(seed)
+    width, height = rng.uniform(3.5, 7, 2).tolist()
+    floor = Rect(*rng.uniform(0, 3, 2).tolist(), width, height)
+    rooms = []
+    for side in rng.permutation(4)[: rng.integers(1, 5)]:
+        along = floor.width if side % 2 == 0 else floor.height
+        length, depth = rng.uniform(0.5, 0.85) * along, rng.uniform(2, 3.5)
+        overlap = rng.uniform(0.2, 1.0) if original else 0.0
+        start = rng.uniform(0.08, 0.92) * (along - length)
+        door_at = start + rng.uniform(0.1, length - 0.9)
+        before, after = overlap - depth, -overlap
+        if side % 2 == 0:  # north, south
+            y = floor.y + before if side == 0 else floor.y + floor.height + after
+            wall = y + depth if side == 0 else y
+            room = Rect(floor.x + start, y, length, depth)
+            door = Door(floor.x + door_at, wall, 0.762, 0.0)
+        else:  # east, west
+            x = floor.x + before if side == 3 else floor.x + floor.width + after
+            wall = x + depth if side == 3 else x
+            room = Rect(x, floor.y + start, depth, length)
+            door = Door(wall, floor.y + door_at, 0.0, 0.762)
+        rooms.append(Room(*_sides(room), type="hall", children=_pieces(rng, room, door), door=door))
+    return House(floor, tuple(rooms), "original" if original else "vitruvius-1")
+
+
+def free_poses(house: House, count: int, seed: int) -> np.ndarray:
+    """Poses (count, 3) in and around a house, where the default body is surely clear of everything."""
+    rng, reference = np.random.default_rng(seed), Reference(house)
+    boxes = np.array([house.floor.box, *(room.box for room in house.rooms)])
+    low, high = boxes[:, :2].min(axis=0) - 0.5, boxes[:, 2:].max(axis=0) + 0.5
+    poses = []
+    while len(poses) < count:
+        place = rng.uniform(low, high)
+        if reference.is_free(place, DEFAULT.body[0]):
+            poses.append((*place, rng.integers(8) * np.pi / 4))
+    return np.array(poses)
+
+
+def _pieces(rng: np.random.Generator, room: Rect, door: Door) -> tuple[Piece, ...]:
+    west, north, east, south = door.box
+    pieces = []
+    for _ in range(3):
+        width, height = rng.uniform(0.2, 0.9, 2).tolist()
+        x = room.x + rng.uniform(0, room.width - width)
+        y = room.y + rng.uniform(0, room.height - height)
+        near_door = x < east + 0.5 and west - 0.5 < x + width and y < south + 0.5 and north - 0.5 < y + height
+        if not near_door:
+            pieces.append(Piece(x, y, width, height, type="table"))
+    return tuple(pieces)
+
+
+def _sides(rect: Rect) -> Sides:
+    return rect.x, rect.y, rect.width, rect.height
+
+
+RANDOM = [random_house(seed, original) for seed in range(3) for original in (False, True)]
+"""Three random houses in each convention."""
