@@ -28,22 +28,25 @@ def load(path: str | Path) -> list[House]:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
     lines = [(1, content)] if _holds_one(path) else enumerate(content.split(b"\n"), start=1)
-    houses = [_parsed(line, f"{path}:{number}") for number, line in lines if line.strip()]
+    houses = [_parsed(line, f"{path}:{number}") for number, line in lines if line.strip() and not _ends(line)]
     if not houses:
         raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
     return houses
 
 
-def save(houses: Iterable[House], path: str | Path) -> None:
+def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
     """Write houses as JSON Lines (a ``.json`` file takes exactly one), all of them or none.
 
-    The file is written beside its place and renamed, so a kill leaves the old file or the new one.
+    ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which ``load``
+    passes over. The file is written beside its place and renamed, so a kill leaves the old file or the new one.
     """
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
     if not records:
         raise ValueError(f"no house to write to {path}")
     if _holds_one(Path(path)) and len(records) != 1:
         raise ValueError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
+    if stopped:
+        records.append(msgspec.json.encode({"stopped": stopped}))
     content = b"\n".join(records) + b"\n"
     # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
     write_whole(path, gzip.compress(content, mtime=0) if Path(path).suffix == ".gz" else content)
@@ -71,6 +74,11 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def _ends(line: bytes) -> bool:
+    """Whether this is the line that says why a series ended early."""
+    return line.startswith(b'{"stopped":')
 
 
 def _holds_one(path: Path) -> bool:
