@@ -88,13 +88,13 @@ def test_a_nogood_excludes_its_layout_and_no_other(tmp_path: Path) -> None:
 
 
 def test_the_family_s_houses_of_four_rooms_are_all_drawn_alike() -> None:
-    """5,880 layouts of four rooms: types with one of each basic, three bars among seven places, corners."""
+    """4,440 layouts of four rooms: 60 orders of types, the sides, and who stands in each corner."""
     seen = Counter(draws(house(4)[0], 6000))
     shares = np.array(list(seen.values())) / 6000
-    # 6000 uniform draws from 5,880 layouts have this entropy, in the mean: the draw comes close.
-    uniform = np.unique(np.random.default_rng(0).integers(5880, size=6000), return_counts=True)[1] / 6000
+    # 6000 uniform draws from 4,440 layouts have this entropy, in the mean: the draw comes close.
+    uniform = np.unique(np.random.default_rng(0).integers(4440, size=6000), return_counts=True)[1] / 6000
     entropy, best = (-(p * np.log(p)).sum() for p in (shares, uniform))
-    assert entropy > 0.97 * best
+    assert entropy > 0.95 * best
 
 
 @pytest.mark.parametrize("rooms", [1, 2, 3, 7, 16])

@@ -1,0 +1,214 @@
+"""The ``vitruvius`` command: each sub-command is a dataclass whose fields are its options.
+
+Torch, Taichi and the solvers are imported inside the commands that need them, so that help comes at once.
+"""
+
+import json
+import sys
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.progress import track
+
+from agent.bench import Bench
+from agent.commands import Demo, Evaluate, Record, Train
+from logic import House, LimitReached, VitruviusError
+from logic.errors import RequestError
+
+Repeated = tyro.conf.UseAppendAction
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Make houses from rules."""
+
+    rooms: int
+    """Number of secondary rooms, 1 to 128."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Exact number of rooms of a type, as in bedroom=2. Repeat for several types."""
+
+    grammar: str = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seed: int = 0
+    """With the index of a house, all that its random choices depend on."""
+
+    count: int = 1
+    """How many houses."""
+
+    start: int = 0
+    """Index of the first house: any slice of a series can be made by itself."""
+
+    workers: int = 1
+    """Solver processes. They change the time, never the houses."""
+
+    inferences: int = 100_000_000
+    """Most Prolog inferences for a house."""
+
+    seconds: float = 60.0
+    """Most seconds for a house."""
+
+    out: Path | None = None
+    """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
+
+    def run(self) -> int:
+        """Write the houses; where a limit or Ctrl-C ends the work, those made so far, and a note of why."""
+        from logic import generate, save
+
+        houses: list[House] = []
+        request = generate(
+            rooms=self.rooms,
+            types=_counts(self.type),
+            grammar=self.grammar,
+            seed=self.seed,
+            count=self.count,
+            start=self.start,
+            workers=self.workers,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
+        try:
+            for house in _progress(request, self.count, "houses"):
+                houses.append(house)
+                if self.out is None:
+                    print(json.dumps(house.to_dict()), flush=True)
+        except (LimitReached, KeyboardInterrupt) as end:
+            if houses and self.out:
+                save(houses, self.out, stopped=f"at house {self.start + len(houses)}: {end or 'interrupted'}")
+                _say(f"{self.out}: kept the {len(houses)} houses made before")
+            raise
+        if self.out:
+            save(houses, self.out)
+            _say(f"{self.out}: {len(houses)} houses of {self.rooms} rooms. Next: vitruvius draw {self.out}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Check:
+    """Check houses by plain geometry, apart from the rules that made them."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    json: bool = False
+    """Print the violations of each house as a line of JSON."""
+
+    def run(self) -> int:
+        """Print a line for each violation; 1 if there is any."""
+        from logic import check, load
+
+        houses = load(self.file)
+        spoiled = 0
+        for number, house in enumerate(_progress(houses, len(houses), "houses"), start=1):
+            violations = check(house)
+            spoiled += bool(violations)
+            if self.json:
+                print(json.dumps({"house": number, "violations": violations}))
+            else:
+                for violation in violations:
+                    print(f"{self.file}:{number}: {violation}")
+        _say(f"{self.file}: {len(houses)} houses, {spoiled or 'none'} with violations")
+        return 1 if spoiled else 0
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Draw plans of houses and a contact sheet."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    out: Path = Path("plans")
+    """Folder for the pictures."""
+
+    format: str = "svg"
+    """svg or png."""
+
+    def run(self) -> int:
+        """Write a picture of each house and one of all."""
+        from logic import load
+        from logic.draw import draw
+
+        if self.format not in {"svg", "png"}:
+            raise RequestError(f"--format must be svg or png, not {self.format}")
+        pictures = draw(load(self.file), self.out, format=self.format)
+        _say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
+        return 0
+
+
+COMMANDS: dict[str, Any] = {
+    "generate": Generate,
+    "check": Check,
+    "draw": Draw,
+    "train": Train,
+    "evaluate": Evaluate,
+    "record": Record,
+    "demo": Demo,
+    "bench": Bench,
+}
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
+    command = tyro.extras.subcommand_cli_from_dict(
+        COMMANDS,
+        prog="vitruvius",
+        description="Furnished houses from rules, simulated thousands at a time, explored by an agent that learns.",
+        args=arguments,
+    )
+    sys.exit(_exit_code(command))
+
+
+def _exit_code(command: Any) -> int:
+    try:
+        return command.run()
+    except VitruviusError as error:
+        if error.exit_code == VitruviusError.exit_code:
+            _say(f"error, a fault of ours, please report it: {error}")
+        else:
+            _say(f"error: {error}")
+        return error.exit_code
+    except KeyboardInterrupt:
+        _say("interrupted")
+        return 130
+    except BrokenPipeError:
+        # The reader of our output is gone, as in `vitruvius generate ... | head`.
+        sys.stdout = None
+        return 0
+    except Exception:
+        traceback.print_exc()
+        _say("error, a fault of ours: please report it with the lines above")
+        return 70
+
+
+def _counts(types: tuple[str, ...]) -> dict[str, int]:
+    """``("bedroom=2",)`` as ``{"bedroom": 2}``."""
+    counts = {}
+    for text in types:
+        name, _, number = text.partition("=")
+        if not name or not number.isdecimal() or name in counts:
+            raise RequestError(f"--type {text}: give each type once, as in --type bedroom=2")
+        counts[name] = int(number)
+    return counts
+
+
+def _progress(items: Any, total: int, what: str) -> Iterator[Any]:
+    """A progress bar on a terminal, nothing in a pipe."""
+    console = Console(stderr=True)
+    return iter(
+        track(items, what, total=total, console=console, disable=not console.is_terminal, transient=True)
+    )
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()
