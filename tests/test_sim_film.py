@@ -1,0 +1,72 @@
+"""Pictures show what is there; films hold every frame."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sim import DEFAULT, HouseVectorEnv
+from sim.film import BODY, FLOOR, INK, TARGET, Camera, View, film
+from sim.geometry import geometry
+from tests import worlds
+
+HOUSE = worlds.drawn(worlds.ONE_ROOM, cell=1.0)
+
+
+@pytest.fixture
+def envs():
+    envs = HouseVectorEnv([HOUSE], num_envs=2, render_mode="rgb_array", preset=DEFAULT)
+    pose = [[5.0, 1.5, 0.0], [6.0, 2.0, np.pi]]
+    envs.reset(seed=0, options={"house": [0, 0], "pose": pose, "target": [[7.0, 0.6], [7.3, 2.4]]})
+    return envs
+
+
+def colour_at(image: Image.Image, x: float, y: float) -> tuple[int, ...]:
+    column, row = View(geometry(HOUSE), image.width).at(x, y)
+    return image.getpixel((round(column / 2), round(row / 2)))
+
+
+def test_a_picture_shows_body_target_walls_and_floor_in_their_places(envs):
+    image = Camera(envs, 0, width=600).shoot()
+    assert image.width == 600
+    assert colour_at(image, 4.9, 1.4) == BODY
+    assert colour_at(image, 7.0, 0.6) == TARGET
+    assert colour_at(image, 0.0, 0.5) == INK
+    assert colour_at(image, 4.3, 2.8) == FLOOR
+
+
+def test_every_environment_is_rendered_alone(envs):
+    first, second = envs.render()
+    assert first.shape == second.shape
+    assert first.shape[2] == 3
+    assert first.dtype == np.uint8
+    assert (first != second).any()
+
+
+def test_the_trail_follows_and_ends_with_the_episode(envs):
+    camera = Camera(envs, 0)
+    camera.shoot()
+    for _ in range(5):
+        envs.step([2, 0])
+        camera.shoot()
+    assert len(camera.trail) == 6
+    envs.reset()
+    camera.shoot()
+    assert len(camera.trail) == 1
+
+
+def test_a_film_has_all_frames_in_order(envs, tmp_path):
+    camera = Camera(envs, 0, width=200)
+    frames = [camera.shoot()]
+    for action in ([2, 2], [0, 0], [2, 2]):
+        envs.step(action)
+        frames.append(camera.shoot())
+    with Image.open(film(frames, tmp_path / "films" / "film.gif", fps=20)) as gif:
+        assert gif.n_frames == 4
+        assert gif.info["duration"] == 50
+        assert gif.info["loop"] == 0
+        gif.seek(3)
+        last = np.asarray(gif.convert("RGB"), int)
+    assert np.abs(last - np.asarray(frames[3], int)).mean() < 3
+    with pytest.raises(ValueError, match="no frame"):
+        film([], tmp_path / "none.gif")
+    assert [path.name for path in (tmp_path / "films").iterdir()] == ["film.gif"]
