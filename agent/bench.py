@@ -1,9 +1,8 @@
-"""``vitruvius bench``: the studies in ``benchmarks/``, run by pytest-benchmark, drawn with fitted exponents."""
+"""``vitruvius bench``: the studies in ``benchmarks/``, run by pytest-benchmark, drawn with fitted laws."""
 
 import json
 import subprocess
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import tyro
+from numpy.typing import ArrayLike
 
 from logic import VitruviusError
 from logic.files import write_whole
@@ -81,8 +81,8 @@ def _series(report: dict[str, Any]) -> dict[str, np.ndarray]:
     return {name: np.array(sorted(points)) for name, points in rows.items()}
 
 
-def fitted_exponent(sizes: Sequence[float], seconds: Sequence[float]) -> tuple[float, float]:
-    """The exponent of ``seconds ~ sizes ** exponent`` by least squares on logarithms, and its standard error."""
+def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]:
+    """Least squares on logarithms: the exponent of ``seconds ~ sizes ** exponent``, its standard error."""
     x, y = np.log(sizes), np.log(seconds)
     design = np.stack([x, np.ones_like(x)], axis=1)
     solution, residual, *_ = np.linalg.lstsq(design, y, rcond=None)

@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
@@ -127,16 +127,14 @@ class Draw:
     out: Path = Path("plans")
     """Folder for the pictures."""
 
-    format: str = "svg"
-    """svg or png."""
+    format: Literal["svg", "png"] = "svg"
+    """What the plans are written as."""
 
     def run(self) -> int:
         """Write a picture of each house and one of all."""
         from logic import load
         from logic.draw import draw
 
-        if self.format not in {"svg", "png"}:
-            raise RequestError(f"--format must be svg or png, not {self.format}")
         pictures = draw(load(self.file), self.out, format=self.format)
         _say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
         return 0
@@ -159,7 +157,7 @@ def main(arguments: list[str] | None = None) -> None:
     command = tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="vitruvius",
-        description="Furnished houses from rules, simulated thousands at a time, explored by an agent that learns.",
+        description="Furnished houses from rules, simulated by the thousand, explored by an agent that learns.",
         args=arguments,
     )
     sys.exit(_exit_code(command))

@@ -1,4 +1,4 @@
-"""Solve time against room count, split into the two stages. Set-up (grounding, loading) is outside the time."""
+"""Solve time against room count, by stage. Set-up (grounding, loading) is outside the time."""
 
 import itertools
 
@@ -33,9 +33,7 @@ def test_layout(benchmark, builder: Builder, rooms: int) -> None:
 def test_house(benchmark, builder: Builder, rooms: int) -> None:
     builder.house(Request(rooms), 0, 0, INFERENCES)
     indices = itertools.count()
-    benchmark.pedantic(
-        lambda: builder.house(Request(rooms), 0, next(indices), INFERENCES), rounds=ROUNDS
-    )
+    benchmark.pedantic(lambda: builder.house(Request(rooms), 0, next(indices), INFERENCES), rounds=ROUNDS)
 
 
 @pytest.mark.benchmark(group="generator, stage 2: CLP(R) places a layout")
@@ -50,7 +48,9 @@ def test_place(benchmark, builder: Builder, rooms: int) -> None:
             rng = np.random.default_rng([rooms, len(layouts)])
             layouts.append(builder.layout(Request(rooms), rng))
             try:
-                inferences.append(builder.place(layouts[-1], np.random.default_rng(0), INFERENCES)["inferences"])
+                inferences.append(
+                    builder.place(layouts[-1], np.random.default_rng(0), INFERENCES)["inferences"]
+                )
             except Exception as refuted:
                 if type(refuted).__name__ != "Refuted":
                     raise

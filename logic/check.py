@@ -1,17 +1,16 @@
 """The independent check: whether a house keeps its promises, in plain geometry.
 
-It reads coordinates alone: it knows no grammar and shares nothing with the rules that made the house.
-The constraints and their lengths are those of DESIGN (Geometry, Grammar). What holds only for the
-shipped grammar stands in ``FAMILY``; a house whose provenance names another grammar is judged by
-``ANY``, the promises that every grammar keeps.
+It reads coordinates alone and shares nothing with the rules that made the house. The lengths here hold
+for houses of every grammar; what a shipped grammar promises beyond them stands in ``promises.json``.
 """
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 from itertools import combinations
+from pathlib import Path
 
+import msgspec
 import shapely
 
 from logic.boxes import TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
@@ -35,15 +34,14 @@ SPACIOUSNESS = 2.0
 _BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
 
 
-@dataclass(frozen=True)
-class Rules:
+class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a grammar promises beyond what every house keeps; left empty, it promises nothing more."""
 
     door: float | None = None
     """Metres: the width of every door; None where it need only be the same throughout a house."""
     basic: tuple[str, ...] = ()
     """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
-    suits: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    suits: dict[str, frozenset[str]] = {}
     """The room types there are, and the types of the pieces that suit each; empty to judge neither."""
     room_gap: float = math.inf
     """Metres: as near as neighbouring rooms may come; what the house shows, if less, counts instead."""
@@ -51,48 +49,40 @@ class Rules:
     """Piece types that never stand in the middle of a room: they touch a wall."""
 
 
-ANY = Rules()
-"""The promises that every grammar keeps."""
-
-FAMILY = Rules(
-    door=0.762,
-    room_gap=0.3,
-    basic=("bedroom", "bathroom", "kitchen"),
-    suits={
-        "bedroom": frozenset({"bed", "bedside", "wardrobe"}),
-        "bathroom": frozenset({"toilet", "shower", "sink"}),
-        "kitchen": frozenset({"desk", "table", "chair"}),
-        "hall": frozenset({"sofa", "cupboard", "hallTable", "chair"}),
-    },
-    at_wall=frozenset({"bed"}),
+PROMISES = msgspec.json.decode(
+    Path(__file__).with_name("promises.json").read_bytes(), type=dict[str, Promises]
 )
-"""The shipped grammar (the paper's section 3), and so the original's houses."""
+"""Those of the shipped grammars, written apart from their rules. Other grammars promise nothing more."""
+
+DEFAULT = "family"
+"""The grammar of houses that name none: it states the paper's constraints."""
 
 
-def check(house: House, rules: Rules | None = None) -> list[str]:
+def check(house: House, promises: Promises | None = None) -> list[str]:
     """Judge a house: ``[]``, or its violations in words, each with its room, pieces and lengths.
 
-    Without ``rules`` the provenance decides: ``FAMILY`` for the grammar ``family`` and for houses that
-    name no grammar (the original's among them), ``ANY`` for all others. Two promises are those of our
+    Without ``promises`` the provenance decides: those of its grammar, if shipped, or of ``DEFAULT`` for
+    houses that name no grammar (the original's among them). Two promises are those of our
     own files alone, for the original does not keep their words: where a front faces, and the least area
     of the main room.
     """
-    if rules is None:
-        rules = FAMILY if house.provenance is None or house.provenance.grammar == "family" else ANY
+    if promises is None:
+        grammar = house.provenance.grammar if house.provenance else DEFAULT
+        promises = PROMISES.get(grammar, Promises())
     return [
-        *_doors(house, rules),
+        *_doors(house, promises),
         *_rooms(house),
-        *_types(house, rules),
-        *(line for index in range(len(house.rooms)) for line in _furniture(house, index, rules)),
+        *_types(house, promises),
+        *(line for index in range(len(house.rooms)) for line in _furniture(house, index, promises)),
         *_walking(house),
-        *_main_room(house, rules),
+        *_main_room(house, promises),
     ]
 
 
-def _doors(house: House, rules: Rules) -> Iterator[str]:
+def _doors(house: House, promises: Promises) -> Iterator[str]:
     widths = [max(room.door.width, room.door.height) for room in house.rooms]
     for index, room in enumerate(house.rooms):
-        wanted = widths[0] if rules.door is None else rules.door
+        wanted = widths[0] if promises.door is None else promises.door
         if abs(widths[index] - wanted) > TOLERANCE:
             yield f"{_name(house, index)}: its door is {widths[index]:.3f} m wide (must be {wanted:.3f})"
         if house.format == FORMAT:
@@ -119,27 +109,27 @@ def _rooms(house: House) -> Iterator[str]:
             yield f"{_name(house, one)} overlaps {_name(house, other)} by {depth:.2f} m"
 
 
-def _types(house: House, rules: Rules) -> Iterator[str]:
+def _types(house: House, promises: Promises) -> Iterator[str]:
     types = Counter(room.type for room in house.rooms)
     for index, room in enumerate(house.rooms):
-        if rules.suits and room.type not in rules.suits:
-            yield f"{_name(house, index)} is none of the room types ({', '.join(rules.suits)})"
-    basic = sum(types[kind] for kind in rules.basic)
-    if rules.basic and basic < 2 <= types.total():
-        yield f"house: has {basic} rooms of the basic types (at least 2 of {', '.join(rules.basic)})"
-    if types.total() >= len(rules.basic):
-        for kind in rules.basic:
+        if promises.suits and room.type not in promises.suits:
+            yield f"{_name(house, index)} is none of the room types ({', '.join(promises.suits)})"
+    basic = sum(types[kind] for kind in promises.basic)
+    if promises.basic and basic < 2 <= types.total():
+        yield f"house: has {basic} rooms of the basic types (at least 2 of {', '.join(promises.basic)})"
+    if types.total() >= len(promises.basic):
+        for kind in promises.basic:
             if not types[kind]:
-                yield f"house: has no {kind} (at least 1 from {len(rules.basic)} rooms on)"
+                yield f"house: has no {kind} (at least 1 from {len(promises.basic)} rooms on)"
 
 
-def _furniture(house: House, index: int, rules: Rules) -> Iterator[str]:
+def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
     room, place = house.rooms[index], _name(house, index)
     names = _piece_names(room)
     if not room.pieces:
         yield f"{place}: has no furniture"
     for piece, name in zip(room.pieces, names, strict=True):
-        if piece.type not in rules.suits.get(room.type, {piece.type}):
+        if piece.type not in promises.suits.get(room.type, {piece.type}):
             yield f"{place}: {name} does not suit the room"
         juts = excess(piece.box, room.box)
         if juts > TOLERANCE:
@@ -147,7 +137,7 @@ def _furniture(house: House, index: int, rules: Rules) -> Iterator[str]:
         away = distance(piece.box, room.door.box)
         if away < CLEARANCE - TOLERANCE:
             yield f"{place}: {name} stands {away:.2f} m from its door (at least {CLEARANCE})"
-        if piece.type in rules.at_wall and not walls_touched(piece, room):
+        if piece.type in promises.at_wall and not walls_touched(piece, room):
             yield f"{place}: {name} stands in the middle of the room (must touch a wall)"
     for (one, a), (other, b) in combinations(zip(room.pieces, names, strict=True), 2):
         depth = overlap(one.box, other.box)
@@ -193,13 +183,13 @@ def _walking(house: House) -> Iterator[str]:
             yield f"{place}: {area:.2f} m² of its floor lie behind passages narrower than {PASSAGE} m"
 
 
-def _main_room(house: House, rules: Rules) -> Iterator[str]:
+def _main_room(house: House, promises: Promises) -> Iterator[str]:
     short, long = sorted((house.floor.width, house.floor.height))
     if long > ELONGATION * short + TOLERANCE:
         yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
     if house.format != FORMAT or not house.rooms or any(side_of(house, room) is None for room in house.rooms):
         return
-    least = least_area(house, rules.room_gap)
+    least = least_area(house, promises.room_gap)
     if house.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
         yield (
             f"main room: is of {house.floor.area:.2f} m² "

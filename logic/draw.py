@@ -8,6 +8,7 @@ from itertools import product
 from pathlib import Path
 from typing import Literal
 
+import msgspec
 from PIL import Image
 
 from logic.boxes import overlap, walls_touched
@@ -19,37 +20,20 @@ PAPER, WALL, INK, FAINT = "#fbfaf6", "#333a45", "#3d4450", "#9aa1ab"
 """Colours of the main room, of walls, of words and of what stands back."""
 WOOD, EDGE, MARK = "#ffffff", "#6f7783", "#d9734e"
 """Colours of furniture: its top, its edge and the mark of its front."""
-ROOMS = {"bedroom": "#dbe6f4", "bathroom": "#d3ebe7", "kitchen": "#faebc9", "hall": "#e9e1f1"}
-"""Floors of the family's rooms; other types get a colour from their name."""
 
-SYMBOLS: dict[str, tuple[tuple[str, tuple[float, ...]], ...]] = {
-    "bed": (
-        ("box", (0.08, 0.05, 0.47, 0.22)),
-        ("box", (0.53, 0.05, 0.92, 0.22)),
-        ("line", (0, 0.34, 1, 0.34)),
-    ),
-    "bedside": (("ring", (0.5, 0.5, 0.25)),),
-    "wardrobe": (
-        ("line", (0.06, 0.5, 0.94, 0.5)),
-        *(("line", (u, 0.25, u, 0.75)) for u in (0.15, 0.3, 0.45, 0.6, 0.75)),
-    ),
-    "toilet": (("box", (0.08, 0, 0.92, 0.27)), ("oval", (0.18, 0.32, 0.82, 0.95))),
-    "sink": (("oval", (0.15, 0.25, 0.85, 0.85)), ("line", (0.5, 0.06, 0.5, 0.36))),
-    "shower": (("line", (0, 0, 1, 1)), ("line", (0, 1, 1, 0)), ("ring", (0.5, 0.5, 0.12))),
-    "desk": (
-        ("box", (0.08, 0.25, 0.3, 0.78)),
-        *(("ring", (u, v, 0.14)) for u in (0.68, 0.86) for v in (0.3, 0.7)),
-    ),
-    "sofa": (
-        ("line", (0.1, 0.27, 0.9, 0.27)),
-        ("line", (0.1, 0, 0.1, 1)),
-        ("line", (0.9, 0, 0.9, 1)),
-        ("line", (0.5, 0.27, 0.5, 1)),
-    ),
-    "cupboard": (("line", (0, 0.3, 1, 0.3)), ("line", (0.5, 0.3, 0.5, 1))),
-    "chair": (("line", (0.15, 0.22, 0.85, 0.22)),),
-}
-"""Symbols of pieces in their own frame: across from 0 to 1, and from the back (0) to the front (1)."""
+Symbol = tuple[Literal["box", "line", "oval", "ring"], tuple[float, ...]]
+
+
+class Looks(msgspec.Struct):
+    """How types look on a plan (``looks.json``). A type that is not there is drawn by its name."""
+
+    rooms: dict[str, str]
+    """Colours of the floors."""
+    pieces: dict[str, tuple[Symbol, ...]]
+    """Symbols in a piece's own frame: across from 0 to 1, and from the back (0) to the front (1)."""
+
+
+LOOKS = msgspec.json.decode(Path(__file__).with_name("looks.json").read_bytes(), type=Looks)
 
 TITLE, FOOT, MARGIN = 26, 22, 12
 """CSS pixels above a plan, below it and around it."""
@@ -131,8 +115,8 @@ def plan(house: House, width: int, height: int) -> Drawing:
 
 def room_colour(kind: str) -> str:
     """The floor's colour of a room type: always the same for the same name."""
-    if kind in ROOMS:
-        return ROOMS[kind]
+    if kind in LOOKS.rooms:
+        return LOOKS.rooms[kind]
     # Not hash(), which differs from process to process.
     hue = zlib.crc32(kind.encode()) / 2**32
     red, green, blue = colorsys.hls_to_rgb(hue, 0.89, 0.45)
@@ -160,7 +144,7 @@ def _piece(piece: Piece, box: Box, front: str, scale: float) -> list[Shape]:
     left, top, right, bottom = box
     radius = min(0.07 * scale, (right - left) / 3, (bottom - top) / 3)
     shapes: list[Shape] = [Block(box, WOOD, EDGE, max(0.8, 0.02 * scale), radius)]
-    for form, numbers in SYMBOLS.get(piece.type, ()):
+    for form, numbers in LOOKS.pieces.get(piece.type, ()):
         x0, y0 = _at(box, front, *numbers[:2])
         if form == "ring":
             by = numbers[2] * min(right - left, bottom - top)
@@ -174,7 +158,7 @@ def _piece(piece: Piece, box: Box, front: str, scale: float) -> list[Shape]:
             shapes.append(Oval(around, "", FAINT, 0.8))
         else:
             shapes.append(Block(around, "", FAINT, 0.8, 0.04 * scale))
-    if piece.type not in SYMBOLS:
+    if piece.type not in LOOKS.pieces:
         size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(piece.type or "?", 1))
         if 6 <= size <= bottom - top:
             shapes.append(Words(((left + right) / 2, (top + bottom) / 2), piece.type, size, EDGE))

@@ -37,8 +37,9 @@ def load(path: str | Path) -> list[House]:
 def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
     """Write houses as JSON Lines (a ``.json`` file takes exactly one), all of them or none.
 
-    ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which ``load``
-    passes over. The file is written beside its place and renamed, so a kill leaves the old file or the new one.
+    ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which
+    ``load`` passes over. The file is written beside its place and renamed: a kill
+    leaves the old file or the new.
     """
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
     if not records:

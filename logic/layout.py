@@ -45,7 +45,7 @@ class Program:
         self._variables, self._shares = self._options()
 
     def _options(self) -> tuple[list[tuple[int, list[int]]], np.ndarray]:
-        """Each variable's number of picks and its pick literals, in an order fixed by the rules; all weights."""
+        """Each variable's number of picks and its pick literals, in the rules' own order; all weights."""
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
             variable, value, weight = symbol.arguments

@@ -99,8 +99,14 @@ def test_a_house_says_where_it_comes_from() -> None:
 def test_a_new_room_type_needs_no_python(edited: Edit) -> None:
     """Two files: its name and furniture in .lp, its sizes in .pl."""
     edited("rooms.lp", "type(bedroom;", "type(study; bedroom;")
-    edited("furniture.lp", "may(hall,sofa,0,2).", "may(hall,sofa,0,2). may(study,lectern,1,1). stands(lectern,back).")
-    folder = edited("sizes.pl", "room_size(hall,", "room_size(study, 3.0, D) :- { D >= 2.5, D =< 3.0 }.\nroom_size(hall,")
+    edited(
+        "furniture.lp",
+        "may(hall,sofa,0,2).",
+        "may(hall,sofa,0,2). may(study,lectern,1,1). stands(lectern,back).",
+    )
+    folder = edited(
+        "sizes.pl", "room_size(hall,", "room_size(study, 3.0, D) :- { D >= 2.5, D =< 3.0 }.\nroom_size(hall,"
+    )
     text = (folder / "sizes.pl").read_text() + "piece_size(lectern, 0.6, 0.5, _).\n"
     (folder / "sizes.pl").write_text(text)
     (house,) = generate(rooms=1, types={"study": 1}, grammar=folder)
@@ -112,7 +118,7 @@ def test_a_new_room_type_needs_no_python(edited: Edit) -> None:
 
 
 def test_too_many_of_a_type_is_proved_impossible() -> None:
-    with pytest.raises(Unsatisfiable, match="excludes? 9 of type bathroom") as caught:
+    with pytest.raises(Unsatisfiable, match="exclude 9 of type bathroom") as caught:
         next(generate(rooms=3, types={"bathroom": 9, "kitchen": 1}))
     assert caught.value.reasons == ("rooms=3", "types bathroom=9")
 
@@ -150,7 +156,7 @@ def test_a_request_without_sense_is_refused(wrong: dict, word: str) -> None:
 
 
 def test_an_unknown_grammar_is_named() -> None:
-    with pytest.raises(GrammarError, match="famly.*family"):
+    with pytest.raises(GrammarError, match=r"famly.*family"):
         generate(rooms=3, grammar="famly")
 
 
@@ -160,11 +166,18 @@ def test_an_unknown_grammar_is_named() -> None:
         ("rooms.lp", "basic(bedroom; bathroom", "basic(bedroom bathroom", "syntax error"),
         ("rooms.lp", "not room(_,T)", "not rom(_,T)", "rom"),
         ("sizes.pl", "L =< 2.2, D >= 0.5,  D", "L =< 2.2 D >= 0.5,  D", "operator"),
-        ("sizes.pl", "piece_size(sofa,      L, D, _) :- { L >=", "piece_size(sofa, L, D, _) :- { M >=", "ingleton"),
+        (
+            "sizes.pl",
+            "piece_size(sofa,      L, D, _) :- { L >=",
+            "piece_size(sofa, L, D, _) :- { M >=",
+            "ingleton",
+        ),
         ("sizes.pl", "passage(0.42).", ":- atom_length(X, Y), passage(X, Y).", "instantiated"),
     ],
 )
-def test_a_wrong_rule_is_named_by_file_and_line(edited: Edit, file: str, old: str, new: str, says: str) -> None:
+def test_a_wrong_rule_is_named_by_file_and_line(
+    edited: Edit, file: str, old: str, new: str, says: str
+) -> None:
     """SWI-Prolog drops such a clause and clingo such an atom, and both go on: here it is an error."""
     folder = edited(file, old, new)
     with pytest.raises(GrammarError, match=says) as caught:
@@ -184,7 +197,12 @@ def test_a_wrong_rule_is_named_by_file_and_line(edited: Edit, file: str, old: st
         ("sizes.pl", "L >= 0.36, L =< 0.4, D = L", "L >= 0.36, D = L", "not bounded"),
         ("sizes.pl", "L >= 0.36, L =< 0.4", "L >= 0, L =< 0.4", "not positive"),
         ("furniture.lp", "may(hall,sofa", "may(hal,sofa", "no room type hal"),
-        ("sizes.pl", "passage(0.42).", "passage(0.42).\n:- initialization(halt).", "ended the solver process"),
+        (
+            "sizes.pl",
+            "passage(0.42).",
+            "passage(0.42).\n:- initialization(halt).",
+            "ended the solver process",
+        ),
     ],
 )
 def test_rules_that_cannot_work_are_named(edited: Edit, file: str, old: str, new: str, says: str) -> None:
@@ -205,11 +223,17 @@ def test_what_rules_print_does_not_reach_the_answers(edited: Edit) -> None:
 
 # Processes.
 
-SCRIPT = "from logic import generate\nfor house in generate(rooms=16, count=9999):\n    print('house', flush=True)\n"
+SCRIPT = """
+from logic import generate
+for house in generate(rooms=16, count=9999):
+    print("house", flush=True)
+"""
 
 
 def children(process: int) -> list[int]:
-    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(process)], capture_output=True, text=True, check=False)
+    found = subprocess.run(
+        ["ps", "-o", "pid=", "--ppid", str(process)], capture_output=True, text=True, check=False
+    )
     return [int(pid) for pid in found.stdout.split()]
 
 

@@ -1,0 +1,115 @@
+"""The command: every way to end, by its exit code and one line of text."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from agent.bench import fitted_exponent
+from agent.cli import COMMANDS
+from logic import load
+
+ROOT = Path(__file__).parents[1]
+
+
+def vitruvius(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "agent.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False, cwd=cwd)
+
+
+def test_generate_check_and_draw(tmp_path: Path) -> None:
+    file = tmp_path / "houses.jsonl"
+    made = vitruvius("generate", "--rooms", 3, "--type", "bedroom=1", "--count", 4, "--out", file)
+    assert made.returncode == 0
+    assert [len(house.rooms) for house in load(file)] == [3] * 4
+    assert vitruvius("check", file).returncode == 0
+    drawn = vitruvius("draw", file, "--out", tmp_path / "plans", "--format", "svg")
+    assert drawn.returncode == 0
+    assert len(list((tmp_path / "plans").glob("*.svg"))) == 5
+    assert "Traceback" not in drawn.stderr
+
+
+def test_without_a_file_houses_go_to_the_standard_output() -> None:
+    made = vitruvius("generate", "--rooms", 1, "--count", 2)
+    assert [json.loads(line)["roomNumber"] for line in made.stdout.splitlines()] == [1, 1]
+
+
+def test_check_says_no_by_line(tmp_path: Path) -> None:
+    file = tmp_path / "houses.jsonl"
+    vitruvius("generate", "--rooms", 2, "--out", file)
+    record = json.loads(file.read_text())
+    record["R0"]["door"]["x"] += 50
+    file.write_text(json.dumps(record) + "\n")
+    checked = vitruvius("check", file)
+    assert checked.returncode == 1
+    assert checked.stdout.startswith(f"{file}:1: R0")
+    answer = json.loads(vitruvius("check", file, "--json").stdout)
+    assert answer["house"] == 1
+    assert len(answer["violations"]) == len(checked.stdout.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (["generate", "--rooms", "3", "--type", "bathroom=9"], 3, "9 of type bathroom"),
+        (["generate", "--rooms", "3", "--type", "bathrom=1"], 2, "bathrom"),
+        (["generate", "--rooms", "3", "--type", "bathroom"], 2, "bedroom=2"),
+        (["generate", "--rooms", "many"], 2, "many"),
+        (["generate", "--rooms", "0"], 2, "rooms"),
+        (["generate", "--rooms", "9", "--inferences", "1000"], 4, "1000 inferences"),
+        (["generate", "--rooms", "3", "--grammar", "famly"], 5, "famly"),
+        (["check", "absent.jsonl"], 5, "absent.jsonl"),
+        (["check", "LICENSE"], 5, "LICENSE:1"),
+        (["evaluate", "pyproject.toml", "absent.jsonl"], 5, "pyproject.toml"),
+        (["frobnicate"], 2, "frobnicate"),
+    ],
+)
+def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: int, says: str) -> None:
+    ended = vitruvius(*arguments, cwd=ROOT)
+    assert ended.returncode == code, ended.stderr
+    assert says in ended.stderr
+    assert "Traceback" not in ended.stderr
+    assert code == 2 or len(ended.stderr.splitlines()) == 1
+
+
+def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
+    """Houses differ in their work: a bound between the least and the most ends the series on its way."""
+    file = tmp_path / "houses.jsonl"
+    ended = vitruvius(
+        "generate", "--rooms", 8, "--start", 2, "--count", 60, "--inferences", 145_000, "--out", file
+    )
+    assert ended.returncode == 4
+    kept = load(file)
+    assert 0 < len(kept) < 60
+    assert json.loads(file.read_text().splitlines()[-1])["stopped"].startswith(f"at house {2 + len(kept)}: ")
+
+
+def test_ctrl_c_keeps_the_houses_and_ends_within_a_second(tmp_path: Path) -> None:
+    file = tmp_path / "houses.jsonl"
+    command = [sys.executable, "-m", "agent.cli", "generate", "--rooms", "16", "--count", "100000"]
+    process = subprocess.Popen([*command, "--out", str(file)], stderr=subprocess.PIPE, text=True)
+    time.sleep(6)
+    began = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=10)
+    assert process.returncode == 130
+    assert time.monotonic() - began < 3  # A second of ours, and room for a busy machine.
+    assert "Traceback" not in said
+    assert load(file)
+
+
+def test_help_names_every_command_and_comes_without_torch() -> None:
+    code = "import sys, agent.cli; assert not {'torch', 'taichi', 'clingo'} & set(sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    shown = vitruvius("--help").stdout
+    assert all(name in shown for name in COMMANDS)
+
+
+def test_a_power_law_is_fitted() -> None:
+    exponent, error = fitted_exponent([4, 8, 16, 32], [3 * n**1.25 for n in (4, 8, 16, 32)])
+    assert exponent == pytest.approx(1.25)
+    assert error == pytest.approx(0, abs=1e-6)
