@@ -157,7 +157,7 @@ def main(arguments: list[str] | None = None) -> None:
     command = tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="vitruvius",
-        description="Furnished houses from rules, simulated by the thousand, explored by an agent that learns.",
+        description="Furnished houses from rules, simulated by thousands, explored by an agent that learns.",
         args=arguments,
     )
     sys.exit(_exit_code(command))

@@ -11,7 +11,11 @@ FILES = sorted((Path(__file__).parent / "prolog").glob("*.plt"))
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_prolog(file: Path) -> None:
     done = subprocess.run(
-        ["swipl", "-g", "run_tests", "-t", "halt", file], capture_output=True, text=True, timeout=60, check=False
+        ["swipl", "-g", "run_tests", "-t", "halt", file],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
     )
     # Choice points show as warnings: a relation of the rules that leaves one makes every draw slower.
     assert done.returncode == 0, done.stderr
