@@ -6,10 +6,11 @@
 import gymnasium
 
 from sim.config import DEFAULT, PAPER, Config
-from sim.env import HouseEnv, HouseVectorEnv
+from sim.env import HouseEnv
+from sim.vector import HouseVectorEnv
 
 __all__ = ["DEFAULT", "PAPER", "Config", "HouseEnv", "HouseVectorEnv"]
 
 gymnasium.register(
-    "Vitruvius/House-v0", entry_point="sim.env:HouseEnv", vector_entry_point="sim.env:HouseVectorEnv"
+    "Vitruvius/House-v0", entry_point="sim.env:HouseEnv", vector_entry_point="sim.vector:HouseVectorEnv"
 )

@@ -13,7 +13,7 @@ from sim.config import Config
 from sim.geometry import Geometry, geometry
 
 if TYPE_CHECKING:
-    from sim.env import HouseVectorEnv
+    from sim.vector import HouseVectorEnv
 
 Colour = tuple[int, int, int]
 Box = tuple[float, float, float, float]

@@ -1,4 +1,5 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportArgumentType=false, reportIndexIssue=false
 """The fewest actions to a target, exactly: breadth-first search over (x, y, heading) on the true map.
 
 It knows the house, which no agent does: it bounds what an agent can reach, one target at a time. A search
@@ -9,8 +10,8 @@ stopped when it is asked about a pose further away. It moves as ``step`` does, b
 import numpy as np
 
 from sim.backend import DIAGONAL, STRAIGHT
-from sim.env import HouseVectorEnv
 from sim.runtime import ti
+from sim.vector import HouseVectorEnv
 
 FAR = 1 << 15
 """More actions than any way takes."""
@@ -30,6 +31,9 @@ class Oracle:
         # A lattice through another origin may have one place more along each axis.
         columns, rows = np.array([lattice.shape for lattice in self.world.lattices]).max(axis=0) + 1
         self.columns, self.rows = int(columns), int(rows)
+        # Places to look at around a target for poses that pick it up: more than any body's reach.
+        config = self.world.config
+        self.near = int((config.target / 2 + max(config.body)) / config.step) + 1
         self.house = np.full(count, -1)
         self.origin = np.full((count, 2), np.nan)
 
@@ -87,6 +91,9 @@ class Oracle:
             if column < survey.shape[0] and row < survey.shape[1]:
                 ways = survey[column, row]
             self.ways[e, column, row] = ways
+            for heading in range(8):
+                self.distance[e, column, row, heading] = -1
+        self.head[e], self.tail[e] = 0, 0
 
     @ti.kernel
     def _act(self, action: ti.types.ndarray(ti.i64, 1)):
@@ -127,22 +134,26 @@ class Oracle:
 
         Where a body is larger on the diagonal, only poses where it can turn: it could not leave others.
         """
+        for k in range(self.tail[e]):
+            column, row, heading = self.unpacked(self.queue[e, k])
+            self.distance[e, column, row, heading] = -1
         self.head[e], self.tail[e] = 0, 0
-        for column in range(self.columns):
-            for row in range(self.rows):
-                for heading in range(8):
-                    self.distance[e, column, row, heading] = -1
-                    cell = ti.Vector([column + self.first[e][0], row + self.first[e][1], heading])
-                    picks = self.world.overlaps(self.world.origin[e], cell, self.target[e]) != 0
-                    if picks and self.stands(e, column, row, 0) and self.stands(e, column, row, 1):
-                        self.found(e, column, row, heading, 0)
+        middle = (self.target[e] - self.world.origin[e]) / ti.static(self.world.config.step)
+        place = ti.cast(ti.floor(middle), ti.i32) - self.first[e]
+        for column in range(place[0] - self.near, place[0] + self.near + 2):
+            for row in range(place[1] - self.near, place[1] + self.near + 2):
+                if self.inside(column, row):
+                    turns = self.stands(e, column, row, 0) and self.stands(e, column, row, 1)
+                    for heading in range(8):
+                        cell = ti.Vector([column + self.first[e][0], row + self.first[e][1], heading])
+                        if turns and self.world.overlaps(self.world.origin[e], cell, self.target[e]) != 0:
+                            self.found(e, column, row, heading, 0)
 
     @ti.func
     def expand(self, e):
         """Take the next pose from the queue and find those that one action leads from to it."""
-        pose = self.queue[e, self.head[e]]
+        column, row, heading = self.unpacked(self.queue[e, self.head[e]])
         self.head[e] += 1
-        heading, row, column = pose % 8, pose // 8 % self.rows, pose // (8 * self.rows)
         further = self.distance[e, column, row, heading] + 1
         self.found(e, column, row, (heading + 1) % 8, further)
         self.found(e, column, row, (heading + 7) % 8, further)
@@ -159,6 +170,11 @@ class Oracle:
             self.distance[e, column, row, heading] = ti.cast(distance, ti.i16)
             self.queue[e, self.tail[e]] = (column * self.rows + row) * 8 + heading
             self.tail[e] += 1
+
+    @ti.func
+    def unpacked(self, pose):
+        """A queued pose's column, row and heading."""
+        return pose // (8 * self.rows), pose // 8 % self.rows, pose % 8
 
     @ti.func
     def after(self, e, column, row, heading, action):

@@ -122,13 +122,21 @@ class World:
             self.look(e, observation)
 
     @ti.kernel
-    def describe(self, pose: ti.types.ndarray(ti.f32, 2), target: ti.types.ndarray(ti.f32, 2)):
-        """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), and the targets' centres (E, 2)."""
+    def describe(
+        self,
+        pose: ti.types.ndarray(ti.f32, 2),
+        target: ti.types.ndarray(ti.f32, 2),
+        house: ti.types.ndarray(ti.i32, 1),
+    ):
+        """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), the targets' centres (E, 2), metres,
+        and the houses (E,).
+        """
         for e in range(self.num_envs):
             eye = self.body.eye(self.origin[e], self.cell[e])
             pose[e, 0], pose[e, 1] = eye[0], eye[1]
             pose[e, 2] = ti.cast(self.cell[e][2], ti.f32) * ti.static(np.pi / 4)
             target[e, 0], target[e, 1] = self.target[e][0], self.target[e][1]
+            house[e] = self.house[e]
 
     @ti.func
     def advance(self, e, action):

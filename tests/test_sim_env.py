@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
@@ -48,7 +49,7 @@ def test_gymnasium_finds_nothing_wrong_with_the_single_environment(bank, preset)
 
 
 def test_the_spec_makes_the_environment_again(made):
-    again = gymnasium.make_vec(gymnasium.envs.registration.EnvSpec.from_json(made.spec.to_json()))
+    again = gymnasium.make_vec(EnvSpec.from_json(made.spec.to_json()))
     ours, theirs = made.reset(seed=3)[0], again.reset(seed=3)[0]
     np.testing.assert_array_equal(ours, theirs)
 

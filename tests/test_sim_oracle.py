@@ -2,11 +2,13 @@
 
 from collections import deque
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from sim import DEFAULT, PAPER, HouseVectorEnv
+from sim.continuous import Continuous
 from sim.oracle import Oracle
 from tests import worlds
 
@@ -25,7 +27,7 @@ def transitions(house, origin, config):
     pose = np.column_stack([place, cells[:, 2] * np.pi / 4])
     envs = HouseVectorEnv([house], num_envs=len(pose), preset=config)
     free = np.zeros(len(pose), np.uint8)
-    backend, zeros = envs.world.backend, np.zeros(len(pose), np.int32)
+    backend, zeros = cast(Continuous, envs.world.backend), np.zeros(len(pose), np.int32)
     # A lattice through one origin, as the body has it: float32 sums of origin and steps.
     at = np.tile(np.asarray(origin, np.float32), (len(pose), 1))
     backend._stand(zeros, at, cells.astype(np.int32), free)

@@ -1,3 +1,4 @@
+# pyright: reportInvalidTypeForm=false
 """Episodes, targets and random numbers: what depends on what, and what does not."""
 
 import numpy as np
@@ -165,7 +166,7 @@ def test_a_pick_up_earns_one_and_a_new_target():
     envs = HouseVectorEnv([house])
     options = {"house": [0], "pose": [[1.8, 3.2, np.pi / 2]], "target": [[1.8, 2.7]]}
     envs.reset(seed=0, options=options)
-    rewards, target = [], None
+    rewards, target = [], np.zeros(2)
     for _ in range(4):
         _, reward, _, _, info = envs.step([2])
         rewards.append(float(reward[0]))

@@ -84,7 +84,8 @@ def random_house(seed: int, original: bool = False) -> House:
     """
     rng = np.random.default_rng(seed)
     width, height = rng.uniform(3.5, 7, 2).tolist()
-    floor = Rect(*rng.uniform(0, 3, 2).tolist(), width, height)
+    x, y = rng.uniform(0, 3, 2).tolist()
+    floor = Rect(x, y, width, height)
     rooms = []
     for side in rng.permutation(4)[: rng.integers(1, 5)]:
         along = floor.width if side % 2 == 0 else floor.height
