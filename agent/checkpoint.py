@@ -59,14 +59,15 @@ def load(path: str | Path, shape: tuple[int, int] | None = None) -> Checkpoint:
             f"{path}: not a checkpoint of this version ({FORMAT}). Train anew: vitruvius train"
         )
     try:
-        found = tuple(record["shape"])
-        network = QNetwork(*found)
+        rays, channels, half_lives = record["shape"]
+        network = QNetwork(rays, channels, tuple(half_lives))
         network.load_state_dict(record["network"])
         checkpoint = Checkpoint(network.eval(), Config(**record["config"]), int(record["steps"]))
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train anew") from None
-    if shape is not None and found[:2] != tuple(shape):
-        seen, world = " x ".join(map(str, found[:2])), " x ".join(map(str, shape))
-        raise CheckpointError(f"{path}: the network reads {seen} (rays x channels), this world gives {world}")
+    if shape is not None and (rays, channels) != shape:
+        raise CheckpointError(
+            f"{path}: the network reads {rays} rays x {channels}, this world gives {shape[0]} x {shape[1]}"
+        )
     return checkpoint

@@ -76,11 +76,13 @@ class Evaluate:
         from agent import checkpoint, report
         from agent.evaluate import evaluate
         from agent.progress import progress
+        from agent.world import make_worlds
         from logic import load
 
         agent, houses = checkpoint.load(self.agent, shape=(40, 2)), load(self.houses)
         with progress("measuring") as tell:
-            scores = evaluate(agent.network, houses, targets=self.targets, seed=self.seed, tell=tell)
+            envs = make_worlds(houses, len(houses), self.targets)
+            scores = evaluate(agent.network, envs, seed=self.seed, tell=tell)
         if self.json:
             print(json.dumps({score.player: score.targets.astype(int).tolist() for score in scores}))
         else:

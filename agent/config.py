@@ -33,8 +33,8 @@ class Config:
     seed: int = 0
     """Seeds the worlds, the network's first weights, the exploration and the minibatches."""
 
-    recall: int = 8
-    """How many of its last actions the network is told: eight turns are once round."""
+    half_lives: tuple[float, ...] = (1, 4, 16, 64)
+    """Half-lives of the memory's traces, in steps."""
 
     discount: float = 0.99
     """Worth of a reward one step later (gamma)."""
@@ -82,7 +82,7 @@ class Config:
 
 
 POSITIVE = (
-    *("environments", "rollout", "steps", "seconds", "recall", "learning_rate", "clip"),
+    *("environments", "rollout", "steps", "seconds", "learning_rate", "clip"),
     *("epochs", "minibatches"),
 )
 SHARES = ("discount", "trace", "final_rate", "epsilon", "final_epsilon", "exploration", "forward")

@@ -18,6 +18,7 @@ from agent.progress import Report, progress
 from agent.record import record
 from agent.runs import run
 from agent.train import Progress
+from agent.world import make_worlds
 from logic import House, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
 from logic.files import write_whole
@@ -69,7 +70,7 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     agent, history = run(houses, config, out / "agent.pt", LINES)
 
     with progress("measuring", LINES) as tell:
-        scores = evaluate(agent.network, held_out, seed=seed, tell=tell)
+        scores = evaluate(agent.network, make_worlds(held_out, HELD_OUT), seed=seed, tell=tell)
     lines = report.rows(scores)
     filmed = _typical(scores)
     with progress("pictures", LINES) as tell:

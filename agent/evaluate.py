@@ -1,6 +1,5 @@
 """Evaluation: every player plays one episode in every house, with the same targets in the same order."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -12,9 +11,9 @@ from agent.network import QNetwork
 from agent.policies import Policy, QPolicy, RandomPolicy
 from agent.progress import Report
 from agent.statistics import Estimate, interquartile_mean
-from agent.world import make_worlds, shield
-from logic import House
+from agent.world import shield
 from sim import HouseVectorEnv
+from sim.oracle import Oracle
 
 
 @dataclass(frozen=True)
@@ -54,15 +53,12 @@ class Scores(NamedTuple):
 
 
 def evaluate(
-    network: QNetwork,
-    houses: Sequence[House],
-    *,
-    targets: str = "main",
-    seed: int = 0,
-    tell: Report = lambda done, words: None,
+    network: QNetwork, envs: HouseVectorEnv, *, seed: int = 0, tell: Report = lambda done, words: None
 ) -> Scores:
-    """What the agent, the random walk and the oracle do, one episode a house; ``tell`` follows it."""
-    envs = make_worlds(houses, len(houses), targets)
+    """What the agent, the random walk and the oracle do, one episode a house; ``tell`` follows it.
+
+    ``envs`` has an environment for each house of its bank.
+    """
     agent = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
     chance = torch.Generator().manual_seed(seed)
     tell(0.0, "agent")
@@ -71,17 +67,19 @@ def evaluate(
     walk_score = play("random + avoidance", envs, RandomPolicy(PaperRule(chance), chance), seed)
     tell(0.6, "shortest-path oracle")
     oracle_score = play_oracle(envs, seed)
-    tell(1.0, f"{len(houses)} houses")
+    tell(1.0, f"{envs.num_envs} houses")
     return Scores(agent_score, walk_score, oracle_score)
 
 
-def play(player: str, envs: HouseVectorEnv, policy: Policy, seed: int) -> Score:
-    """One episode of the policy in each environment: environment i plays in house i of the bank.
+def play(
+    player: str, envs: HouseVectorEnv, policy: Policy, seed: int, houses: np.ndarray | None = None
+) -> Score:
+    """One episode of the policy in each environment: environment i in house i, or in ``houses[i]``.
 
     Starts and targets are drawn by (seed + i, episode, counter) and never depend on the player, so that all
     players of one seed face the same.
     """
-    observation = _begin(envs, seed)
+    observation = _begin(envs, seed, houses)
     policy.begin(envs.num_envs)
     targets, playing = torch.zeros(envs.num_envs), torch.ones(envs.num_envs, dtype=torch.bool)
     steps = blocked = 0
@@ -97,8 +95,6 @@ def play(player: str, envs: HouseVectorEnv, policy: Policy, seed: int) -> Score:
 
 def play_oracle(envs: HouseVectorEnv, seed: int) -> Score:
     """The same episodes by shortest ways on the true map, one target after the other."""
-    from sim.oracle import Oracle  # its kernels need a running Taichi, which the worlds have started
-
     _begin(envs, seed)
     oracle = Oracle(envs)
     try:
@@ -107,7 +103,7 @@ def play_oracle(envs: HouseVectorEnv, seed: int) -> Score:
         oracle.close()
 
 
-def _begin(envs: HouseVectorEnv, seed: int) -> torch.Tensor:
+def _begin(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> torch.Tensor:
     """Begin the episodes of the protocol; observations (E, R, C)."""
-    observation, _ = envs.reset(seed=seed, options={"house": np.arange(envs.num_envs)})
-    return torch.as_tensor(observation)
+    houses = np.arange(envs.num_envs) if houses is None else houses
+    return torch.as_tensor(envs.reset(seed=seed, options={"house": houses})[0])

@@ -7,7 +7,6 @@ from torch import Tensor
 
 from agent.avoidance import Layer, random_preference, subsume
 from agent.network import QNetwork
-from agent.pqn import NONE, remembered
 
 
 class Policy(Protocol):
@@ -41,20 +40,23 @@ class QPolicy:
         """
         self.network, self.avoidance, self.generator = network, avoidance, generator
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
-        self.past = torch.empty(0, dtype=torch.int64)
+        self.remembered = network.memory.empty(0)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
         self.interventions = 0
-        self.past = torch.full((environments, self.network.shape[2]), NONE)
+        self.remembered = self.network.memory.empty(environments)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C)."""
-        preference = explore(self.network(observation, self.past), self.generator, self.epsilon, self.forward)
+        preference = explore(
+            self.network(observation, self.remembered), self.generator, self.epsilon, self.forward
+        )
         actions = subsume(preference, self.avoidance(observation))
         self.interventions += int((actions != preference.argmax(-1)).sum())
-        self.past = remembered(self.past, actions, torch.zeros_like(actions, dtype=torch.bool))
+        same = torch.zeros(len(actions), dtype=torch.bool)
+        self.remembered = self.network.memory(self.remembered, observation, actions, same)
         return actions
 
 

@@ -13,9 +13,6 @@ LEFT, RIGHT, FORWARD = range(3)
 ACTIONS = 3
 """How many there are."""
 
-NONE = 3
-"""Stands for an action before the episode began."""
-
 
 def lambda_returns(
     r_t: Tensor, terminated_t: Tensor, truncated_t: Tensor, v_t: Tensor, *, discount: float, trace: float
@@ -47,17 +44,12 @@ def q_loss(q_tm1: Tensor, a_tm1: Tensor, g_tm1: Tensor, valid: Tensor) -> Tensor
 
 
 def mirrored(actions: Tensor) -> Tensor:
-    """The same actions, of any shape, in a mirror: left for right; rays are mirrored by ``flip(1)``.
+    """The same actions (B,) in a mirror: left for right; rays are mirrored by ``flip(1)``.
 
     Houses are as likely as their mirror images and the rays lie symmetrically about the heading, so a
     mirrored transition is as good as the one that was lived.
     """
-    return torch.where(actions <= RIGHT, RIGHT - actions, actions)
-
-
-def remembered(past: Tensor, actions: Tensor, ended: Tensor) -> Tensor:
-    """The last actions (E, K), the latest first, after ``actions`` (E,): all NONE where the episode ended."""
-    return torch.cat([actions[:, None], past[:, :-1]], dim=1).masked_fill(ended[:, None], NONE)
+    return torch.where(actions == FORWARD, actions, RIGHT - actions)
 
 
 def linear(start: float, end: float, progress: float) -> float:

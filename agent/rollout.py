@@ -9,7 +9,6 @@ from torch import Tensor
 from agent.avoidance import Layer, best_value, subsume
 from agent.network import QNetwork
 from agent.policies import explore
-from agent.pqn import NONE, remembered
 from sim import HouseVectorEnv
 
 
@@ -20,8 +19,8 @@ class Rollout:
     s: Tensor
     """Observations (T + 1, E, R, C) float32."""
 
-    past: Tensor
-    """The actions before each state (T + 1, E, K) int64, the latest first."""
+    memory: Tensor
+    """What is remembered at each state (T + 1, E, M, 5) float32."""
 
     v: Tensor
     """Greatest allowed Q-value (T + 1, E) float32 of each state."""
@@ -48,13 +47,13 @@ class Rollout:
     """Seconds spent in the simulator."""
 
     @classmethod
-    def starting(cls, steps: int, observation: Tensor, recall: int) -> "Rollout":
-        """Make room for so many steps from the first observations (E, R, C) of a run; K is ``recall``."""
+    def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
+        """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 5)."""
         size = (steps, len(observation))
         ended = torch.zeros(size, dtype=torch.bool)
         rollout = cls(
             s=observation.new_empty(steps + 1, *observation.shape),
-            past=torch.full((steps + 1, len(observation), recall), NONE),
+            memory=memory.new_empty(steps + 1, *memory.shape),
             v=observation.new_empty(steps + 1, len(observation)),
             a=torch.empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
@@ -62,7 +61,7 @@ class Rollout:
             truncated=ended.clone(),
             valid=ended.clone(),
         )
-        rollout.s[-1] = observation
+        rollout.s[-1], rollout.memory[-1] = observation, memory
         return rollout
 
     @torch.no_grad()
@@ -78,10 +77,10 @@ class Rollout:
     ) -> None:
         """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random."""
         ended = self.terminated[-1] | self.truncated[-1]
-        self.s[0], self.past[0] = self.s[-1], self.past[-1]
+        self.s[0], self.memory[0] = self.s[-1], self.memory[-1]
         self.overruled, self.simulating = 0, 0.0
         for t in range(len(self.a)):
-            q, allowed = network(self.s[t], self.past[t]), avoidance(self.s[t])
+            q, allowed = network(self.s[t], self.memory[t]), avoidance(self.s[t])
             preference = explore(q, generator, epsilon, forward)
             self.v[t], self.a[t], self.valid[t] = best_value(q, allowed), subsume(preference, allowed), ~ended
             self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
@@ -93,5 +92,5 @@ class Rollout:
             self.terminated[t], self.truncated[t] = terminated, truncated
             # The step after an end begins the next episode: it is no memory of that one.
             begun, ended = ended, self.terminated[t] | self.truncated[t]
-            self.past[t + 1] = remembered(self.past[t], self.a[t], begun)
-        self.v[-1] = best_value(network(self.s[-1], self.past[-1]), avoidance(self.s[-1]))
+            self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.a[t], begun)
+        self.v[-1] = best_value(network(self.s[-1], self.memory[-1]), avoidance(self.s[-1]))

@@ -25,7 +25,7 @@ def run(
     ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no lines.
     """
     envs = make_worlds(houses, config.environments, config.targets)
-    network = seeded_network(config.seed, envs.config.rays, envs.config.channels, config.recall)
+    network = seeded_network(config.seed, envs.config.rays, envs.config.channels, config.half_lives)
     history: list[Progress] = []
     saved = perf_counter()
     with progress("training", every) as tell:

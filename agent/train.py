@@ -9,6 +9,7 @@ import torch
 
 from agent.avoidance import Layer
 from agent.config import Config
+from agent.memory import mirrored_memory
 from agent.network import QNetwork
 from agent.pqn import lambda_returns, linear, mirrored, q_loss
 from agent.rollout import Rollout
@@ -58,9 +59,8 @@ def learn(envs: HouseVectorEnv, network: QNetwork, avoidance: Layer, config: Con
     """
     generator = torch.Generator().manual_seed(config.seed)
     optimizer = torch.optim.RAdam(network.parameters(), lr=config.learning_rate)
-    rollout = Rollout.starting(
-        config.rollout, torch.as_tensor(envs.reset(seed=config.seed)[0]), config.recall
-    )
+    observation = torch.as_tensor(envs.reset(seed=config.seed)[0])
+    rollout = Rollout.starting(config.rollout, observation, network.memory.empty(envs.num_envs))
     recent: deque[tuple[float, int]] = deque(maxlen=max(1, round(EPISODE / config.rollout)))
     steps, fraction, seconds, simulating, start = 0, 0.0, 0.0, 0.0, perf_counter()
     while fraction < 1:
@@ -95,7 +95,7 @@ def update(
     generator: torch.Generator,
 ) -> float:
     """Learn from a rollout, in every second epoch from its mirror image; give back the mean loss."""
-    s, past = rollout.s[:-1].flatten(0, 1), rollout.past[:-1].flatten(0, 1)
+    s, memory = rollout.s[:-1].flatten(0, 1), rollout.memory[:-1].flatten(0, 1)
     a, valid = rollout.a.flatten(), rollout.valid.flatten()
     g = lambda_returns(
         rollout.r,
@@ -108,10 +108,10 @@ def update(
     losses = []
     for epoch in range(config.epochs):
         for batch in torch.randperm(len(a), generator=generator).chunk(config.minibatches):
-            s_tm1, past_tm1, a_tm1 = s[batch], past[batch], a[batch]
+            s_tm1, m_tm1, a_tm1 = s[batch], memory[batch], a[batch]
             if epoch % 2:
-                s_tm1, past_tm1, a_tm1 = s_tm1.flip(1), mirrored(past_tm1), mirrored(a_tm1)
-            loss = q_loss(network(s_tm1, past_tm1), a_tm1, g[batch], valid[batch])
+                s_tm1, m_tm1, a_tm1 = s_tm1.flip(1), mirrored_memory(m_tm1), mirrored(a_tm1)
+            loss = q_loss(network(s_tm1, m_tm1), a_tm1, g[batch], valid[batch])
             optimizer.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(network.parameters(), config.clip)

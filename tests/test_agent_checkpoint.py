@@ -37,8 +37,8 @@ def test_a_checkpoint_comes_back_as_it_was(tmp_path):
     checkpoint = load(made(tmp_path / "agent.pt"), shape=(40, 2))
     assert checkpoint.config == Config(steps=1000, seed=3)
     assert checkpoint.steps == 512
-    x, past = torch.rand(5, 40, 2), torch.randint(4, (5, 8))
-    assert torch.equal(checkpoint.network(x, past), seeded_network(3)(x, past))
+    x, memory = torch.rand(5, 40, 2), torch.rand(5, 4, 5)
+    assert torch.equal(checkpoint.network(x, memory), seeded_network(3)(x, memory))
 
 
 def test_saving_leaves_one_file_and_replaces_an_old_one(tmp_path):
@@ -87,7 +87,7 @@ def test_a_checkpoint_never_runs_code(tmp_path):
 
 def test_a_network_of_another_shape_is_refused(tmp_path):
     path = tmp_path / "agent.pt"
-    assert "40 x 2" in refusal(made(path), shape=(40, 3))
+    assert "40 rays x 2" in refusal(made(path), shape=(40, 3))
     assert "another shape" in refusal(spoiled(path, network=seeded_network(0, rays=20).state_dict()))
     assert "another shape" in refusal(spoiled(path, network={"look.weight": torch.ones(1)}))
 

@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from agent.network import QNetwork, seeded_network
-from agent.pqn import FORWARD, LEFT, NONE, RIGHT, lambda_returns, linear, mirrored, q_loss, remembered
+from agent.pqn import FORWARD, LEFT, RIGHT, lambda_returns, linear, mirrored, q_loss
 
 HALF = {"discount": 0.5, "trace": 0.5}
 
@@ -65,16 +65,9 @@ def test_a_rollout_of_ignored_steps_teaches_nothing():
 
 
 def test_the_mirror_exchanges_left_and_right_alone_and_undoes_itself():
-    actions = torch.tensor([[LEFT, RIGHT], [FORWARD, NONE]])
-    assert mirrored(actions).tolist() == [[RIGHT, LEFT], [FORWARD, NONE]]
+    actions = torch.tensor([LEFT, RIGHT, FORWARD])
+    assert mirrored(actions).tolist() == [RIGHT, LEFT, FORWARD]
     assert torch.equal(mirrored(mirrored(actions)), actions)
-
-
-def test_the_memory_holds_the_last_actions_of_this_episode_alone():
-    past = torch.full((2, 3), NONE)
-    past = remembered(past, torch.tensor([LEFT, RIGHT]), torch.tensor([False, False]))
-    past = remembered(past, torch.tensor([FORWARD, LEFT]), torch.tensor([False, True]))
-    assert past.tolist() == [[FORWARD, LEFT, NONE], [NONE, NONE, NONE]]
 
 
 def test_schedules_run_on_a_line_and_stay_at_its_end():
@@ -83,8 +76,8 @@ def test_schedules_run_on_a_line_and_stay_at_its_end():
 
 def test_the_network_has_the_stated_size_and_shape():
     network = QNetwork()
-    assert sum(weight.numel() for weight in network.parameters()) == 58_675
-    assert network(torch.rand(7, 40, 2), torch.full((7, 8), NONE)).shape == (7, 3)
+    assert sum(weight.numel() for weight in network.parameters()) == 57_139
+    assert network(torch.rand(7, 40, 2), torch.rand(7, 4, 5)).shape == (7, 3)
 
 
 def test_first_weights_are_a_function_of_the_seed_and_leave_torch_alone():

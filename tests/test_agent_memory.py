@@ -1,0 +1,48 @@
+"""The memory: traces that rise, fade, mirror and end."""
+
+import pytest
+import torch
+
+from agent.memory import Memory, mirrored_memory
+from agent.pqn import FORWARD, LEFT, mirrored
+
+NO = torch.zeros(1, dtype=torch.bool)
+NOTHING = torch.zeros(1, 40, 2)
+
+
+def test_a_trace_rises_to_a_half_in_its_half_life_and_fades_as_fast():
+    memory = Memory((1, 4))
+    held = memory.empty(1)
+    for _ in range(4):
+        held = memory(held, NOTHING, torch.tensor([LEFT]), NO)
+    assert held[0, 1].tolist() == pytest.approx([0.5, 0, 0, 0, 0])
+    for _ in range(4):
+        held = memory(held, NOTHING, torch.tensor([FORWARD]), NO)
+    assert held[0, 1].tolist() == pytest.approx([0.25, 0, 0.5, 0, 0])
+
+
+def test_it_remembers_on_which_side_the_target_was():
+    memory, seen = Memory((1,)), NOTHING.clone()
+    seen[0, 3, 1] = 1
+    assert memory(memory.empty(1), seen, torch.tensor([FORWARD]), NO)[0, 0].tolist() == [0, 0, 0.5, 0.5, 0]
+
+
+def test_nothing_is_left_of_another_episode():
+    memory = Memory((1, 4))
+    held = memory(
+        torch.ones(2, 2, 5), torch.ones(2, 40, 2), torch.tensor([LEFT, LEFT]), torch.tensor([True, False])
+    )
+    assert held[0].eq(0).all()
+    assert held[1].gt(0).any()
+
+
+def test_the_mirrors_memory_is_the_memory_of_the_mirror():
+    memory, held = Memory((1, 4, 16)), Memory((1, 4, 16)).empty(5)
+    other = held
+    chance = torch.Generator().manual_seed(0)
+    scenes = (torch.rand(20, 5, 40, 2, generator=chance) > 0.97).float()
+    for seen, actions in zip(scenes, torch.randint(3, (20, 5), generator=chance), strict=True):
+        held = memory(held, seen, actions, torch.zeros(5, dtype=torch.bool))
+        other = memory(other, seen.flip(1), mirrored(actions), torch.zeros(5, dtype=torch.bool))
+    assert held.gt(0).any((0, 1)).all()
+    torch.testing.assert_close(mirrored_memory(held), other)
