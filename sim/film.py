@@ -40,13 +40,13 @@ class Style:
     colour: Colour
 
 
-ROOM_LABEL, PIECE_LABEL, CAPTION_LABEL = Style(0.26, FAINT), Style(0.2, PIECE_INK), Style(0.3, INK)
+ROOM_LABEL, PIECE_LABEL = Style(0.26, FAINT), Style(0.2, PIECE_INK)
 
 SHARP = 2
 """Everything is drawn this much larger and then reduced: smooth lines."""
 
-MARGIN, CAPTION = 0.35, 0.55
-"""Metres around the house, and for the line of text below it."""
+MARGIN, CAPTION = 16, 30
+"""Pixels around the house, and for the line of text below it."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ class Scene:
 class Camera:
     """Looks at one environment: each ``shoot`` draws it as it is, and the way it has come since the first."""
 
-    def __init__(self, envs: "HouseVectorEnv", index: int = 0, width: int = 640) -> None:
-        """Pictures are ``width`` pixels wide and as high as the house asks."""
+    def __init__(self, envs: "HouseVectorEnv", index: int = 0, width: int = 720) -> None:
+        """Pictures are ``width`` pixels wide; those of high houses are as high instead, and narrower."""
         self.envs, self.index, self.width = envs, index, width
         self.trail: list[tuple[float, float]] = []
         self._plan: tuple[House, Image.Image] | None = None
@@ -90,7 +90,7 @@ class Camera:
 
 def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Image.Image) -> Image.Image:
     """Draw a scene on its house's ``plan``: target, trail, rays and body."""
-    view = View(geometry(scene.house), background.width // SHARP)
+    view = View(geometry(scene.house), max(background.size) // SHARP)
     image = background.copy()
     draw = ImageDraw.Draw(image, "RGBA")
     half = scene.config.target / 2
@@ -101,7 +101,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     recent = len(points)
     for k in range(recent - 1):  # the way fades as it gets old, but never away
         strength = 60 + int(150 * max(0.0, 1 - (recent - k) / 400))
-        draw.line([points[k], points[k + 1]], (*TRAIL, strength), view.px(0.035))
+        draw.line([points[k], points[k + 1]], (*TRAIL, strength), max(SHARP, view.px(0.035)))
 
     x, y, heading = scene.pose
     eye = view.at(x, y)
@@ -111,31 +111,35 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     ends = np.column_stack([x + np.cos(angle) * reach, y - np.sin(angle) * reach])
     fan = [eye, *(view.at(*end) for end in ends)]
     draw.polygon(fan, (*RAY, 26))
-    for end, hit in zip(fan[1:], scene.is_target, strict=True):
+    for end, hit, distance in zip(fan[1:], scene.is_target, reach, strict=True):
         draw.line([eye, end], (*TARGET_RAY, 230) if hit else (*RAY, 110), view.px(0.022 if hit else 0.012))
-        dot, r = end, view.px(0.03)
-        draw.ellipse([dot[0] - r, dot[1] - r, dot[0] + r, dot[1] + r], TARGET_RAY if hit else (*RAY, 190))
+        if distance < scene.config.range:
+            (a, b), r = end, view.px(0.03)
+            draw.ellipse([a - r, b - r, a + r, b + r], TARGET_RAY if hit else (*RAY, 190))
 
-    diagonal = round(float(heading) / (np.pi / 4)) % 2
-    corner = scene.pose[:2] - scene.config.eye[diagonal]
-    side = scene.config.body[diagonal]
-    draw.rounded_rectangle(view.box(*corner, *(corner + side)), view.px(0.05), BODY, "white", view.px(0.02))
-    middle = corner + side / 2
-    nose = [(0.4, 0.0), (-0.25, 0.3), (-0.25, -0.3)]
-    cosine, sine = np.cos(heading), np.sin(heading)
-    turned = [(a * cosine - b * sine, -(a * sine + b * cosine)) for a, b in nose]
-    draw.polygon([view.at(middle[0] + a * side, middle[1] + b * side) for a, b in turned], "white")
-
-    text = f"step {scene.step} of {scene.config.steps}    {scene.found} targets"
-    below = view.at(view.west, view.south + MARGIN + CAPTION / 2)
-    draw.text(below, text, CAPTION_LABEL.colour, view.font(CAPTION_LABEL), anchor="lm")
+    _draw_body(draw, view, scene)
+    targets = "1 target" if scene.found == 1 else f"{scene.found} targets"
+    text = f"step {scene.step} of {scene.config.steps}    {targets}"
+    below = SHARP * MARGIN, image.height - SHARP * (MARGIN + CAPTION) // 2
+    draw.text(below, text, INK, ImageFont.load_default(SHARP * 16), anchor="lm")
     return image.reduce(SHARP)
 
 
-def plan(house: House, width: int) -> Image.Image:
+def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
+    """The square body, with an arrow that points where it heads."""
+    heading = float(scene.pose[2])
+    diagonal = round(heading / (np.pi / 4)) % 2
+    corner, side = scene.pose[:2] - scene.config.eye[diagonal], scene.config.body[diagonal]
+    draw.rounded_rectangle(view.box(*corner, *(corner + side)), view.px(0.05), BODY, "white", view.px(0.02))
+    arrow = side * np.array([(0.4, 0.0), (-0.25, 0.3), (-0.25, -0.3)])
+    turn = np.array([(np.cos(heading), -np.sin(heading)), (-np.sin(heading), -np.cos(heading))])
+    draw.polygon([view.at(*point) for point in corner + side / 2 + arrow @ turn.T], "white")
+
+
+def plan(house: House, size: int) -> Image.Image:
     """Draw a house from above, ``SHARP`` times larger than it will be shown: floors, pieces, walls, doors."""
     shape = geometry(house)
-    view = View(shape, width)
+    view = View(shape, size)
     image = Image.new("RGB", view.size, PAPER)
     draw = ImageDraw.Draw(image)
     draw.rectangle(view.box(*house.floor.box), FLOOR)
@@ -183,16 +187,20 @@ def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int 
 class View:
     """From metres to the pixels of a picture that holds the whole house."""
 
-    def __init__(self, shape: Geometry, width: int) -> None:
-        """A picture ``width`` pixels wide, drawn ``SHARP`` times larger."""
-        self.west, self.north, self.east, self.south = shape.bounds
-        self.scale = SHARP * width / (self.east - self.west + 2 * MARGIN)
-        height = self.south - self.north + 2 * MARGIN + CAPTION
-        self.size = SHARP * width, SHARP * round(self.scale * height / SHARP)
+    def __init__(self, shape: Geometry, size: int) -> None:
+        """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
+        self.west, self.north, east, south = shape.bounds
+        width, height = east - self.west, south - self.north
+        scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
+        self.scale = SHARP * scale
+        self.size = (
+            SHARP * round(scale * width + 2 * MARGIN),
+            SHARP * round(scale * height + 2 * MARGIN + CAPTION),
+        )
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """A point's pixels."""
-        return (x - self.west + MARGIN) * self.scale, (y - self.north + MARGIN) * self.scale
+        return (x - self.west) * self.scale + SHARP * MARGIN, (y - self.north) * self.scale + SHARP * MARGIN
 
     def box(self, west: float, north: float, east: float, south: float) -> list[float]:
         """A box's pixels."""
