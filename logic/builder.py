@@ -9,7 +9,7 @@ from typing import Any
 import clingo
 import msgspec
 import numpy as np
-from clingo import Function, Number, Symbol
+from clingo import Function, Number, Symbol, SymbolType
 
 from logic.errors import GrammarError, LimitReached, RequestError, Unsatisfiable
 from logic.grammar import Grammar
@@ -40,7 +40,9 @@ class Builder:
         self._grammar = grammar
         self._placer = Placer(grammar)
         probe = Program(grammar.asp, {"rooms": 1}, [("house", [])])
-        self.types = sorted(symbol.arguments[0].name for symbol in probe.atoms("type", 1))
+        for symbol in probe.atoms("wrong", 2):
+            raise GrammarError(f"{symbol.arguments[0]}: {symbol.arguments[1].string}", grammar.directory)
+        self.types = sorted(_name(symbol.arguments[0]) for symbol in probe.atoms("type", 1))
         if not self.types:
             raise GrammarError("no room type: state type/1 in a .lp file", grammar.directory)
         self._furnishing = self._furnishing_programs(probe)
@@ -155,13 +157,7 @@ class Builder:
         """For each type the program that furnishes a room, with the extremes of its lengths as facts."""
         furniture: dict[str, list[str]] = {type_: [] for type_ in self.types}
         for symbol in probe.atoms("may", 4):
-            type_, piece = (argument.name for argument in symbol.arguments[:2])
-            if type_ not in furniture:
-                known = ", ".join(self.types)
-                raise GrammarError(
-                    f"{symbol}: no room type {type_}. type/1 has {known}", self._grammar.directory
-                )
-            furniture[type_].append(piece)
+            furniture[symbol.arguments[0].name].append(_name(symbol.arguments[1]))
         lengths = self._placer.lengths(furniture)
         named = [
             ("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()
@@ -213,6 +209,13 @@ class Refutations:
         for room in layout.rooms:
             if room.number in rooms:
                 self._furniture.setdefault(room.type.name, []).append(room.furniture)
+
+
+def _name(symbol: Symbol) -> str:
+    """A type's name: a word in lower case, the same term for clingo and for Prolog, and a word in files."""
+    if symbol.type != SymbolType.Function or symbol.arguments or symbol.negative:
+        raise GrammarError(f"{symbol}: a type is named by a word that begins in lower case, as in bedroom")
+    return symbol.name
 
 
 def _millimetres(extremes: Sequence[float]) -> list[Symbol]:

@@ -196,7 +196,11 @@ def test_a_wrong_rule_is_named_by_file_and_line(
         ("sizes.pl", "D = L + 0.3", "D = L * L", "nonlinear"),
         ("sizes.pl", "L >= 0.36, L =< 0.4, D = L", "L >= 0.36, D = L", "not bounded"),
         ("sizes.pl", "L >= 0.36, L =< 0.4", "L >= 0, L =< 0.4", "not positive"),
-        ("furniture.lp", "may(hall,sofa", "may(hal,sofa", "no room type hal"),
+        ("furniture.lp", "may(hall,sofa", "may(hal,sofa", r"may\(hal,sofa,0,2\): no room type"),
+        ("furniture.lp", "may(hall,sofa,0,2)", "may(hall,sofa,2,1)", r"may\(hall,sofa,2,1\): a range"),
+        ("furniture.lp", "stands(table,", "stands(tabel,", r"the piece stands nowhere|no room may have"),
+        ("furniture.lp", "stands(table,     middle)", "stands(table, centre)", "no such place"),
+        ("rooms.lp", "type(bedroom;", 'type("best room"; bedroom;', r"best room.*lower case"),
         (
             "sizes.pl",
             "passage(0.42).",
