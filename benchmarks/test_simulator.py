@@ -20,7 +20,7 @@ ANGLES = np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.
 
 
 def actions(count: int) -> np.ndarray:
-    return np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(64, count))
+    return np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(32, count))
 
 
 def record(benchmark, environments: int, steps: int) -> None:
@@ -46,7 +46,7 @@ def test_kernel(benchmark, envs):
         for action in plan:
             envs.step_torch(action)
 
-    benchmark.pedantic(run, rounds=10, warmup_rounds=1)
+    benchmark.pedantic(run, rounds=7, warmup_rounds=1)
     record(benchmark, envs.num_envs, plan.numel())
 
 
@@ -59,7 +59,7 @@ def test_gymnasium(benchmark, envs):
         for action in plan:
             envs.step(action)
 
-    benchmark.pedantic(run, rounds=10, warmup_rounds=1)
+    benchmark.pedantic(run, rounds=7, warmup_rounds=1)
     record(benchmark, envs.num_envs, plan.size)
 
 

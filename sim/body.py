@@ -9,6 +9,10 @@ from sim.runtime import ti
 HEADINGS = np.array([(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)], np.int32)
 """Steps east and south that ``forward`` makes at each of the eight headings."""
 
+SKIN = 1e-5
+"""Metres: a body that reaches less far than this into something touches it, and what merely touches neither
+blocks nor is picked up."""
+
 
 @ti.data_oriented
 class Body:

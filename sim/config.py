@@ -53,6 +53,18 @@ class Config:
     """Whether an episode starts anywhere free in the main room with any heading, or always at the free
     place nearest to the main room's middle, heading north."""
 
+    def __post_init__(self) -> None:
+        """Refuse with ``ValueError`` what no world can be."""
+        lengths = (*self.body, self.step, self.range, self.target)
+        if not all(0 < length < float("inf") for length in lengths):
+            raise ValueError("body, step, range and target must be positive lengths in metres")
+        if self.rays < 1 or self.steps < 1:
+            raise ValueError(f"{self.rays} rays and {self.steps} steps: at least one of each")
+        if self.ray_spacing < 1 or 45 % self.ray_spacing:
+            raise ValueError(f"ray_spacing is {self.ray_spacing} degrees: it must divide 45")
+        if self.collision not in ("swept", "original"):
+            raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
+
     @property
     def channels(self) -> int:
         """Numbers in an observation for each ray."""

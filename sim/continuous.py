@@ -12,13 +12,13 @@ import numpy as np
 
 from logic import House
 from sim.backend import Lattice
-from sim.body import Body
+from sim.body import SKIN, Body
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 from sim.runtime import ti
 
-SKIN = 1e-5
-"""Metres by which a body is smaller than its side, so that what merely touches does not block."""
+FARTHEST = 100.0
+"""Metres from the origin that a house may reach: beyond, float32 places are coarser than ``SKIN``."""
 
 SEAM = 2e-5
 """Metres by which a box reaches beyond its corners for a ray, so that none slips through where two meet."""
@@ -38,12 +38,11 @@ class Continuous:
         self.geometries: list[Geometry] = []
         # Row k is the direction first_ray - k * spacing; heading h looks along rows turn * -h + (0..rays-1).
         self.turn = 45 // config.ray_spacing
-        around = 8 * self.turn
-        angle = np.deg2rad(config.first_ray - config.ray_spacing * np.arange(around + config.rays))
+        rows = np.arange(8 * self.turn + config.rays)
+        angle = np.deg2rad(config.first_ray - config.ray_spacing * rows)
         east, south = np.cos(angle), -np.sin(angle)
         east[np.abs(east) < 1e-12] = 1e-30
         south[np.abs(south) < 1e-12] = 1e-30
-        self.around = around
         self.directions = ti.Vector.field(4, ti.f32, shape=len(angle))
         table = np.stack([1 / east, 1 / south, south / east, east / south], axis=1)
         self.directions.from_numpy(table.astype(np.float32))
@@ -65,6 +64,8 @@ class Continuous:
     def lattice(self, house: int, origin: np.ndarray | None = None) -> Lattice:
         """A house's own lattice lies half a step off its corner, so that no body is flush by construction."""
         west, north, east, south = self.geometries[house].bounds
+        if max(abs(west), abs(north), abs(east), abs(south)) > FARTHEST:
+            raise ValueError(f"it reaches further than {FARTHEST:.0f} m from the origin")
         corner, step = np.array([west, north]), self.config.step
         if origin is None:
             origin = (corner + step / 2).astype(np.float32)

@@ -13,13 +13,11 @@ import numpy as np
 
 from logic import House
 from sim.backend import Backend
+from sim.body import SKIN
 from sim.config import Config
 from sim.philox import below, philox
 from sim.places import places
 from sim.runtime import ti
-
-SKIN = 1e-5
-"""Metres: lines nearer than this touch."""
 
 TRIES = 32
 """Draws until a place that should lie apart from another is taken as it comes."""
@@ -56,12 +54,13 @@ class World:
 
     def _pack(self, houses: Sequence[House], targets: str) -> None:
         bank = self.backend.pack(houses)
-        self.lattices = [self.backend.lattice(index) for index in range(len(bank))]
-        found = []
-        for index, (shape, lattice) in enumerate(zip(bank, self.lattices, strict=True)):
+        self.lattices, found = [], []
+        for index, shape in enumerate(bank):
             try:
+                lattice = self.backend.lattice(index)
                 survey = self.backend.survey(index, lattice)
                 found.append(places(shape, lattice, survey, self.config, targets))
+                self.lattices.append(lattice)
             except ValueError as error:
                 raise ValueError(f"house {index} of {len(bank)}: {error}") from None
         self.num_houses = len(bank)

@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode
 from msgspec.structs import replace
 
 from logic import save
-from sim import HouseVectorEnv
+from sim import Config, HouseVectorEnv
 from tests import worlds
 
 HOUSES = [worlds.drawn(worlds.ONE_ROOM), *worlds.RANDOM[:2]]
@@ -151,7 +151,6 @@ def test_wrong_options_are_refused_and_change_nothing(envs, message):
 
 
 CRAMPED = worlds.drawn("a+\n..", cell=0.5)
-BARRED = worlds.drawn("aAa\na+a\n...", cell=1.0)
 WRONG_ARGUMENTS = {
     "the bank is empty": {"houses": []},
     "a list of House, not of str": {"houses": ["house"]},
@@ -170,6 +169,26 @@ WRONG_ARGUMENTS = {
 def test_wrong_arguments_are_refused(message):
     with pytest.raises(ValueError, match=re.escape(message)):
         HouseVectorEnv(**({"houses": HOUSES} | WRONG_ARGUMENTS[message]))
+
+
+@pytest.mark.parametrize(
+    ("message", "wrong"),
+    [
+        ("must divide 45", {"ray_spacing": 2}),
+        ("positive lengths", {"step": 0.0}),
+        ("at least one", {"rays": 0}),
+        ("unknown collision", {"collision": "none"}),
+    ],
+)
+def test_a_configuration_that_no_world_can_have_is_refused(message, wrong):
+    with pytest.raises(ValueError, match=message):
+        Config(**wrong)
+
+
+def test_a_house_too_far_from_the_origin_is_refused():
+    house = worlds.drawn("a+a\n...\n...", cell=40.0)
+    with pytest.raises(ValueError, match="house 0 of 1: it reaches further than 100 m"):
+        HouseVectorEnv([house])
 
 
 def test_a_house_whose_main_room_is_too_small_to_stand_in_is_refused():
