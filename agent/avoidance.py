@@ -1,8 +1,8 @@
 """The avoidance layer: what a higher layer forbids to those below it (Brooks 1986, the subsumption layer).
 
-A layer reads one array of observations (E, R, C) and says which actions it allows (E, A) bool. ``subsume``
-then takes the best allowed action by the preferences of the layer below, be it a network or a random walk.
-So layers stack by ``&``, and a new one is a class with one method.
+A layer reads the observations (E, R, C), and whether the last move was blocked (E,) bool, and says which
+actions it allows (E, A) bool. ``subsume`` then takes the best allowed action by the preferences of the layer
+below, be it a network or a random walk. So layers stack by ``&``, and a new one is a class with one method.
 """
 
 from typing import Protocol
@@ -17,19 +17,20 @@ from agent.pqn import ACTIONS, FORWARD, LEFT, RIGHT
 class Layer(Protocol):
     """A behaviour that may overrule those below it."""
 
-    def __call__(self, observation: Tensor) -> Tensor:
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, A) bool the layer allows, at least one of them in each row."""
         ...
 
 
 class Shield:
-    """Forbids ``forward`` where the path of the body is not free according to the rays.
+    """Forbids ``forward`` where the rays say that the body's path is not free, or a bump has just said so.
 
     Both rotations are always allowed: a body that turns in place touches nothing. The region that an
     axis-aligned square sweeps in one step is convex and holds the eye, so it is free as far as the rays tell
     exactly if each one reaches beyond the region's edge: one table of distances a heading, one comparison a
     ray. Headings along the walls and headings at 45 degrees to them sweep different regions; which of the
-    two it is shows in the rays, as every wall is parallel to an axis.
+    two it is shows in the rays, as every wall is parallel to an axis. A corner between two rays, or beside
+    the body and so out of sight, is met by a bump; the same move again would meet it too.
     """
 
     def __init__(
@@ -49,12 +50,12 @@ class Shield:
         turned = angles[:, None] + np.pi / 4 * np.arange(4)
         self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32)
 
-    def __call__(self, observation: Tensor) -> Tensor:
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed."""
         distance, is_target = observation[..., -2], observation[..., -1] > 0
         clear = self.clear.to(distance.device)[self.diagonal(distance).long()]
         allowed = torch.ones(*distance.shape[:-1], ACTIONS, dtype=torch.bool, device=distance.device)
-        allowed[..., FORWARD] = ((distance >= clear) | is_target).all(-1)
+        allowed[..., FORWARD] = ((distance >= clear) | is_target).all(-1) & ~blocked
         return allowed
 
     def diagonal(self, distance: Tensor) -> Tensor:
@@ -79,7 +80,7 @@ class PaperRule:
         """Take a threshold as a fraction of the range (the paper's 10.8 px of 220) and a source of chance."""
         self.generator, self.threshold = generator, threshold
 
-    def __call__(self, observation: Tensor) -> Tensor:
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed: all, or one rotation alone."""
         distance, is_target = observation[..., -2], observation[..., -1] > 0
         far = (distance.masked_fill(is_target, 1.0) >= self.threshold).all(-1)

@@ -23,7 +23,7 @@ class Config:
     rollout: int = 32
     """Steps of every world between two updates of the network."""
 
-    steps: int = 4_000_000
+    steps: int = 3_000_000
     """Environment steps of the whole run; the schedules below are fractions of it."""
 
     seconds: float | None = None
@@ -33,16 +33,19 @@ class Config:
     seed: int = 0
     """Seeds the worlds, the network's first weights, the exploration and the minibatches."""
 
+    threads: int = 1
+    """Cores that torch may use. More help little with batches this small, and sums depend on their number."""
+
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Half-lives of the memory's traces, in steps."""
 
     discount: float = 0.99
     """Worth of a reward one step later (gamma)."""
 
-    trace: float = 0.85
+    trace: float = 0.75
     """How far returns run along the path taken before they trust the network (lambda): 0 one step, 1 all."""
 
-    learning_rate: float = 2e-3
+    learning_rate: float = 1e-3
     """RAdam's rate at the start; it falls on a line to ``final_rate`` of it."""
 
     final_rate: float = 0.05
@@ -83,7 +86,7 @@ class Config:
 
 POSITIVE = (
     *("environments", "rollout", "steps", "seconds", "learning_rate", "clip"),
-    *("epochs", "minibatches"),
+    *("epochs", "minibatches", "threads"),
 )
 SHARES = ("discount", "trace", "final_rate", "epsilon", "final_epsilon", "exploration", "forward")
 

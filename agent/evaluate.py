@@ -82,15 +82,16 @@ def play(
     observation = _begin(envs, seed, houses)
     policy.begin(envs.num_envs)
     targets, playing = torch.zeros(envs.num_envs), torch.ones(envs.num_envs, dtype=torch.bool)
-    steps = blocked = 0
+    blocked, steps, bumps = torch.zeros_like(playing), 0, 0
     while playing.any():
-        actions = policy(observation)
+        actions = policy(observation, blocked)
         observation, reward, terminated, truncated, info = envs.step_torch(actions)
         targets += reward * playing
         steps += int(playing.sum())
-        blocked += int((info["blocked"] & playing).sum())
+        blocked = info["blocked"]
+        bumps += int((blocked & playing).sum())
         playing &= ~(terminated | truncated)
-    return Score(player, targets.numpy(), steps, blocked, policy.interventions)
+    return Score(player, targets.numpy(), steps, bumps, policy.interventions)
 
 
 def play_oracle(envs: HouseVectorEnv, seed: int) -> Score:

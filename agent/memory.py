@@ -2,10 +2,10 @@
 
 A look at the rays alone does not say enough: a body that sees no target turns to and fro for ever, as left
 and right are worth the same, or spins on one spot of a large room. Traces break both, and cost little: for
-each of a few half-lives, how much of late was spent turning left, turning right, going forward, and seeing
-the target on the left and on the right. A map of the house is more; this needs the rays and actions alone.
+each of a few half-lives, how much of late was spent turning left, turning right, going forward, bumping into
+something, and seeing the target on the left and on the right. A map of the house would be more.
 
-Axes: E environments, M half-lives, 5 signals.
+Axes: E environments, M half-lives, 6 signals.
 """
 
 import torch
@@ -13,8 +13,8 @@ from torch import Tensor, nn
 
 from agent.pqn import ACTIONS
 
-SIGNALS = 5
-MIRROR = (1, 0, 2, 4, 3)
+SIGNALS = 6
+MIRROR = (1, 0, 2, 3, 5, 4)
 """Where each signal's mirror image stands."""
 
 
@@ -28,21 +28,24 @@ class Memory(nn.Module):
         self.register_buffer("decay", 0.5 ** (1 / torch.tensor(half_lives, dtype=torch.float32)[:, None]))
 
     def empty(self, environments: int) -> Tensor:
-        """Memories (E, M, 5) float32 of nothing."""
+        """Memories (E, M, 6) float32 of nothing."""
         return self.decay.new_zeros(environments, len(self.decay), SIGNALS)
 
-    def forward(self, memory: Tensor, observation: Tensor, actions: Tensor, ended: Tensor) -> Tensor:
-        """Memories (E, M, 5) after ``actions`` (E,) int64 at ``observation`` (E, R, C).
+    def forward(
+        self, memory: Tensor, observation: Tensor, blocked: Tensor, actions: Tensor, ended: Tensor
+    ) -> Tensor:
+        """Memories (E, M, 6) after a step, from those before it.
 
-        Where ``ended`` (E,) bool, the step began another episode: nothing is left.
+        ``actions`` (E,) int64 were chosen at ``observation`` (E, R, C), the move before that was ``blocked``
+        (E,) bool or not. Where ``ended`` (E,) bool, the step began another episode: nothing is left.
         """
         rays = observation.shape[1]
         sides = observation[..., -1].unflatten(1, (2, rays // 2)).amax(-1)
-        signals = torch.cat([torch.nn.functional.one_hot(actions, ACTIONS), sides], dim=1)
+        signals = torch.cat([nn.functional.one_hot(actions, ACTIONS), blocked[:, None], sides], dim=1)
         faded = torch.lerp(signals[:, None], memory, self.decay)
         return faded.masked_fill(ended[:, None, None], 0.0)
 
 
 def mirrored_memory(memory: Tensor) -> Tensor:
-    """The same memories (B, M, 5) in a mirror."""
+    """The same memories (B, M, 6) in a mirror."""
     return memory[..., MIRROR]

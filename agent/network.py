@@ -39,7 +39,7 @@ class QNetwork(nn.Module):
     def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
         """Q-values (B, A), in discounted targets.
 
-        Reads observations (B, R, C), distance/range and is_target, and memories (B, M, 5).
+        Reads observations (B, R, C), distance/range and is_target, and memories (B, M, 6).
         """
         seen = torch.relu(self.look(observation.transpose(1, 2))).flatten(1)
         return self.judge(torch.cat([seen, memory.flatten(1)], dim=1))

@@ -18,8 +18,8 @@ class Policy(Protocol):
         """Forget: an episode begins in so many environments."""
         ...
 
-    def __call__(self, observation: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C)."""
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         ...
 
 
@@ -48,15 +48,15 @@ class QPolicy:
         self.remembered = self.network.memory.empty(environments)
 
     @torch.no_grad()
-    def __call__(self, observation: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C)."""
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         preference = explore(
             self.network(observation, self.remembered), self.generator, self.epsilon, self.forward
         )
-        actions = subsume(preference, self.avoidance(observation))
+        actions = subsume(preference, self.avoidance(observation, blocked))
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros(len(actions), dtype=torch.bool)
-        self.remembered = self.network.memory(self.remembered, observation, actions, same)
+        self.remembered = self.network.memory(self.remembered, observation, blocked, actions, same)
         return actions
 
 
@@ -71,9 +71,9 @@ class RandomPolicy:
         """Forget: an episode begins in so many environments."""
         self.interventions = 0
 
-    def __call__(self, observation: Tensor) -> Tensor:
-        """Actions (E,) int64 for observations (E, R, C)."""
-        allowed = self.avoidance(observation)
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        allowed = self.avoidance(observation, blocked)
         preference = random_preference(allowed, self.generator, self.forward)
         actions = subsume(preference, allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())

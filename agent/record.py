@@ -35,10 +35,12 @@ def record(
     observation = torch.as_tensor(envs.reset(seed=seed, options={"house": np.zeros(1, int)})[0])
     policy = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
     policy.begin(1)
+    blocked = torch.zeros(1, dtype=torch.bool)
     camera = Camera(envs, width=480)
     frames = [camera.shoot()]
     for step in range(1, length + 1):
-        observation, _, terminated, truncated, _ = envs.step_torch(policy(observation))
+        observation, _, terminated, truncated, info = envs.step_torch(policy(observation, blocked))
+        blocked = info["blocked"]
         ended = bool(terminated | truncated)
         if step % STRIDE == 0 or ended:
             frames.append(camera.shoot())

@@ -19,8 +19,11 @@ class Rollout:
     s: Tensor
     """Observations (T + 1, E, R, C) float32."""
 
+    blocked: Tensor
+    """Whether the step to each state was blocked (T + 1, E) bool."""
+
     memory: Tensor
-    """What is remembered at each state (T + 1, E, M, 5) float32."""
+    """What is remembered at each state (T + 1, E, M, 6) float32."""
 
     v: Tensor
     """Greatest allowed Q-value (T + 1, E) float32 of each state."""
@@ -48,11 +51,12 @@ class Rollout:
 
     @classmethod
     def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
-        """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 5)."""
+        """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 6)."""
         size = (steps, len(observation))
         ended = torch.zeros(size, dtype=torch.bool)
         rollout = cls(
             s=observation.new_empty(steps + 1, *observation.shape),
+            blocked=torch.zeros(steps + 1, len(observation), dtype=torch.bool),
             memory=memory.new_empty(steps + 1, *memory.shape),
             v=observation.new_empty(steps + 1, len(observation)),
             a=torch.empty(size, dtype=torch.int64),
@@ -77,20 +81,21 @@ class Rollout:
     ) -> None:
         """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random."""
         ended = self.terminated[-1] | self.truncated[-1]
-        self.s[0], self.memory[0] = self.s[-1], self.memory[-1]
+        for states in (self.s, self.blocked, self.memory):
+            states[0] = states[-1]
         self.overruled, self.simulating = 0, 0.0
         for t in range(len(self.a)):
-            q, allowed = network(self.s[t], self.memory[t]), avoidance(self.s[t])
+            q, allowed = network(self.s[t], self.memory[t]), avoidance(self.s[t], self.blocked[t])
             preference = explore(q, generator, epsilon, forward)
             self.v[t], self.a[t], self.valid[t] = best_value(q, allowed), subsume(preference, allowed), ~ended
             self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
             before = perf_counter()
-            observation, reward, terminated, truncated, _ = envs.step_torch(self.a[t])
+            observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
             self.simulating += perf_counter() - before
             # Copied: the world writes over its tensors at the next step.
-            self.s[t + 1], self.r[t] = observation, reward
+            self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
             self.terminated[t], self.truncated[t] = terminated, truncated
             # The step after an end begins the next episode: it is no memory of that one.
             begun, ended = ended, self.terminated[t] | self.truncated[t]
-            self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.a[t], begun)
-        self.v[-1] = best_value(network(self.s[-1], self.memory[-1]), avoidance(self.s[-1]))
+            self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.blocked[t], self.a[t], begun)
+        self.v[-1] = best_value(network(self.s[-1], self.memory[-1]), avoidance(self.s[-1], self.blocked[-1]))

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
+import torch
+
 from agent import checkpoint
 from agent.checkpoint import Checkpoint
 from agent.config import Config
@@ -24,6 +26,7 @@ def run(
 
     ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no lines.
     """
+    torch.set_num_threads(config.threads)
     envs = make_worlds(houses, config.environments, config.targets)
     network = seeded_network(config.seed, envs.config.rays, envs.config.channels, config.half_lives)
     history: list[Progress] = []

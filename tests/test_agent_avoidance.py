@@ -20,6 +20,11 @@ ANGLES = np.deg2rad(58.5 - 3 * np.arange(40))
 SHIELD = Shield(ANGLES, REACH, BODY, STEP, margin=0.0)
 
 
+def smooth(scene):
+    """No move was blocked."""
+    return torch.zeros(len(scene), dtype=torch.bool)
+
+
 def sight(x, y, heading, width, height):
     """Observations (E, 40, 2) in an empty room, west wall at 0 and north wall at 0, from poses (E,)."""
     angle = np.asarray(heading)[:, None] + ANGLES
@@ -43,7 +48,7 @@ def test_in_an_empty_room_the_shield_forbids_exactly_the_moves_that_a_wall_block
     heading = octant * np.pi / 4
     after_x, after_y = x + STEP * np.round(np.cos(heading)), y - STEP * np.round(np.sin(heading))
     air = np.min([after_x, width - after_x, after_y, height - after_y], axis=0) - BODY / 2
-    allowed = SHIELD(sight(x, y, heading, width, height))[:, FORWARD].numpy()
+    allowed = SHIELD(scene := sight(x, y, heading, width, height), smooth(scene))[:, FORWARD].numpy()
     clear = np.abs(air) > 1e-5  # nearer than that, rounding decides
     assert 0.1 < allowed.mean() < 0.99
     assert (allowed == (air > 0))[clear].all()
@@ -58,29 +63,35 @@ def test_the_heading_shows_in_the_rays():
 def test_a_margin_keeps_that_much_air():
     heading = np.zeros(2)
     x = 3.0 - BODY / 2 - STEP - np.array([0.019, 0.021])
-    allowed = Shield(ANGLES, REACH, BODY, STEP, margin=0.02)(sight(x, np.ones(2), heading, 3.0, 4.0))
+    scene = sight(x, np.ones(2), heading, 3.0, 4.0)
+    allowed = Shield(ANGLES, REACH, BODY, STEP, margin=0.02)(scene, smooth(scene))
     assert allowed[:, FORWARD].tolist() == [False, True]
 
 
 def test_a_turn_is_always_allowed_and_a_target_never_in_the_way():
     near = torch.full((1, 40, 2), 0.01)
-    assert SHIELD(near)[0].tolist() == [True, True, True]
+    assert SHIELD(near, smooth(near))[0].tolist() == [True, True, True]
     near[..., 1] = 0
-    assert SHIELD(near)[0].tolist() == [True, True, False]
+    assert SHIELD(near, smooth(near))[0].tolist() == [True, True, False]
+
+
+def test_after_a_bump_the_same_move_is_forbidden_and_then_no_longer():
+    open_floor = torch.cat([torch.ones(2, 40, 1), torch.zeros(2, 40, 1)], dim=-1)
+    assert SHIELD(open_floor, torch.tensor([True, False]))[:, FORWARD].tolist() == [False, True]
 
 
 def test_the_papers_rule_leaves_one_random_rotation_near_anything_but_the_target():
     rule = PaperRule(torch.Generator().manual_seed(0))
     scene = torch.ones(1000, 40, 2)
     scene[..., 1] = 0
-    assert rule(scene).all()
+    assert rule(scene, smooth(scene)).all()
     scene[:, 7, 0] = 0.048
-    allowed = rule(scene)
+    allowed = rule(scene, smooth(scene))
     assert not allowed[:, FORWARD].any()
     assert (allowed.sum(-1) == 1).all()
     assert 400 < allowed[:, LEFT].sum() < 600
     scene[:, 7, 1] = 1
-    assert rule(scene).all()
+    assert rule(scene, smooth(scene)).all()
 
 
 def test_the_layer_takes_the_best_of_what_it_allows_in_acts_and_in_values():

@@ -37,7 +37,7 @@ def test_a_checkpoint_comes_back_as_it_was(tmp_path):
     checkpoint = load(made(tmp_path / "agent.pt"), shape=(40, 2))
     assert checkpoint.config == Config(steps=1000, seed=3)
     assert checkpoint.steps == 512
-    x, memory = torch.rand(5, 40, 2), torch.rand(5, 4, 5)
+    x, memory = torch.rand(5, 40, 2), torch.rand(5, 4, 6)
     assert torch.equal(checkpoint.network(x, memory), seeded_network(3)(x, memory))
 
 

@@ -14,24 +14,25 @@ def test_a_trace_rises_to_a_half_in_its_half_life_and_fades_as_fast():
     memory = Memory((1, 4))
     held = memory.empty(1)
     for _ in range(4):
-        held = memory(held, NOTHING, torch.tensor([LEFT]), NO)
-    assert held[0, 1].tolist() == pytest.approx([0.5, 0, 0, 0, 0])
+        held = memory(held, NOTHING, NO, torch.tensor([LEFT]), NO)
+    assert held[0, 1].tolist() == pytest.approx([0.5, 0, 0, 0, 0, 0])
     for _ in range(4):
-        held = memory(held, NOTHING, torch.tensor([FORWARD]), NO)
-    assert held[0, 1].tolist() == pytest.approx([0.25, 0, 0.5, 0, 0])
+        held = memory(held, NOTHING, NO, torch.tensor([FORWARD]), NO)
+    assert held[0, 1].tolist() == pytest.approx([0.25, 0, 0.5, 0, 0, 0])
 
 
-def test_it_remembers_on_which_side_the_target_was():
+def test_it_remembers_bumps_and_on_which_side_the_target_was():
     memory, seen = Memory((1,)), NOTHING.clone()
     seen[0, 3, 1] = 1
-    assert memory(memory.empty(1), seen, torch.tensor([FORWARD]), NO)[0, 0].tolist() == [0, 0, 0.5, 0.5, 0]
+    bump = torch.ones(1, dtype=torch.bool)
+    held = memory(memory.empty(1), seen, bump, torch.tensor([FORWARD]), NO)
+    assert held.flatten().tolist() == [0, 0, 0.5, 0.5, 0.5, 0]
 
 
 def test_nothing_is_left_of_another_episode():
-    memory = Memory((1, 4))
-    held = memory(
-        torch.ones(2, 2, 5), torch.ones(2, 40, 2), torch.tensor([LEFT, LEFT]), torch.tensor([True, False])
-    )
+    held, yes = torch.ones(2, 2, 6), torch.ones(2, dtype=torch.bool)
+    actions, begun = torch.tensor([LEFT, LEFT]), torch.tensor([True, False])
+    held = Memory((1, 4))(held, torch.ones(2, 40, 2), yes, actions, begun)
     assert held[0].eq(0).all()
     assert held[1].gt(0).any()
 
@@ -41,8 +42,9 @@ def test_the_mirrors_memory_is_the_memory_of_the_mirror():
     other = held
     chance = torch.Generator().manual_seed(0)
     scenes = (torch.rand(20, 5, 40, 2, generator=chance) > 0.97).float()
+    new, bumped = torch.zeros(5, dtype=torch.bool), torch.tensor([True, False, False, True, False])
     for seen, actions in zip(scenes, torch.randint(3, (20, 5), generator=chance), strict=True):
-        held = memory(held, seen, actions, torch.zeros(5, dtype=torch.bool))
-        other = memory(other, seen.flip(1), mirrored(actions), torch.zeros(5, dtype=torch.bool))
+        held = memory(held, seen, bumped, actions, new)
+        other = memory(other, seen.flip(1), bumped, mirrored(actions), new)
     assert held.gt(0).any((0, 1)).all()
     torch.testing.assert_close(mirrored_memory(held), other)

@@ -76,8 +76,8 @@ def test_schedules_run_on_a_line_and_stay_at_its_end():
 
 def test_the_network_has_the_stated_size_and_shape():
     network = QNetwork()
-    assert sum(weight.numel() for weight in network.parameters()) == 57_139
-    assert network(torch.rand(7, 40, 2), torch.rand(7, 4, 5)).shape == (7, 3)
+    assert sum(weight.numel() for weight in network.parameters()) == 57_651
+    assert network(torch.rand(7, 40, 2), torch.rand(7, 4, 6)).shape == (7, 3)
 
 
 def test_first_weights_are_a_function_of_the_seed_and_leave_torch_alone():
