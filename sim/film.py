@@ -3,30 +3,21 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, cast
 
 import numpy as np
+from gymnasium.vector import VectorEnv
 from PIL import Image, ImageDraw, ImageFont
 
 from logic import House
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
-if TYPE_CHECKING:
-    from sim.vector import HouseVectorEnv
-
 Colour = tuple[int, int, int]
 Box = tuple[float, float, float, float]
 
-PAPER, FLOOR, INK, FAINT = (238, 237, 233), (251, 250, 246), (51, 58, 69), (139, 146, 156)
-ROOMS: dict[str, Colour] = {
-    "bedroom": (219, 230, 244),
-    "bathroom": (211, 235, 231),
-    "kitchen": (250, 235, 201),
-    "hall": (233, 225, 241),
-}
-"""Floors of the family's rooms, as the plans have them."""
-OTHER_ROOM: Colour = (232, 232, 230)
+PAPER, FLOOR, ROOM = (238, 237, 233), (251, 250, 246), (226, 234, 242)
+INK, FAINT = (51, 58, 69), (139, 146, 156)
 PIECE, PIECE_EDGE, PIECE_INK, THRESHOLD = (255, 255, 255), (154, 161, 171), (125, 131, 140), (217, 190, 150)
 BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
 TARGET, TARGET_EDGE, TARGET_RAY = (245, 178, 45), (183, 118, 8), (224, 122, 20)
@@ -71,15 +62,15 @@ class Scene:
 class Camera:
     """Looks at one environment: each ``shoot`` draws it as it is, and the way it has come since the first."""
 
-    def __init__(self, envs: "HouseVectorEnv", index: int = 0, width: int = 720) -> None:
-        """Pictures are ``width`` pixels wide; those of high houses are as high instead, and narrower."""
+    def __init__(self, envs: VectorEnv, index: int = 0, width: int = 720) -> None:
+        """Look at a ``HouseVectorEnv``: pictures are ``width`` pixels wide, or as high where a house is higher."""
         self.envs, self.index, self.width = envs, index, width
         self.trail: list[tuple[float, float]] = []
         self._plan: tuple[House, Image.Image] | None = None
 
     def shoot(self) -> Image.Image:
         """Draw the environment; at a new episode the trail begins anew."""
-        scene = self.envs.unwrapped.scene(self.index)
+        scene: Scene = cast(Any, self.envs.unwrapped).scene(self.index)
         if scene.step == 0:
             self.trail.clear()
         self.trail.append((float(scene.pose[0]), float(scene.pose[1])))
@@ -144,7 +135,7 @@ def plan(house: House, size: int) -> Image.Image:
     draw = ImageDraw.Draw(image)
     draw.rectangle(view.box(*house.floor.box), FLOOR)
     for room in house.rooms:
-        draw.rectangle(view.box(*room.box), ROOMS.get(room.type, OTHER_ROOM))
+        draw.rectangle(view.box(*room.box), ROOM)
     for room in house.rooms:
         for piece in room.pieces:
             draw.rounded_rectangle(view.box(*piece.box), view.px(0.04), PIECE, PIECE_EDGE, view.px(0.02))
