@@ -63,7 +63,7 @@ class Camera:
     """Looks at one environment: each ``shoot`` draws it as it is, and the way it has come since the first."""
 
     def __init__(self, envs: VectorEnv, index: int = 0, width: int = 720) -> None:
-        """Look at a ``HouseVectorEnv``: pictures are ``width`` pixels wide, or as high where a house is higher."""
+        """Look at a ``HouseVectorEnv``. Pictures are ``width`` pixels wide, those of high houses as high."""
         self.envs, self.index, self.width = envs, index, width
         self.trail: list[tuple[float, float]] = []
         self._plan: tuple[House, Image.Image] | None = None
