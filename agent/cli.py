@@ -81,11 +81,11 @@ class Generate:
         except (LimitReached, KeyboardInterrupt) as end:
             if houses and self.out:
                 save(houses, self.out, stopped=f"at house {self.start + len(houses)}: {end or 'interrupted'}")
-                _say(f"{self.out}: kept the {len(houses)} houses made before")
+                _say(f"{self.out}: kept the {len(houses)} made before")
             raise
         if self.out:
             save(houses, self.out)
-            _say(f"{self.out}: {len(houses)} houses of {self.rooms} rooms. Next: vitruvius draw {self.out}")
+            _say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
         return 0
 
 
@@ -113,7 +113,7 @@ class Check:
             else:
                 for violation in violations:
                     print(f"{self.file}:{number}: {violation}")
-        _say(f"{self.file}: {len(houses)} houses, {spoiled or 'none'} with violations")
+        _say(f"{self.file}: {len(houses)} checked, {spoiled or "none"} with violations")
         return 1 if spoiled else 0
 
 

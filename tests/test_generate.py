@@ -97,20 +97,21 @@ def test_a_house_says_where_it_comes_from() -> None:
 
 
 def test_a_new_room_type_needs_no_python(edited: Edit) -> None:
-    """Two files: its name and furniture in .lp, its sizes in .pl."""
-    edited("rooms.lp", "type(bedroom;", "type(study; bedroom;")
-    edited(
-        "furniture.lp",
-        "may(hall,sofa,0,2).",
-        "may(hall,sofa,0,2). may(study,lectern,1,1). stands(lectern,back).",
-    )
-    folder = edited(
-        "sizes.pl", "room_size(hall,", "room_size(study, 3.0, D) :- { D >= 2.5, D =< 3.0 }.\nroom_size(hall,"
-    )
-    text = (folder / "sizes.pl").read_text() + "piece_size(lectern, 0.6, 0.5, _).\n"
-    (folder / "sizes.pl").write_text(text)
-    (house,) = generate(rooms=1, types={"study": 1}, grammar=folder)
-    assert [piece.type for piece in house.rooms[0].pieces] == ["lectern"]
+    """As README tells: a line for the type, one for its furniture, two for the sizes, wherever they stand."""
+    folder = edited("rooms.lp", "kitchen; hall)", "kitchen; hall; study)")
+    for file, lines in (
+        ("furniture.lp", "may(study,lectern,1,1).      stands(lectern, (back; left)).\n"),
+        (
+            "more.pl",
+            "room_size(study, W, D) :- { W >= 2.5, W =< 4.0, D >= 2.5, D =< W }.\n"
+            "piece_size(lectern, L, D, _) :- { L >= 0.5, L =< 0.8, D = 0.5 }.\n",
+        ),
+    ):
+        with (folder / file).open("a") as rules:
+            rules.write(lines)
+    (house,) = generate(rooms=4, types={"study": 1}, grammar=folder)
+    (study,) = (room for room in house.rooms if room.type == "study")
+    assert [piece.type for piece in study.pieces] == ["lectern"]
     assert check(house) == []
 
 

@@ -13,8 +13,12 @@ lengths. They are the single source of lengths; what stage 1 needs of them is de
 
 :- dynamic problem/4.
 :- table room_extent/5, piece_extent/6.      % each is a few simplex runs, and asked for in every room
+% A grammar may state its clauses in any order, in one file or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
+:- multifile grammar:room_size/3, grammar:piece_size/4.
+:- discontiguous grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
+:- multifile grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 :- dynamic user:message_hook/3.
 :- multifile user:message_hook/3.
 
