@@ -113,7 +113,7 @@ class Check:
             else:
                 for violation in violations:
                     print(f"{self.file}:{number}: {violation}")
-        _say(f"{self.file}: {len(houses)} checked, {spoiled or "none"} with violations")
+        _say(f"{self.file}: {len(houses)} checked, {spoiled or 'none'} with violations")
         return 1 if spoiled else 0
 
 
