@@ -36,7 +36,7 @@ def record(
     policy = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
     policy.begin(1)
     blocked = torch.zeros(1, dtype=torch.bool)
-    camera = Camera(envs, width=480)
+    camera = Camera(envs, width=640)
     frames = [camera.shoot()]
     for step in range(1, length + 1):
         observation, _, terminated, truncated, info = envs.step_torch(policy(observation, blocked))

@@ -3,20 +3,23 @@
 import io
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from agent.evaluate import Scores
 from agent.train import Progress
 
-HEADINGS = ("player", "targets per 1500 steps", "ratio to the oracle", "blocked", "overruled")
+HEADINGS = ("player", "targets", "ratio to oracle", "blocked", "overruled")
 
-HUMAN = ("human of the paper", "27 (of 56, in another house)", "0.48", "", "")
-"""The paper's human saw the whole map; 56 is what the oracle picks up in that house."""
+HUMAN = ("human of the paper", "27 (of 56)", "0.48", "", "")
+"""In the paper's own house, where the oracle picks up 56; the human saw the whole map."""
 
 NOTE = (
-    "Interquartile means over the houses, with 95 % intervals from resampling the houses. Blocked moves, and "
-    "actions overruled by the avoidance layer, per 1000 steps."
+    "Targets: in an episode of 1500 steps. Interquartile means over the houses, with 95 % intervals from "
+    "resampling the houses. Blocked moves, and actions overruled by the avoidance layer: per 1000 steps. "
+    "The human: in the paper's own house, with the whole map in sight."
 )
 
 COLOURS = ("#1f5ea8", "#8b8f96", "#c96a12")
@@ -40,8 +43,17 @@ def rows(scores: Scores) -> list[tuple[str, ...]]:
 
 
 def table(lines: Sequence[Sequence[str]], title: str) -> Table:
-    """The rows for a terminal."""
-    result = Table(*HEADINGS, title=title, caption=NOTE, title_justify="left", caption_justify="left")
+    """The rows for a terminal of 80 columns."""
+    result = Table(
+        title=title,
+        caption=NOTE,
+        title_justify="left",
+        caption_justify="left",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    for heading in HEADINGS:
+        result.add_column(heading, no_wrap=True)
     for line in lines:
         result.add_row(*line)
     return result
@@ -55,27 +67,36 @@ def markdown(lines: Sequence[Sequence[str]]) -> str:
 def learning_curve(history: Sequence[Progress], scores: Scores | None = None) -> bytes:
     """A PNG: targets per 1500 steps while learning, against environment steps.
 
-    Beside the curve, which holds the random actions of its time, stand the players' scores in held-out
-    houses with their intervals.
+    The curve holds the random actions of its time. At its right stand the players' scores in held-out
+    houses, with their intervals.
     """
     figure = Figure(figsize=(8, 4), dpi=120, layout="constrained")
     axes = figure.subplots()
     millions = [progress.steps / 1e6 for progress in history]
-    axes.plot(millions, [progress.targets for progress in history], color=COLOURS[0], linewidth=2)
-    axes.annotate("while learning", (millions[-1] * 0.2, 1), color=COLOURS[0])
-    for score, colour in zip(scores or (), COLOURS, strict=False):
+    targets = [progress.targets for progress in history]
+    axes.plot(millions, targets, color=COLOURS[0], linewidth=2)
+    place = len(history) * 3 // 5
+    axes.annotate(
+        "while learning",
+        (millions[place], targets[place]),
+        (0, -18),
+        textcoords="offset points",
+        color=COLOURS[0],
+    )
+    top = max(targets)
+    label = -np.inf
+    for score, colour in sorted(zip(scores or (), COLOURS, strict=False), key=lambda pair: pair[0].count()):
         count = score.count()
-        axes.axhspan(count.low, count.high, color=colour, alpha=0.12, linewidth=0)
+        top = max(top, count.high)
+        label = max(count.value, label + 0.07 * top)  # not over the label below it
         axes.axhline(count.value, color=colour, linewidth=1, linestyle="--")
-        axes.annotate(
-            f" {score.player}\n {count.value:.1f}",
-            (1, count.value),
-            xycoords=("axes fraction", "data"),
-            color=colour,
-            va="center",
+        at = axes.get_yaxis_transform()
+        axes.plot(
+            [1, 1], [count.low, count.high], color=colour, linewidth=6, alpha=0.4, transform=at, clip_on=False
         )
-    axes.set(xlabel="environment steps (millions)", ylabel="targets per 1500 steps", xlim=(0, millions[-1]))
-    axes.set_ylim(bottom=0)
+        axes.text(1.02, label, f"{score.player} {count.value:.1f}", color=colour, va="center", transform=at)
+    axes.set(xlabel="environment steps (millions)", ylabel="targets per 1500 steps")
+    axes.set(xlim=(0, millions[-1]), ylim=(0, 1.1 * top + 1e-9))
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis="y", alpha=0.25)
     picture = io.BytesIO()
