@@ -80,6 +80,8 @@ class Config:
         for name in SHARES:
             if not 0 <= getattr(self, name) <= 1:
                 raise RequestError(f"{name} must lie between 0 and 1, not {getattr(self, name)}")
+        if not all(half_life > 0 for half_life in self.half_lives):
+            raise RequestError(f"half_lives must be above 0, not {self.half_lives}")
         if self.minibatches > self.environments * self.rollout:
             raise RequestError(f"minibatches must not exceed environments x rollout, not {self.minibatches}")
 

@@ -106,6 +106,7 @@ def test_a_config_of_another_version_is_refused(tmp_path):
         ("epsilon", -0.1),
         ("seconds", 0.0),
         ("minibatches", 9000),
+        ("half_lives", (4.0, 0.0)),
     ],
 )
 def test_a_config_that_no_run_can_have_is_refused_by_name(field, value):

@@ -3,8 +3,12 @@
 import pytest
 import torch
 
+from agent import train
+from agent.config import Config
+from agent.memory import mirrored_memory
 from agent.network import QNetwork, seeded_network
 from agent.pqn import FORWARD, LEFT, RIGHT, lambda_returns, linear, mirrored, q_loss
+from agent.rollout import Rollout
 
 HALF = {"discount": 0.5, "trace": 0.5}
 
@@ -68,6 +72,28 @@ def test_the_mirror_exchanges_left_and_right_alone_and_undoes_itself():
     actions = torch.tensor([LEFT, RIGHT, FORWARD])
     assert mirrored(actions).tolist() == [RIGHT, LEFT, FORWARD]
     assert torch.equal(mirrored(mirrored(actions)), actions)
+
+
+def test_every_second_epoch_learns_from_the_mirror(monkeypatch):
+    seen = []
+
+    def loss(q_tm1, a_tm1, g_tm1, valid):
+        seen.append(a_tm1)
+        return q_loss(q_tm1, a_tm1, g_tm1, valid)
+
+    monkeypatch.setattr(train, "q_loss", loss)
+    network = seeded_network(0)
+    network.register_forward_pre_hook(lambda module, given: seen.extend(given))
+    rollout = Rollout.starting(1, torch.rand(1, 40, 2), torch.rand(1, 4, 6))
+    for state in (rollout.s, rollout.memory):
+        state[0] = state[1]
+    rollout.a[:], rollout.r[:], rollout.v[:], rollout.valid[:] = LEFT, 1.0, 0.0, True
+    optimizer = torch.optim.SGD(network.parameters(), lr=0.1)
+    train.update(network, optimizer, rollout, Config(epochs=2, minibatches=1), torch.Generator())
+    s, memory, a, s_mirror, memory_mirror, a_mirror = seen
+    assert torch.equal(s_mirror, s.flip(1))
+    assert torch.equal(memory_mirror, mirrored_memory(memory))
+    assert (a.item(), a_mirror.item()) == (LEFT, RIGHT)
 
 
 def test_schedules_run_on_a_line_and_stay_at_its_end():

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -182,6 +182,28 @@ def test_a_clock_that_runs_out_ends_the_run(envs):
     _, history = trained(envs, replace(SHORT, steps=10**9, seconds=0.5))
     assert history[-1].fraction == 1
     assert history[-1].seconds < 5
+
+
+class Ending:
+    """Worlds that reward and block every step and end for good: world i at step i + 1."""
+
+    num_envs = 3
+
+    def reset(self, seed: int, options: dict) -> tuple[np.ndarray, dict]:
+        self.time = 0
+        return np.zeros((3, 40, 2), np.float32), {}
+
+    def step_torch(self, actions: torch.Tensor) -> tuple:
+        self.time += 1
+        yes, terminated = torch.ones(3).bool(), torch.arange(1, 4) == self.time
+        return torch.zeros(3, 40, 2), torch.ones(3), terminated, ~yes, {"blocked": yes}
+
+
+def test_a_score_is_of_the_first_episode_alone():
+    walk = RandomPolicy(lambda observation, blocked: torch.ones(3, 3).bool(), chance())
+    score = play("walk", cast(HouseVectorEnv, Ending()), walk, seed=0)
+    assert score.targets.tolist() == [1, 2, 3]
+    assert (score.steps, score.blocked) == (6, 6)
 
 
 def test_a_player_that_follows_the_oracle_scores_what_the_oracle_does(envs):
