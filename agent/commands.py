@@ -86,7 +86,7 @@ class Evaluate:
         if self.json:
             print(json.dumps({score.player: score.targets.astype(int).tolist() for score in scores}))
         else:
-            title = f"{len(houses)} houses of {self.houses}, targets: {self.targets}"
+            title = f"{self.houses}: houses {len(houses)}, targets {self.targets}"
             Console().print(report.table(report.rows(scores), title))
         return 0
 

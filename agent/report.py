@@ -50,6 +50,8 @@ def table(lines: Sequence[Sequence[str]], title: str) -> Table:
         title_justify="left",
         caption_justify="left",
         box=SIMPLE_HEAD,
+        show_edge=False,
+        padding=(0, 1, 0, 0),
         pad_edge=False,
     )
     for heading in HEADINGS:

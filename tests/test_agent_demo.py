@@ -1,10 +1,12 @@
 """The commands, small: the demo's files and verdict, a run's checkpoint, an evaluation and a film from it."""
 
+import io
 import json
 
 import numpy as np
 import pytest
 from PIL import Image
+from rich.console import Console
 
 from agent import demo as module
 from agent import report
@@ -103,6 +105,14 @@ def test_the_table_gives_ratios_to_the_oracle_in_the_same_house():
     assert walk[2:] == ("0.10 [0.10, 0.10]", "100.0", "0.0")
     assert oracle[:3] == ("shortest-path oracle", "10.0 [10.0, 10.0]", "1")
     assert human[2] == "0.48"
+
+
+def test_the_table_fits_a_terminal_of_80_columns():
+    console = Console(width=80, file=io.StringIO())
+    console.print(report.table([("shortest-path oracle", *["98.6 [93.6, 99.8]"] * 2, "100.0", "142.0")], ""))
+    shown = console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
+    assert "…" not in shown
+    assert "overruled" in shown
 
 
 @pytest.mark.parametrize(("targets", "code"), [(9.0, 0), (4.8, 1), (1.0, 1)])
