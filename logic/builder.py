@@ -1,6 +1,7 @@
 """From a request to a house: the two stages, and what goes between them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from math import ceil, floor
@@ -9,8 +10,9 @@ from typing import Any
 import clingo
 import msgspec
 import numpy as np
-from clingo import Function, Number, Symbol, SymbolType
+from clingo import Function, Number, Symbol
 
+from logic.audit import audit
 from logic.errors import GrammarError, LimitReached, RequestError, Unsatisfiable
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
@@ -32,21 +34,30 @@ class Request:
         return ", ".join([rooms, *(f"{count} of type {type_}" for type_, count in self.types.items())])
 
 
+HOUSING = (("room", 2), ("side", 2), ("corner", 3))
+FURNISHING = (("on", 4), ("joined", 2), ("end", 1), ("corner", 3), ("row", 1))
+"""The atoms that stage 1 hands to stage 2: of the house, and of each room."""
+
+
 class Builder:
     """Makes houses of one grammar; it grounds each program once and keeps it."""
 
     def __init__(self, grammar: Grammar) -> None:
         """Load the grammar's files; raises ``GrammarError`` for the first thing wrong with them."""
         self._grammar = grammar
-        self._placer = Placer(grammar)
-        probe = Program(grammar.asp, {"rooms": 1}, [("house", [])])
+        audit(grammar.asp)
+        probe = Program(grammar.asp, {"rooms": 1}, [("house", [])], HOUSING)
+        self.types = sorted(_name(symbol.arguments[0]) for symbol in probe.atoms("type", 1))
         for symbol in probe.atoms("wrong", 2):
             raise GrammarError(f"{symbol.arguments[0]}: {symbol.arguments[1].string}", grammar.directory)
-        self.types = sorted(_name(symbol.arguments[0]) for symbol in probe.atoms("type", 1))
         if not self.types:
             raise GrammarError("no room type: state type/1 in a .lp file", grammar.directory)
+        self._placer = Placer(grammar)
         self._furnishing = self._furnishing_programs(probe)
-        self._refuse_unknown_atoms(probe, *self._furnishing.values())
+        programs = [probe, *self._furnishing.values()]
+        self._unknown_atoms = set.intersection(*(set(program.remarks) for program in programs))
+        for program in programs:
+            self._refuse_remarks(program)
         self._housing: dict[tuple[int, tuple[tuple[str, int], ...]], Program] = {}
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -61,20 +72,21 @@ class Builder:
         such house, ``LimitReached`` past so many Prolog inferences.
         """
         rng = np.random.default_rng([seed, index])
-        refuted = Refutations()
-        layout = self.layout(request, rng, refuted)
-        while True:
-            try:
-                plan = self.place(layout, rng, inferences)
-                return self._as_house(plan, request, seed, index)
-            except Refuted as proof:
-                inferences -= proof.inferences
-                if inferences <= 0:
-                    raise LimitReached(f"{request}: house {index} reached its limit of inferences") from None
-                refuted.learn(layout, proof.rooms)
-                layout = self._refurnished(layout, proof.rooms, rng, refuted) or self.layout(
-                    request, rng, refuted
-                )
+        with Refutations() as refuted:
+            layout = self.layout(request, rng, refuted)
+            while True:
+                try:
+                    plan = self.place(layout, rng, inferences)
+                    return self._as_house(plan, request, seed, index)
+                except Refuted as proof:
+                    inferences -= proof.inferences
+                    if inferences <= 0:
+                        raise LimitReached(f"house {index} reached its limit of inferences") from None
+                    for number in proof.rooms:
+                        room = layout.rooms[number]
+                        refuted.add(self._furnishing[room.type.name], room.furniture)
+                    again = self._refurnished(layout, proof.rooms, rng, refuted)
+                    layout = again or self.layout(request, rng, refuted)
 
     def layout(
         self, request: Request, rng: np.random.Generator, refuted: "Refutations | None" = None
@@ -94,7 +106,8 @@ class Builder:
         rooms = list(layout.rooms)
         for number in numbers:
             type_ = rooms[number].type.name
-            furniture = self._furnishing[type_].draw(rng, (), refuted.furniture(type_))
+            program = self._furnishing[type_]
+            furniture = program.draw(rng, guard=refuted.guards.get(program))
             if furniture is None:
                 refuted.unfurnishable.add(type_)
                 return None
@@ -108,12 +121,7 @@ class Builder:
     def _draw_rooms(self, request: Request, rng: np.random.Generator, refuted: "Refutations") -> Layout:
         """A layout without furniture, and without the types of room that cannot have any."""
         program, wishes = self._housing_program(request)
-        nogoods = [
-            [Function("room", [Number(number), Function(type_)])]
-            for type_ in sorted(refuted.unfurnishable)
-            for number in range(request.rooms)
-        ]
-        atoms = program.draw(rng, wishes, nogoods)
+        atoms = program.draw(rng, wishes, _rooms_of(refuted.unfurnishable, request))
         if atoms is None:
             raise self._unsatisfiable(request, program, wishes, refuted)
         types = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "room"}
@@ -130,7 +138,8 @@ class Builder:
         terms = [[Function(type_), Number(count)] for type_, count in wishes]
         if (request.rooms, wishes) not in self._housing:
             parts = [("house", []), *(("wish", term) for term in terms)]
-            program = Program(self._grammar.asp, {"rooms": request.rooms}, parts)
+            program = Program(self._grammar.asp, {"rooms": request.rooms}, parts, HOUSING)
+            self._refuse_remarks(program)
             self._housing[request.rooms, wishes] = program
         granted = [Function("granted", [Function("wish", term)]) for term in terms]
         return self._housing[request.rooms, wishes], granted
@@ -138,26 +147,32 @@ class Builder:
     def _unsatisfiable(
         self, request: Request, program: Program, wishes: Sequence[Symbol], refuted: "Refutations"
     ) -> Unsatisfiable:
-        """The proof in words: the least part of the request that clashes with the grammar's rules."""
-        if refuted.unfurnishable:
-            bare = ", ".join(sorted(refuted.unfurnishable))
-            reasons = tuple(
-                f"no room of type {type_} can be furnished" for type_ in sorted(refuted.unfurnishable)
-            )
-            why = f"its sizes and clearances leave no way to furnish: {bare}. Change them in its .pl files"
-        else:
-            clash = [atom.arguments[0].arguments for atom in program.clash(wishes)]
-            reasons = (f"rooms={request.rooms}", *(f"types {type_}={count}" for type_, count in clash))
-            wanted = " and ".join(f"{count} of type {type_}" for type_, count in clash)
-            why = f"its rules exclude {wanted or 'every house'} among {request.rooms} rooms"
-            why += ". Ask for other counts or more rooms" if clash else ""
-        return Unsatisfiable(f"no house of {self._grammar.name} has {request}: {why}", reasons)
+        """The proof in words: the least part of what is wished and of what is refuted that clashes."""
+        bare = _minimal(
+            sorted(refuted.unfurnishable), lambda types: program.possible(wishes, _rooms_of(types, request))
+        )
+        clash = _minimal(wishes, lambda some: program.possible(some, _rooms_of(bare, request)))
+        counts = [atom.arguments[0].arguments for atom in clash]
+        wanted = " and ".join(f"{count} of type {type_}" for type_, count in counts) or "every house"
+        why = f"its rules exclude {wanted} among {request.rooms} rooms"
+        advice = "Ask for other counts or more rooms" if counts else "Change its .lp files"
+        if bare:
+            why += f" where none is of type {' or '.join(bare)}, which cannot be furnished"
+            advice = "Change their sizes and clearances, or their furniture"
+        return Unsatisfiable(
+            f"no house of {self._grammar.name} has {request}: {why}. {advice}",
+            (
+                f"rooms={request.rooms}",
+                *(f"types {type_}={count}" for type_, count in counts),
+                *(f"no room of type {type_} can be furnished" for type_ in bare),
+            ),
+        )
 
     def _furnishing_programs(self, probe: Program) -> dict[str, Program]:
         """For each type the program that furnishes a room, with the extremes of its lengths as facts."""
         furniture: dict[str, list[str]] = {type_: [] for type_ in self.types}
         for symbol in probe.atoms("may", 4):
-            furniture[symbol.arguments[0].name].append(_name(symbol.arguments[1]))
+            furniture[_name(symbol.arguments[0])].append(_name(symbol.arguments[1]))
         lengths = self._placer.lengths(furniture)
         named = [
             ("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()
@@ -168,16 +183,20 @@ class Builder:
             extents = [
                 ("extent", [Function(f), *_millimetres(x)]) for f, x in lengths["pieces"][type_].items()
             ]
-            programs[type_] = Program(
-                self._grammar.asp, {"this": type_}, [("room", []), *named, reach, *extents]
-            )
+            parts = [("room", []), *named, reach, *extents]
+            programs[type_] = Program(self._grammar.asp, {"this_room": type_}, parts, FURNISHING)
         return programs
 
-    def _refuse_unknown_atoms(self, *programs: Program) -> None:
-        """An atom of the grammar that no program derives is a misspelling: clingo only remarks on it."""
-        for remark in sorted(set.intersection(*(set(program.remarks) for program in programs))):
+    def _refuse_remarks(self, program: Program) -> None:
+        """What clingo only remarks on, and passes over, is an error where it is in the grammar's files.
+
+        That an atom is in no rule's head is none by itself: a program holds the rules of one stage.
+        """
+        for remark in program.remarks:
             error = placed_error(remark)
-            if str(error.file) in map(str, self._grammar.asp):
+            if str(error.file) in map(str, self._grammar.asp) and (
+                remark in self._unknown_atoms or "does not occur in any rule head" not in remark
+            ):
                 raise error
 
     def _as_house(self, plan: dict[str, Any], request: Request, seed: int, index: int) -> House:
@@ -193,27 +212,52 @@ class Builder:
         return House(msgspec.convert(plan["floor"], Rect), rooms, provenance=provenance)
 
 
-@dataclass
 class Refutations:
-    """What stage 2 has refuted for one house. It stays with that house, so that no other depends on it."""
+    """What is refuted for one house. It ends with that house, so that no other depends on it."""
 
-    unfurnishable: set[str] = field(default_factory=set)
-    _furniture: dict[str, list[Sequence[Symbol]]] = field(default_factory=dict)
+    def __init__(self) -> None:
+        """Begin with nothing refuted."""
+        self.unfurnishable: set[str] = set()
+        self.guards: dict[Program, int] = {}
 
-    def furniture(self, type_: str) -> list[Sequence[Symbol]]:
-        """The refuted furnishings of a type of room: nogoods of its program."""
-        return self._furniture.get(type_, [])
+    def add(self, program: Program, layout: Sequence[Symbol]) -> None:
+        """This layout of the program has no solution."""
+        if program not in self.guards:
+            self.guards[program] = program.guard()
+        program.refute(self.guards[program], layout)
 
-    def learn(self, layout: Layout, rooms: Sequence[int]) -> None:
-        """These rooms of a layout have no solution, so no room of their type has with this furniture."""
-        for room in layout.rooms:
-            if room.number in rooms:
-                self._furniture.setdefault(room.type.name, []).append(room.furniture)
+    def __enter__(self) -> "Refutations":
+        """Begin the work on a house."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Forget all that is refuted."""
+        for program, guard in self.guards.items():
+            program.forget(guard)
+
+
+def _minimal(parts: Sequence[Any], possible: Callable[[Sequence[Any]], bool]) -> list[Any]:
+    """Parts that are together impossible, and possible with any one of them taken away."""
+    kept = list(parts)
+    for part in parts:
+        fewer = [other for other in kept if other is not part]
+        if not possible(fewer):
+            kept = fewer
+    return kept
+
+
+def _rooms_of(types: Iterable[str], request: Request) -> list[Symbol]:
+    """The atoms that say that some room is of one of these types."""
+    return [
+        Function("room", [Number(number), Function(type_)])
+        for type_ in sorted(types)
+        for number in range(request.rooms)
+    ]
 
 
 def _name(symbol: Symbol) -> str:
     """A type's name: a word in lower case, the same term for clingo and for Prolog, and a word in files."""
-    if symbol.type != SymbolType.Function or symbol.arguments or symbol.negative:
+    if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(symbol)):
         raise GrammarError(f"{symbol}: a type is named by a word that begins in lower case, as in bedroom")
     return symbol.name
 

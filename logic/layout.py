@@ -24,10 +24,17 @@ CORE = Path(__file__).parent / "rules" / "core.lp"
 class Program:
     """One ground program: the rooms of a house, or the furniture of one type of room."""
 
-    def __init__(self, files: Iterable[Path], constants: Mapping[str, object], parts: Iterable[Part]) -> None:
+    def __init__(
+        self,
+        files: Iterable[Path],
+        constants: Mapping[str, object],
+        parts: Iterable[Part],
+        outputs: Iterable[tuple[str, int]],
+    ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
-        ``remarks`` keeps what clingo remarks on the way. Raises ``GrammarError`` for its first error.
+        A layout is the atoms of the ``outputs``, signatures, that hold. ``remarks`` keeps what clingo remarks
+        on the way. Raises ``GrammarError`` for its first error.
         """
         self.remarks: list[str] = []
         self._control = clingo.Control(
@@ -43,6 +50,9 @@ class Program:
             raise clingo_error(self.remarks, str(error)) from None
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._variables, self._shares = self._options()
+        self._outputs = {
+            atom: self._literal[atom] for name, arity in outputs for atom in self.atoms(name, arity)
+        }
 
     def _options(self) -> tuple[list[tuple[int, list[int]]], np.ndarray]:
         """Each variable's number of picks and its pick literals, in the rules' own order; all weights."""
@@ -67,35 +77,53 @@ class Program:
         """All atoms of this signature that may hold, in any model."""
         return [atom.symbol for atom in self._control.symbolic_atoms.by_signature(name, arity)]
 
-    def clash(self, assumed: Sequence[Symbol]) -> list[Symbol]:
-        """A minimal subset of the assumed atoms that no stable model has: empty if there is no model."""
-        kept = list(assumed)
-        for atom in assumed:
-            fewer = [other for other in kept if other != atom]
-            if not self._satisfiable([self._literal[other] for other in fewer]):
-                kept = fewer
-        return kept
+    def possible(self, assumed: Iterable[Symbol] = (), without: Iterable[Symbol] = ()) -> bool:
+        """Whether there is a layout with all assumed atoms and without any of the others."""
+        return self._satisfiable(self._literals(assumed, without))
 
     def draw(
         self,
         rng: np.random.Generator,
         assumed: Iterable[Symbol] = (),
-        nogoods: Sequence[Sequence[Symbol]] = (),
+        without: Iterable[Symbol] = (),
+        guard: int | None = None,
     ) -> list[Symbol] | None:
-        """Draw a layout with the assumed atoms and no whole nogood: its shown atoms, sorted.
+        """Draw a layout with all assumed atoms, without any of the others and none that the guard excludes.
 
-        None proves that there is no such layout. The same random numbers and arguments give the same layout.
+        Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
+        arguments give the same layout.
         """
         keys = rng.exponential(size=len(self._shares)) / self._shares
         order = rng.permutation(len(self._variables))
-        fixed = [self._literal[atom] for atom in assumed] + self._forbidding(nogoods)
+        fixed = self._literals(assumed, without) + ([] if guard is None else [guard])
         if not self._satisfiable(fixed):
             return None
         fixed = self._extended(fixed, self._queues(keys, order))
         with self._control.solve(assumptions=fixed, yield_=True) as handle:
             model = handle.model()
             assert model is not None, "these picks were satisfiable a moment ago"
-            return sorted(model.symbols(shown=True))
+            return sorted(atom for atom in model.symbols(atoms=True) if atom in self._outputs)
+
+    def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
+        return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
+
+    def guard(self) -> int:
+        """A literal that binds what is refuted to some draws, until ``forget``."""
+        with self._control.backend() as backend:
+            guard = backend.add_atom()
+            backend.add_external(guard, clingo.TruthValue.Free)
+        return guard
+
+    def refute(self, guard: int, layout: Iterable[Symbol]) -> None:
+        """Exclude just this layout, no larger and no smaller one, from draws under the guard."""
+        held = set(layout)
+        whole = [literal if atom in held else -literal for atom, literal in self._outputs.items()]
+        with self._control.backend() as backend:
+            backend.add_rule([], [guard, *whole])
+
+    def forget(self, guard: int) -> None:
+        """End a guard and all that it excludes."""
+        self._control.release_external(guard)
 
     def _queues(self, keys: np.ndarray, order: np.ndarray) -> list[tuple[int, list[int]]]:
         """The variables in this order, each with its number of picks and its literals, least key first.
@@ -142,14 +170,3 @@ class Program:
 
     def _satisfiable(self, assumptions: Sequence[int]) -> bool:
         return bool(self._control.solve(assumptions=assumptions).satisfiable)
-
-    def _forbidding(self, nogoods: Sequence[Sequence[Symbol]]) -> list[int]:
-        """A literal, if needed, under which no model has a whole nogood: it binds this draw alone."""
-        if not nogoods:
-            return []
-        with self._control.backend() as backend:
-            guard = backend.add_atom()
-            backend.add_rule([guard], choice=True)
-            for nogood in nogoods:
-                backend.add_rule([], [guard, *(self._literal[atom] for atom in nogood)])
-        return [guard]

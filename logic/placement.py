@@ -73,7 +73,7 @@ class Placer:
         extremes are ``[least width, greatest width, least depth, greatest depth]``.
         Raises ``GrammarError`` for a length that is absent or of no use.
         """
-        wanted = ",".join(f"{type_}-[{','.join(pieces)}]" for type_, pieces in furniture.items())
+        wanted = ",".join(f"furniture({t},[{','.join(pieces)}])" for t, pieces in furniture.items())
         report = self._json(f"grammar_lengths([{wanted}],[{','.join(NAMES)}],Json)")
         named = {name: self._required(f"{name}/1", name, value) for name, value in report["lengths"]}
         rooms, pieces = {}, {}

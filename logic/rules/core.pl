@@ -30,17 +30,22 @@ grammar_problems(Files, Json) :-
 
 %!  grammar_lengths(+Furniture, +Names, -Json) is det.
 %
-%   Furniture is a list of Type-Pieces. Json gives the named lengths, and for each type the extremes of the
-%   room and of each of its pieces: a list of numbers, null where the grammar has no clause, or a text that says
-%   why the clause is of no use.
+%   Furniture is a list of furniture(Type,Pieces). Json gives the named lengths, and for each type the extremes of
+%   the room and of each of its pieces: a list of numbers, null where the grammar has no clause, or a text that
+%   says why the clause is of no use.
 
 grammar_lengths(Furniture, Names, Json) :-
-    maplist([Name,[Name,M]]>>( metres(Name, M) -> true ; M = null ), Names, Lengths),
-    maplist([Type-Pieces,[Type,Room,Each]]>>(
-                room_report(Type, Room),
-                maplist([Piece,[Piece,Report]]>>piece_report(Type, Piece, Report), Pieces, Each)),
-            Furniture, Types),
+    maplist(named, Names, Lengths),
+    maplist(furnished_type, Furniture, Types),
     as_json(_{lengths:Lengths, types:Types}, Json).
+
+named(Name, [Name,Report]) :- length_report(Name, Report).
+
+furnished_type(furniture(Type,Pieces), [Type,Room,Reports]) :-
+    room_report(Type, Room),
+    maplist(piece_of(Type), Pieces, Reports).
+
+piece_of(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Report).
 
 %!  placed(+Layout, +Uniforms, +Limit, -Json) is det.
 %

@@ -1,4 +1,5 @@
-:- module(loading, [load_grammar/2, metres/2, room_extent/5, piece_extent/6, room_report/2, piece_report/3]).
+:- module(lengths, [load_grammar/2, metres/2, room_extent/5, piece_extent/6, length_report/2,
+                    room_report/2, piece_report/3]).
 
 /** <module> A grammar's lengths
 
@@ -10,6 +11,7 @@ lengths. They are the single source of lengths; what stage 1 needs of them is de
 :- use_module(library(yall)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(library(solution_sequences)).
 
 :- dynamic problem/4.
 :- table room_extent/5, piece_extent/6.      % each is a few simplex runs, and asked for in every room
@@ -33,8 +35,8 @@ load_grammar(Files, Problems) :-
     retractall(problem(_,_,_,_)),
     grammar:use_module(library(clpr)),
     setup_call_cleanup(
-        asserta((user:message_hook(Term, Kind, Lines) :- loading:noted(Term, Kind, Lines)), Hook),
-        forall(member(File, Files), load_files(grammar:File, [if(true)])),
+        asserta((user:message_hook(Term, Kind, Lines) :- lengths:noted(Term, Kind, Lines)), Hook),
+        forall(member(File, Files), load_files(grammar:File, [if(true),encoding(utf8)])),
         erase(Hook)),
     findall(problem(F,L,C,T), problem(F,L,C,T), Problems).
 
@@ -55,15 +57,12 @@ message_text(_, Lines, Text) :-
     with_output_to(string(Raw), print_message_lines(current_output, '', Lines)),
     split_string(Raw, "\n", " \t", Parts),
     exclude(==(""), Parts, Said),
-    atomics_to_string(Said, ' ', Text).
-
-atomics_to_string(Parts, Separator, Text) :-
-    atomic_list_concat(Parts, Separator, Atom),
+    atomic_list_concat(Said, ' ', Atom),
     atom_string(Atom, Text).
 
 % - lengths ------------------------------------------------------------------
 
-%!  metres(?Name, -Metres) is nondet.
+%!  metres(+Name, -Metres) is det.
 
 metres(door_width,     M) :- grammar:door_width(M).
 metres(door_clearance, M) :- grammar:door_clearance(M).
@@ -96,30 +95,56 @@ extremes(X, Low, High) :- inf(X, Low), sup(X, High).
 
 % - reports ------------------------------------------------------------------
 
+%!  length_report(+Name, -Report) is det.
+%
+%   Report is the length, or says in words why it is of no use, or is null where it is not stated.
+
+length_report(Name, Report) :-
+    findall(M, metres(Name, M), Stated),
+    length_judged(Stated, Report).
+
+length_judged([], null).
+length_judged([_,_|_], "is stated more than once").
+length_judged([M], M) :- number(M), M >= 0, !.
+length_judged([_], "is not a number of metres, 0 or more").
+
 %!  room_report(+Type, -Report) is det.
 %!  piece_report(+Type, +Piece, -Report) is det.
 %
 %   Report lists the four extremes, or says in words why the clause is of no use, or is null without a clause.
 
 room_report(Type, Report) :-
-    bounded(( grammar:room_size(Type, W, D) -> report([W,D], Report) ; Report = null ), Report).
+    report([W,D], [], grammar:room_size(Type, W, D), Report),
+    ( is_list(Report) -> room_extent(Type, _, _, _, _) ; true ).
 
 piece_report(Type, Piece, Report) :-
     (   room_extent(Type, W1, W2, D1, D2)
     ->  Least is min(W1, D1), Most is max(W2, D2),
         { Wall >= Least, Wall =< Most },
-        bounded(( grammar:piece_size(Piece, L, D, Wall) -> report([L,D], Report) ; Report = null ), Report)
+        report([L,D], [Wall], grammar:piece_size(Piece, L, D, Wall), Report),
+        ( is_list(Report) -> piece_extent(Type, Piece, _, _, _, _) ; true )
     ;   Report = [0,0,0,0] ).
 
-bounded(Goal, Report) :-
-    call_with_inference_limit(Goal, 1 000 000, Result),
-    ( Result == inference_limit_exceeded -> Report = "recurs without end" ; true ).
+%   report(+Sizes, +Given, :Clause, -Report): of Sizes under the one solution of Clause, which may use the Given.
 
-report(Sizes, Report) :- nonlinear(Sizes, Constraint), !,
+report(Sizes, Given, Clause, Report) :-
+    call_with_inference_limit(reported(Sizes, Given, Clause, Found), 1 000 000, Result),
+    ( Result == inference_limit_exceeded -> Report = "recurs without end" ; Report = Found ).
+
+reported(_, _, Clause, null) :- \+ Clause, !.
+reported(_, _, Clause, "has more than one solution: state one") :-
+    findall(x, limit(2, Clause), [_,_]), !.
+reported(Sizes, Given, Clause, Report) :-
+    once(Clause),
+    append(Sizes, Given, All),
+    once(judged(Sizes, All, Report)).
+
+judged(_, All, Report) :-
+    nonlinear(All, Constraint),
     format(string(Report), "has the nonlinear constraint ~p, and CLP(R) decides linear ones", [Constraint]).
-report(Sizes, "is not bounded on both sides") :- \+ maplist([X]>>extremes(X, _, _), Sizes), !.
-report(Sizes, "allows a size that is not positive") :- member(X, Sizes), extremes(X, Low, _), Low =< 0, !.
-report(Sizes, [A,AA,B,BB]) :- maplist(extremes, Sizes, [A,B], [AA,BB]).
+judged(Sizes, _, "is not bounded on both sides") :- \+ maplist([X]>>extremes(X, _, _), Sizes).
+judged(Sizes, _, "allows a size that is not positive") :- member(X, Sizes), extremes(X, Low, _), Low =< 0.
+judged(Sizes, _, [A,AA,B,BB]) :- maplist(extremes, Sizes, [A,B], [AA,BB]).
 
 nonlinear(Sizes, Constraint) :-
     copy_term(Sizes, _, Goals),

@@ -29,6 +29,10 @@ side_chain(Rooms, Corners, Side-Wall, Starts) :-
     ( memberchk(corner(Side,After,After), Corners)   -> Far = inside ; Far = free ),
     starts(Standing, Near, Far, Wall, Starts).
 
+%   Nothing stands near a door, not even behind the walls of the next room.
+
+gap(Gap) :- metres(room_gap, Apart), metres(door_clearance, Clear), Gap is max(Apart, Clear).
+
 neighbours(north, west, east).
 neighbours(east, north, south).
 neighbours(south, east, west).
@@ -36,16 +40,16 @@ neighbours(west, south, north).
 
 starts([], _, _, _, []).
 starts([room(Width,Door)|Rooms], Near, Far, Wall, [S|Starts]) :-
-    metres(room_gap, Gap),
+    gap(Gap),
     ( Near == inside -> { S >= Gap } ; true ),
     door_on(Wall, S, Door),
     following(Rooms, S, Width, Far, Wall, Starts).
 
 following([], S, Width, Far, Wall, []) :-
-    metres(room_gap, Gap),
+    gap(Gap),
     ( Far == inside -> { S + Width + Gap =< Wall } ; true ).
 following([room(Width,Door)|Rooms], S0, Width0, Far, Wall, [S|Starts]) :-
-    metres(room_gap, Gap),
+    gap(Gap),
     { S >= S0 + Width0 + Gap },
     door_on(Wall, S, Door),
     following(Rooms, S, Width, Far, Wall, Starts).

@@ -28,21 +28,24 @@ furnished(Type, Layout, room(Type,W,D,Door,Core,Chains,Islands)) :-
     core(Chains, W, D, Door, DoorWidth, Core),
     Frame = frame(W,D,Door,DoorWidth,Core),
     maplist(along_wall(Chains, Layout, Frame), Chains),
-    findall(F, member(middle(F,_), Layout), Free),
+    numbered(Layout, middle, Free),
     maplist(island(Frame), Free, Islands),
-    apart(Islands).
+    ( memberchk(row(Direction), Layout) -> in_row(Direction, Islands) ; true ).
 
 % - pieces ---------------------------------------------------------------------
 % chain(Stretch,Pieces,End): the pieces in order from the near end; End says if the last is joined to the far one.
 % piece(Type,Start,Length,Depth,Joined): Start counts from the near end; Joined says joined or apart.
 
 stretch_chain(Layout, W, D, Stretch, chain(Stretch,Pieces,End)) :-
-    findall(N-(F-K), member(on(F,K,Stretch,N), Layout), Numbered),
-    keysort(Numbered, Sorted),
-    pairs_values(Sorted, Names),
+    numbered(Layout, Stretch, Names),
     wall_length(Stretch, W, D, Wall),
     maplist(wall_piece(Layout, Wall), Names, Pieces),
     ( memberchk(end(Stretch), Layout) -> End = joined ; End = apart ).
+
+numbered(Layout, Place, Names) :-
+    findall(N-(F-K), member(on(F,K,Place,N), Layout), Numbered),
+    keysort(Numbered, Sorted),
+    pairs_values(Sorted, Names).
 
 wall_length(left,  _, D, D) :- !.
 wall_length(right, _, D, D) :- !.
@@ -146,15 +149,16 @@ last(apart,  piece(_,S,L,_,_), _, High) :- metres(passage, P), { S + L + P =< Hi
 % - in the middle ---------------------------------------------------------------------
 % island(Name,X,Y,Length,Depth): with a passage around it.
 
-island(frame(W,_,_,_,core(X1,X2,Y1,Y2)), F, island(F,X,Y,L,D)) :-
+island(frame(W,_,_,_,core(X1,X2,Y1,Y2)), F-_, island(F,X,Y,L,D)) :-
     once(grammar:piece_size(F, L, D, W)),
     metres(passage, P), metres(door_clearance, C),
     { X >= X1 + P, X + L + P =< X2, Y >= Y1 + P, Y + D + P =< Y2, Y >= C }.
 
-apart([A,B|Islands]) :- !, left_of(A, B), apart([B|Islands]).
-apart(_).
+in_row(Direction, [A,B|Islands]) :- !, before(Direction, A, B), in_row(Direction, [B|Islands]).
+in_row(_, _).
 
-left_of(island(_,X1,_,L,_), island(_,X2,_,_,_)) :- metres(passage, P), { X1 + L + P =< X2 }.
+before(across,  island(_,X1,_,L,_), island(_,X2,_,_,_)) :- metres(passage, P), { X1 + L + P =< X2 }.
+before(inwards, island(_,_,Y1,_,D), island(_,_,Y2,_,_)) :- metres(passage, P), { Y1 + D + P =< Y2 }.
 
 % - drawing -----------------------------------------------------------------------------
 

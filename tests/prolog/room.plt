@@ -35,6 +35,13 @@ test(two_stretches_meet_behind_the_owner, Low == 500) :-              % behind t
               room(_,_,_,_,_,[chain(front_left,[piece(_,S,_,_,_)],_)|_],_)),
     ends(S, Low, _).
 test(an_island_has_a_passage_round_it, [Low,High] == [400,2600]) :-    % up to 4 m wide, 1 m long
-    furnished(cell, [middle(crate,1)], room(_,_,_,_,_,_,[island(_,X,_,_,_)])), ends(X, Low, High).
+    furnished(cell, [on(crate,1,middle,1)], room(_,_,_,_,_,_,[island(_,X,_,_,_)])), ends(X, Low, High).
+
+test(islands_stand_in_a_row, Low == 1800) :-                          % 0.4 + 1.0 + 0.4
+    furnished(cell, [on(crate,1,middle,1),on(crate,2,middle,2),row(across)],
+              room(_,_,_,_,_,_,[_,island(_,X,_,_,_)])), ends(X, Low, _).
+test(or_one_behind_the_other, Low == 1400) :-                         % 0.5 + 0.5 + 0.4
+    furnished(cell, [on(crate,1,middle,1),on(crate,2,middle,2),row(inwards)],
+              room(_,_,_,_,_,_,[_,island(_,_,Y,_,_)])), ends(Y, Low, _).
 
 :- end_tests(room).
