@@ -4,6 +4,7 @@ Torch, Taichi and the solvers are imported inside the commands that need them, s
 """
 
 import json
+import os
 import sys
 import traceback
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ from rich.progress import track
 
 from agent.bench import Bench
 from agent.commands import Demo, Evaluate, Record, Train
-from logic import House, LimitReached, VitruviusError
+from logic import House, VitruviusError
 from logic.errors import RequestError
 
 Repeated = tyro.conf.UseAppendAction
@@ -61,6 +62,7 @@ class Generate:
         """Write the houses; where a limit or Ctrl-C ends the work, those made so far, and a note of why."""
         from logic import generate, save
 
+        _require_writable(self.out, self.count)
         houses: list[House] = []
         request = generate(
             rooms=self.rooms,
@@ -78,7 +80,7 @@ class Generate:
                 houses.append(house)
                 if self.out is None:
                     print(json.dumps(house.to_dict()), flush=True)
-        except (LimitReached, KeyboardInterrupt) as end:
+        except (VitruviusError, KeyboardInterrupt) as end:
             if houses and self.out:
                 save(houses, self.out, stopped=f"at house {self.start + len(houses)}: {end or 'interrupted'}")
                 _say(f"{self.out}: kept the {len(houses)} made before")
@@ -154,17 +156,17 @@ COMMANDS: dict[str, Any] = {
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
-    command = tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
-        prog="vitruvius",
-        description="Furnished houses from rules, simulated by thousands, explored by an agent that learns.",
-        args=arguments,
-    )
-    sys.exit(_exit_code(command))
+    sys.exit(_exit_code(arguments))
 
 
-def _exit_code(command: Any) -> int:
+def _exit_code(arguments: list[str] | None) -> int:
     try:
+        command = tyro.extras.subcommand_cli_from_dict(
+            COMMANDS,
+            prog="vitruvius",
+            description="Furnished houses from rules, simulated by thousands, an agent that learns in them.",
+            args=arguments,
+        )
         return command.run()
     except VitruviusError as error:
         if error.exit_code == VitruviusError.exit_code:
@@ -175,7 +177,10 @@ def _exit_code(command: Any) -> int:
     except KeyboardInterrupt:
         _say("interrupted")
         return 130
-    except BrokenPipeError:
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):
+            _say(f"error: {error.filename or 'a file'}: {error.strerror}")
+            return 5
         # The reader of our output is gone, as in `vitruvius generate ... | head`.
         sys.stdout = None
         return 0
@@ -194,6 +199,19 @@ def _counts(types: tuple[str, ...]) -> dict[str, int]:
             raise RequestError(f"--type {text}: give each type once, as in --type bedroom=2")
         counts[name] = int(number)
     return counts
+
+
+def _require_writable(out: Path | None, count: int) -> None:
+    """Say before the work, not after it, that its place cannot take it."""
+    if out is None:
+        return
+    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
+        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
+    if out.is_dir():
+        raise RequestError(f"--out {out}: is a folder: name a file in it, as in {out / 'houses.jsonl'}")
+    folder = next(parent for parent in out.absolute().parents if parent.exists())
+    if not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise RequestError(f"--out {out}: {folder} cannot be written to")
 
 
 def _progress(items: Any, total: int, what: str) -> Iterator[Any]:

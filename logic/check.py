@@ -134,9 +134,11 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
         juts = excess(piece.box, room.box)
         if juts > TOLERANCE:
             yield f"{place}: {name} juts {juts:.2f} m out of the room"
-        away = distance(piece.box, room.door.box)
-        if away < CLEARANCE - TOLERANCE:
-            yield f"{place}: {name} stands {away:.2f} m from its door (at least {CLEARANCE})"
+        for number, other in enumerate(house.rooms):
+            away = distance(piece.box, other.door.box)
+            if away < CLEARANCE - TOLERANCE:
+                whose = "its door" if number == index else f"the door of {_name(house, number)}"
+                yield f"{place}: {name} stands {away:.2f} m from {whose} (at least {CLEARANCE})"
         if piece.type in promises.at_wall and not walls_touched(piece, room):
             yield f"{place}: {name} stands in the middle of the room (must touch a wall)"
     for (one, a), (other, b) in combinations(zip(room.pieces, names, strict=True), 2):

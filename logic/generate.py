@@ -1,8 +1,10 @@
 """Houses by request: solver processes at work, their answers in order, their ends in hand."""
 
+import contextlib
 import json
 import os
 import selectors
+import signal
 import subprocess
 import sys
 import time
@@ -10,13 +12,16 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from logic.errors import GrammarError, LimitReached, RequestError, from_record
+from logic.errors import GrammarError, LimitReached, RequestError, VitruviusError, from_record
 from logic.grammar import find
 from logic.house import House
 
 MOST_ROOMS = 128
 START_UP = 60.0
-"""Seconds that a solver process may take to load a grammar, however small the budget of a house."""
+"""Seconds that a solver process may take to load a grammar."""
+
+ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
+"""Rule files are UTF-8 whatever the user's language."""
 
 
 def generate(
@@ -47,12 +52,12 @@ def generate(
         ({"seed": seed, "start": start} | {f"type {type_}": n for type_, n in request["types"].items()}, 0),
     ):
         for name, value in counts.items():
-            if type(value) is not int or value < least:
+            if type(value) is not int or not least <= value < 2**31:
                 raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}")
     if rooms > MOST_ROOMS:
         raise RequestError(f"rooms must be at most {MOST_ROOMS}, not {rooms}")
-    if not seconds > 0:
-        raise RequestError(f"seconds must be above 0, not {seconds!r}")
+    if not 0 < seconds < 1e6:
+        raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
     return _houses(str(find(grammar).directory), request, range(start, start + count), workers, seconds)
 
 
@@ -63,12 +68,17 @@ def _houses(
     team = [_Worker(grammar) for _ in range(min(workers, len(indices)))]
     try:
         for worker in team:
-            worker.answer(START_UP)
+            worker.answer(
+                START_UP,
+                f"{grammar}: loading took {START_UP:g} s: do its rules recur, or ground, without end?",
+            )
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})
         for turn, index in enumerate(indices):
             worker = team[turn % len(team)]
-            record = worker.answer(seconds, f"house {index}")
+            record = worker.answer(
+                seconds, f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
+            )
             if turn + len(team) < len(indices):
                 worker.ask(request | {"index": indices[turn + len(team)]})
             yield House.from_dict(record["house"])
@@ -88,7 +98,7 @@ class _Worker:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         )
         self._answers = selectors.DefaultSelector()
         assert self._process.stdout
@@ -106,14 +116,12 @@ class _Worker:
         except BrokenPipeError:
             pass
 
-    def answer(self, seconds: float, what: str = "loading the grammar") -> dict[str, Any]:
-        """Wait for the answer to the oldest open request, at most so many seconds."""
+    def answer(self, seconds: float, late: str) -> dict[str, Any]:
+        """Wait for the answer to the oldest open request, at most so many seconds; else ``late`` is said."""
         deadline = time.monotonic() + seconds
         while b"\n" not in self._received:
             if not self._answers.select(max(0.0, deadline - time.monotonic())):
-                raise LimitReached(
-                    f"{what}: the limit of {seconds:g} seconds is reached. Raise it with --seconds"
-                )
+                raise LimitReached(late)
             part = os.read(self._process.stdout.fileno(), 1 << 20)  # pyright: ignore[reportOptionalMemberAccess]
             if not part:
                 raise self._died()
@@ -124,16 +132,17 @@ class _Worker:
             raise from_record(record["error"])
         return record
 
-    def _died(self) -> Exception:
+    def _died(self) -> VitruviusError:
         code = self._process.wait()
+        if code == -signal.SIGKILL:
+            return LimitReached("a solver process was killed from outside, perhaps for want of memory")
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
-        return GrammarError(
-            f"the rules ended the solver process ({how}): look for a directive that halts, or for clauses "
-            "without end",
-            self._grammar,
-        )
+        why = "look for a directive that halts, or a clause that recurs without end"
+        return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
 
     def end(self) -> None:
         """Kill the process: it holds nothing that anyone needs."""
-        self._process.kill()
+        # With all that directives may have started.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.communicate()

@@ -36,9 +36,11 @@ def find(grammar: str | Path) -> Grammar:
         names = ", ".join(shipped())
         raise GrammarError(f"no grammar is called {grammar}, and it is no directory. Shipped ones: {names}")
     directory = directory.resolve()
-    asp, prolog = (tuple(sorted(directory.glob(pattern))) for pattern in ("*.lp", "*.pl"))
-    for files, kind in ((asp, ".lp"), (prolog, ".pl")):
-        if not files:
+    # Editors leave hidden files beside those that they edit.
+    files = [file for file in sorted(directory.iterdir()) if file.is_file() and not file.name.startswith(".")]
+    asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
+    for found, kind in ((asp, ".lp"), (prolog, ".pl")):
+        if not found:
             raise GrammarError(
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory
             )

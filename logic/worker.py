@@ -10,7 +10,6 @@ import json
 import os
 import queue
 import resource
-import sys
 import threading
 import traceback
 from typing import TextIO
@@ -23,10 +22,10 @@ MEMORY = 4 << 30
 
 def main() -> None:
     """Answer requests until the parent closes its end of the pipe."""
-    answers = _private_stdout()
+    questions, answers = _private_pipes()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     requests: queue.SimpleQueue[str] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(sys.stdin, requests), daemon=True).start()
+    threading.Thread(target=_listen, args=(questions, requests), daemon=True).start()
     builder = None
     while True:
         request = json.loads(requests.get())
@@ -54,11 +53,13 @@ def main() -> None:
         answers.flush()
 
 
-def _private_stdout() -> TextIO:
-    """The pipe to the parent; whatever the rules print goes to stderr from here on."""
-    pipe = os.fdopen(os.dup(1), "w", encoding="utf-8")
+def _private_pipes() -> tuple[TextIO, TextIO]:
+    """The pipes from and to the parent; the rules read nothing, and what they print goes to stderr."""
+    questions, answers = os.fdopen(os.dup(0), encoding="utf-8"), os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
     os.dup2(2, 1)
-    return pipe
+    return questions, answers
 
 
 def _listen(parent: TextIO, requests: "queue.SimpleQueue[str]") -> None:

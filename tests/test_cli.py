@@ -66,6 +66,11 @@ def test_check_says_no_by_line(tmp_path: Path) -> None:
         (["check", "LICENSE"], 5, "LICENSE:1"),
         (["evaluate", "pyproject.toml", "absent.jsonl"], 5, "pyproject.toml"),
         (["frobnicate"], 2, "frobnicate"),
+        (["generate", "--rooms", "3", "--count", "2", "--out", "x.json"], 2, ".jsonl"),
+        (["generate", "--rooms", "3", "--out", "tests"], 2, "folder"),
+        (["generate", "--rooms", "3", "--seconds", "inf"], 2, "seconds"),
+        (["generate", "--rooms", "3", "--inferences", "99999999999999999999"], 2, "inferences"),
+        (["train", "absent.jsonl", "--steps", "0"], 2, "steps"),
     ],
 )
 def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: int, says: str) -> None:
@@ -80,12 +85,12 @@ def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
     """Houses differ in their work: a bound between the least and the most ends the series on its way."""
     file = tmp_path / "houses.jsonl"
     ended = vitruvius(
-        "generate", "--rooms", 8, "--start", 2, "--count", 60, "--inferences", 145_000, "--out", file
+        "generate", "--rooms", 8, "--start", 3, "--count", 60, "--inferences", 120_000, "--out", file
     )
     assert ended.returncode == 4
     kept = load(file)
     assert 0 < len(kept) < 60
-    assert json.loads(file.read_text().splitlines()[-1])["stopped"].startswith(f"at house {2 + len(kept)}: ")
+    assert json.loads(file.read_text().splitlines()[-1])["stopped"].startswith(f"at house {3 + len(kept)}: ")
 
 
 def test_ctrl_c_keeps_the_houses_and_ends_within_a_second(tmp_path: Path) -> None:

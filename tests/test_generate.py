@@ -253,6 +253,28 @@ def test_rules_that_never_end_meet_the_limit(edited: Edit) -> None:
         next(generate(rooms=3, grammar=edited("sizes.pl", "piece_size(toilet,", loop)))
 
 
+def test_what_directives_start_ends_with_them(edited: Edit, tmp_path: Path) -> None:
+    folder = edited(
+        "sizes.pl", "passage(0.42).", f"passage(0.42).\n:- shell('sleep 300 & echo $! > {tmp_path}/pid')."
+    )
+    assert check(next(generate(rooms=1, grammar=folder))) == []
+    sleeper = int((tmp_path / "pid").read_text())
+    time.sleep(0.2)
+    assert not alive(sleeper)
+
+
+def test_rules_read_nothing_of_the_requests(edited: Edit) -> None:
+    folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).\n:- read(end_of_file).")
+    assert check(next(generate(rooms=1, grammar=folder))) == []
+
+
+def test_hidden_files_are_no_rules(edited: Edit) -> None:
+    folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).  % größer als der Körper")
+    (folder / ".#rooms.lp").symlink_to("nowhere")
+    (folder / "old.lp").mkdir()
+    assert check(next(generate(rooms=1, grammar=folder))) == []
+
+
 def test_what_rules_print_does_not_reach_the_answers(edited: Edit) -> None:
     folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).\n:- format('{\"house\": 1}~n').")
     assert check(next(generate(rooms=1, grammar=folder))) == []
