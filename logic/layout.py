@@ -102,7 +102,7 @@ class Program:
         with self._control.solve(assumptions=fixed, yield_=True) as handle:
             model = handle.model()
             assert model is not None, "these picks were satisfiable a moment ago"
-            return sorted(atom for atom in model.symbols(atoms=True) if atom in self._outputs)
+            return sorted(atom for atom, literal in self._outputs.items() if model.is_true(literal))
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]

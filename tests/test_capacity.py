@@ -9,7 +9,7 @@ from clingo import Function, Number
 from logic.builder import FURNISHING, Builder
 from logic.grammar import SHIPPED, find
 from logic.layout import Program
-from logic.placement import NAMES, Layout, Refuted, RoomLayout
+from logic.placement import Layout, Refuted, RoomLayout
 
 WIDE = [Number(mm) for mm in (1, 99999, 1, 99999)]
 
