@@ -11,12 +11,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 from numpy.typing import ArrayLike
+from scipy.special import stdtrit
 
 from logic import VitruviusError
 from logic.files import write_whole
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
-UNITS = {"rooms": "secondary rooms", "environments": "environments"}
+AXES = {"rooms": "secondary rooms", "environments": "environments"}
+"""What a study varies: the key in a benchmark's ``extra_info``, and its name on the axis."""
 
 
 class MeasurementFailed(VitruviusError):
@@ -50,7 +52,7 @@ class Bench:
             series = _series(report)
             write_whole(self.out / f"{study}.png", _plot(series, report))
             for name, points in series.items():
-                print(f"{name}: {_law(points)}")
+                print(f"{name}: {_law(points, _is_rate(report))}")
             print(f"{self.out / study}.png, {self.out / study}.json")
         return 0
 
@@ -71,14 +73,23 @@ def _measured(study: str, out: Path) -> dict[str, Any]:
 
 
 def _series(report: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Each group as rows of size, median, lower and upper quartile, in seconds."""
+    """Each benchmark's rows of size, median, lower and upper quartile: seconds, or steps a second."""
     rows: dict[str, list[list[float]]] = {}
     for entry in report["benchmarks"]:
-        sizes = [value for value in (entry["params"] or {}).values() if isinstance(value, int)]
-        if len(sizes) == 1:
-            stats, name = entry["stats"], entry["group"] or entry["name"].split("[")[0]
-            rows.setdefault(name, []).append([sizes[0], stats["median"], stats["q1"], stats["q3"]])
+        extra, stats = entry["extra_info"], entry["stats"]
+        sizes = [extra[axis] for axis in AXES if axis in extra]
+        if sizes:
+            # Where a round is many steps, what counts is their rate; the quartiles then change places.
+            work = extra["steps_per_second"] * stats["median"] if "steps_per_second" in extra else None
+            times = [stats["median"], stats["q1"], stats["q3"]]
+            values = [work / time for time in times] if work else times
+            rows.setdefault(entry["name"].split("[")[0].removeprefix("test_"), []).append([sizes[0], *values])
     return {name: np.array(sorted(points)) for name, points in rows.items()}
+
+
+def _is_rate(report: dict[str, Any]) -> bool:
+    """Whether a study measures steps a second rather than seconds."""
+    return any("steps_per_second" in entry["extra_info"] for entry in report["benchmarks"])
 
 
 def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]:
@@ -91,28 +102,35 @@ def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]
     return float(solution[0]), float(np.sqrt(spread))
 
 
-def _law(points: np.ndarray) -> str:
-    if len(points) < 3:
+def _law(points: np.ndarray, rate: bool) -> str:
+    """The fitted power law with a 95 % interval, from size 4: below it fixed costs rule. Or the best rate."""
+    if rate:
+        return f"{points[:, 1].max():,.0f} a second at best"
+    tail = points[points[:, 0] >= 4]
+    if len(tail) < 3:
         return "too few sizes for a fit"
-    # Fixed costs rule below four rooms or environments: the law is fitted from there on.
-    tail = points[points[:, 0] >= 4] if (points[:, 0] >= 4).sum() >= 3 else points
     exponent, error = fitted_exponent(tail[:, 0], tail[:, 1])
-    return f"time ~ size^{exponent:.2f} ± {1.96 * error:.2f} from {tail[0, 0]:.0f} to {tail[-1, 0]:.0f}"
+    margin = stdtrit(len(tail) - 2, 0.975) * error
+    return f"time ~ size^{exponent:.2f} ± {margin:.2f} from {tail[0, 0]:.0f} to {tail[-1, 0]:.0f}"
 
 
 def _plot(series: dict[str, np.ndarray], report: dict[str, Any]) -> bytes:
-    """A PNG on logarithmic axes: medians, quartiles and the fitted law of each group."""
+    """A PNG on logarithmic axes: medians, quartiles and the fitted law of each benchmark."""
     from matplotlib.figure import Figure
 
+    extra, rate = [entry["extra_info"] for entry in report["benchmarks"]], _is_rate(report)
     figure = Figure(figsize=(7.2, 4.6), dpi=150, layout="constrained")
     axes = figure.subplots()
     for name, points in series.items():
         size, median, low, high = points.T
-        (line,) = axes.plot(size, 1e3 * median, "o-", label=f"{name}\n{_law(points)}", lw=1.6, ms=4)
-        axes.fill_between(size, 1e3 * low, 1e3 * high, color=line.get_color(), alpha=0.2, lw=0)
-    params = [entry["params"] for entry in report["benchmarks"] if entry["params"]]
-    axis = next((name for name in UNITS if any(name in p for p in params)), "size")
-    axes.set(xscale="log", yscale="log", xlabel=UNITS.get(axis, axis), ylabel="time, ms (median, quartiles)")
+        (line,) = axes.plot(size, median, "o-", label=f"{name}: {_law(points, rate)}", lw=1.6, ms=4)
+        axes.fill_between(size, low, high, color=line.get_color(), alpha=0.2, lw=0)
+    axes.set(
+        xscale="log",
+        yscale="log",
+        xlabel=next((words for axis, words in AXES.items() if any(axis in one for one in extra)), "size"),
+        ylabel="environment steps a second" if rate else "seconds",
+    )
     sizes = sorted({size for points in series.values() for size in points[:, 0]})
     axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
     axes.minorticks_off()
@@ -120,7 +138,8 @@ def _plot(series: dict[str, np.ndarray], report: dict[str, Any]) -> bytes:
     axes.legend(fontsize=8, frameon=False)
     machine = report["machine_info"]
     cpu = machine.get("cpu", {}).get("brand_raw", machine.get("machine", ""))
-    axes.set_title(f"{cpu}, Python {machine['python_version']}, {report['datetime'][:10]}", fontsize=9)
+    title = f"Medians and quartiles. {cpu}, Python {machine['python_version']}, {report['datetime'][:10]}"
+    axes.set_title(title, fontsize=8)
     picture = BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()

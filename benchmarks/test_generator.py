@@ -21,6 +21,7 @@ def builder() -> Builder:
 @pytest.mark.benchmark(group="generator, stage 1: clingo draws a layout")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_layout(benchmark, builder: Builder, rooms: int) -> None:
+    benchmark.extra_info["rooms"] = rooms
     builder.layout(Request(rooms), np.random.default_rng(0))
     seeds = itertools.count()
     benchmark.pedantic(
@@ -31,6 +32,7 @@ def test_layout(benchmark, builder: Builder, rooms: int) -> None:
 @pytest.mark.benchmark(group="generator, both stages: a furnished house")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_house(benchmark, builder: Builder, rooms: int) -> None:
+    benchmark.extra_info["rooms"] = rooms
     builder.house(Request(rooms), 0, 0, INFERENCES)
     indices = itertools.count()
     benchmark.pedantic(lambda: builder.house(Request(rooms), 0, next(indices), INFERENCES), rounds=ROUNDS)
@@ -58,4 +60,5 @@ def test_place(benchmark, builder: Builder, rooms: int) -> None:
                 return (layouts[-1], np.random.default_rng(0), INFERENCES), {}
 
     benchmark.pedantic(builder.place, setup=fresh, rounds=ROUNDS)
+    benchmark.extra_info["rooms"] = rooms
     benchmark.extra_info["inferences"] = float(np.median(inferences))

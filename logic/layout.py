@@ -157,16 +157,21 @@ class Program:
         return fixed
 
     def _longest_prefix(self, fixed: list[int], wanted: list[int]) -> int:
-        """How many of the wanted literals, in order, some model has together with the fixed ones."""
-        low, high = 0, len(wanted)
-        trial = high
-        while low < high:
-            if self._satisfiable(fixed + wanted[:trial]):
-                low = trial
-            else:
-                high = trial - 1
-            trial = (low + high + 1) // 2
-        return low
+        """How many of the wanted literals, in order, some model has together with the fixed ones.
+
+        An unsatisfiable core, any one, shows that its last wanted literal is too many: which cores the solver
+        finds decides how soon the answer comes, not what it is.
+        """
+        most = len(wanted)
+        while core := self._core(fixed + wanted[:most]):
+            most = max(place for place in range(most) if wanted[place] in core)
+        return most
+
+    def _core(self, assumptions: Sequence[int]) -> set[int]:
+        """Assumptions that no model has together: empty where some model has all."""
+        core: set[int] = set()
+        self._control.solve(assumptions=assumptions, on_core=core.update)
+        return core
 
     def _satisfiable(self, assumptions: Sequence[int]) -> bool:
         return bool(self._control.solve(assumptions=assumptions).satisfiable)
