@@ -1,4 +1,4 @@
-"""Stage 1, clingo: every discrete choice of a house, drawn fairly and independently of the solver's state.
+"""Stage 1, clingo: every discrete choice of a house, drawn by weight and independently of the solver's state.
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
 drawn pick by pick: the variables in random order, each taking its first value, in random order, that some

@@ -1,4 +1,4 @@
-"""Stage 1: what the rules allow, and that layouts are drawn fairly and for their random numbers alone."""
+"""Stage 1: what the rules allow, and that layouts are drawn by weight and for their random numbers alone."""
 
 from collections import Counter
 from itertools import product
