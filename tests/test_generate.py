@@ -290,9 +290,10 @@ for house in generate(rooms=16, count=9999):
 
 
 def children(process: int) -> list[int]:
-    found = subprocess.run(
-        ["ps", "-o", "pid=", "--ppid", str(process)], capture_output=True, text=True, check=False
-    )
+    if Path("/proc/self/stat").exists():  # a bare Linux has no ps
+        listed = Path(f"/proc/{process}/task").glob("*/children")
+        return [int(pid) for children in listed for pid in children.read_text().split()]
+    found = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False)
     return [int(pid) for pid in found.stdout.split()]
 
 
