@@ -81,6 +81,15 @@ def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: in
     assert code == 2 or len(ended.stderr.splitlines()) == 1
 
 
+def test_a_missing_prolog_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SWI_HOME_DIR", "/nowhere")
+    monkeypatch.setenv("LIBSWIPL_PATH", "/nowhere/libswipl.so")
+    ended = vitruvius("generate", "--rooms", 1)
+    assert ended.returncode == 69
+    assert "SWI-Prolog" in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1
+
+
 def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
     """Houses differ in their work: a bound between the least and the most ends the series on its way."""
     file = tmp_path / "houses.jsonl"
