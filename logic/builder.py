@@ -35,7 +35,10 @@ class Request:
 
 
 HOUSING = (("room", 2), ("side", 2), ("corner", 3))
-FURNISHING = (("on", 4), ("joined", 2), ("end", 1), ("corner", 3), ("row", 1))
+FURNISHING = (
+    *(("on", 4), ("joined", 2), ("last", 2), ("end", 1), ("busy", 1), ("corner", 3)),
+    *(("row", 1), ("turned", 3), ("faces", 3), ("with", 4)),
+)
 """The atoms that stage 1 hands to stage 2: of the house, and of each room."""
 
 
@@ -82,10 +85,9 @@ class Builder:
                     inferences -= proof.inferences
                     if inferences <= 0:
                         raise LimitReached(f"house {index} reached its limit of inferences") from None
-                    for number in proof.rooms:
-                        room = layout.rooms[number]
-                        refuted.add(self._furnishing[room.type.name], room.furniture)
-                    again = self._refurnished(layout, proof.rooms, rng, refuted)
+                    for number, clash in proof.clashes.items():
+                        refuted.add(self._furnishing[layout.rooms[number].type.name], clash.atoms)
+                    again = self._refurnished(layout, proof.clashes, rng, refuted)
                     layout = again or self.layout(request, rng, refuted)
 
     def layout(
@@ -173,6 +175,10 @@ class Builder:
         furniture: dict[str, list[str]] = {type_: [] for type_ in self.types}
         for symbol in probe.atoms("may", 4):
             furniture[_name(symbol.arguments[0])].append(_name(symbol.arguments[1]))
+        for symbol in [*probe.atoms("beside", 4), *probe.atoms("around", 4)]:
+            for pieces in furniture.values():
+                if _name(symbol.arguments[0]) in pieces and (name := _name(symbol.arguments[1])) not in pieces:
+                    pieces.append(name)
         lengths = self._placer.lengths(furniture)
         named = [
             ("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()
@@ -220,11 +226,11 @@ class Refutations:
         self.unfurnishable: set[str] = set()
         self.guards: dict[Program, int] = {}
 
-    def add(self, program: Program, layout: Sequence[Symbol]) -> None:
-        """This layout of the program has no solution."""
+    def add(self, program: Program, atoms: Mapping[Symbol, bool]) -> None:
+        """No layout of the program in which just these atoms hold, or fail, has a solution."""
         if program not in self.guards:
             self.guards[program] = program.guard()
-        program.refute(self.guards[program], layout)
+        program.refute(self.guards[program], atoms)
 
     def __enter__(self) -> "Refutations":
         """Begin the work on a house."""

@@ -47,6 +47,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Metres: as near as neighbouring rooms may come; what the house shows, if less, counts instead."""
     at_wall: frozenset[str] = frozenset()
     """Piece types that never stand in the middle of a room: they touch a wall."""
+    turns: frozenset[str] = frozenset()
+    """Piece types that may stand with a side to a wall; others at a wall have their back to it."""
 
 
 PROMISES = msgspec.json.decode(
@@ -146,17 +148,19 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
         if depth > TOLERANCE:
             yield f"{place}: {a} overlaps {b} by {depth:.2f} m"
     if house.format == FORMAT:
-        yield from _fronts(room, place, names)
+        yield from _fronts(room, place, names, promises)
 
 
-def _fronts(room: Room, place: str, names: list[str]) -> Iterator[str]:
-    """A piece at a wall has its back to it; children are free, for they turn to their parent."""
+def _fronts(room: Room, place: str, names: list[str], promises: Promises) -> Iterator[str]:
+    """A piece at a wall has its back to it, or a side if it turns; children turn to their parent."""
     for piece, name in zip(room.pieces, names, strict=True):
         if piece.orientation not in {"", *_BACK}:
             yield f"{place}: {name} faces {piece.orientation!r} (must be N, E, S, W or empty)"
         elif piece.orientation and piece in room.children:
             walls = walls_touched(piece, room)
-            if walls and _BACK[piece.orientation] not in walls:
+            back = _BACK[piece.orientation]
+            sides = {back, (back + 1) % 4, (back + 3) % 4} if piece.type in promises.turns else {back}
+            if walls and not sides & set(walls):
                 at = " and ".join(WALLS[wall] for wall in walls)
                 yield f"{place}: {name} faces {piece.orientation}, not away from its wall ({at})"
 

@@ -114,12 +114,16 @@ class Program:
             backend.add_external(guard, clingo.TruthValue.Free)
         return guard
 
-    def refute(self, guard: int, layout: Iterable[Symbol]) -> None:
-        """Exclude just this layout, no larger and no smaller one, from draws under the guard."""
-        held = set(layout)
-        whole = [literal if atom in held else -literal for atom, literal in self._outputs.items()]
+    def refute(self, guard: int, atoms: Mapping[Symbol, bool]) -> None:
+        """Exclude all layouts in which just these atoms hold, or fail, from draws under the guard."""
+        # An atom that can never hold fails in every layout.
+        literals = [
+            literal if holds else -literal
+            for atom, holds in atoms.items()
+            if (literal := self._outputs.get(atom)) is not None
+        ]
         with self._control.backend() as backend:
-            backend.add_rule([], [guard, *whole])
+            backend.add_rule([], [guard, *literals])
 
     def forget(self, guard: int) -> None:
         """End a guard and all that it excludes."""

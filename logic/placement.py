@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from clingo import Symbol
+from clingo import Symbol, parse_term
 
 from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
 from logic.grammar import Grammar
@@ -38,13 +38,25 @@ class Layout:
     corners: Sequence[Symbol]
 
 
+@dataclass(frozen=True)
+class Clash:
+    """A least set of reasons why a room cannot have its furniture: take one away and CLP(R) has a solution.
+
+    ``atoms`` of the layout, each of which holds or fails; ``clauses`` of the grammar, as terms:
+    ``length(passage)``, ``size(bedroom)``, ``size(bedroom,bed)``.
+    """
+
+    atoms: Mapping[Symbol, bool]
+    clauses: tuple[Symbol, ...]
+
+
 class Refuted(Exception):
     """Proved: no sizes and places satisfy the rules for these rooms of a layout."""
 
-    def __init__(self, rooms: Sequence[int], inferences: int) -> None:
-        """Keep the rooms' numbers, and the Prolog inferences that the proof took."""
-        super().__init__(f"rooms {list(rooms)} are refuted")
-        self.rooms, self.inferences = rooms, inferences
+    def __init__(self, clashes: Mapping[int, Clash], inferences: int) -> None:
+        """Keep what clashes in each room, by number, and the Prolog inferences that the proof took."""
+        super().__init__(f"rooms {list(clashes)} are refuted")
+        self.clashes, self.inferences = clashes, inferences
 
 
 class Placer:
@@ -94,15 +106,17 @@ class Placer:
 
         Raises ``Refuted`` where the constraints have no solution, ``LimitReached`` past so many inferences.
         """
-        # A length takes at most two random numbers: four lengths a piece, four a room, two for the main room.
-        pieces = sum(len(room.furniture) for room in layout.rooms)
-        uniforms = rng.random(2 * (4 * pieces + 4 * len(layout.rooms) + 2)).tolist()
-        rooms = ",".join(f"room({r.number},{r.type},{r.side},{_list(r.furniture)})" for r in layout.rooms)
-        answer = self._json(f"placed(layout([{rooms}],{_list(layout.corners)}),{uniforms},{inferences},Json)")
+        # A seed for each room and one for the main room: numbers by the thousand cost more to pass than to draw.
+        *seeds, last = rng.integers(2**63, size=len(layout.rooms) + 1).tolist()
+        rooms = ",".join(
+            f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{seed})"
+            for room, seed in zip(layout.rooms, seeds, strict=True)
+        )
+        answer = self._json(f"placed(layout([{rooms}],{_list(layout.corners)},{last}),{inferences},Json)")
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
         if "refuted" in answer:
-            raise Refuted(answer["refuted"], answer["inferences"])
+            raise Refuted({room: _clash(why) for room, why in answer["refuted"]}, answer["inferences"])
         return answer
 
     def version(self) -> str:
@@ -125,6 +139,15 @@ class Placer:
         if not answers:
             raise VitruviusError(f"SWI-Prolog has no answer to: {goal[:200]}")
         return answers[0]
+
+
+def _clash(reasons: Iterable[tuple[str, str]]) -> Clash:
+    """Reasons as SWI-Prolog gives them, by kind: an atom that holds or fails, a clause."""
+    terms = [(kind, parse_term(text)) for kind, text in reasons]
+    return Clash(
+        {term: kind == "holds" for kind, term in terms if kind != "clause"},
+        tuple(term for kind, term in terms if kind == "clause"),
+    )
 
 
 def _list(symbols: Iterable[Symbol]) -> str:

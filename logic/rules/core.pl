@@ -1,23 +1,26 @@
-:- module(core, [grammar_problems/2, grammar_lengths/3, placed/4]).
+:- module(core, [grammar_problems/2, grammar_lengths/3, set_cell/1, placed/3, room_system/3]).
 
 /** <module> Stage 2: from a layout to a house
 
-The one goal that Python asks for a house is placed/4: terms in, JSON out.
+The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
     grammar.pl     the grammar's clauses and their extremes
-    room.pl        a room's furniture, as linear constraints
+    room.pl        a room's furniture, as a linear system; stretch.pl, island.pl: what stands at its walls, in its middle
+    linear.pl      linear constraints as data: posted to CLP(R), or asked for what clashes
+    furnish.pl     a random solution for a room, or why it has none
     main_room.pl   the rooms around the main room
-    draw.pl        a random solution of a solved store
+    chain.pl       things in a row, at least a gap apart: furniture along a wall, rooms along a side
+    draw.pl        random numbers
     plan.pl        from the rooms' frames to the house's plan
 */
 
 :- use_module(library(apply)).
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
-:- use_module(grammar).
+:- use_module(grammar, except([room_system/4])).
 :- use_module(main_room).
 :- use_module(plan).
-:- use_module(room).
+:- use_module(furnish).
 
 %!  grammar_problems(+Files, -Json) is det.
 %
@@ -42,9 +45,7 @@ grammar_lengths(Furniture, Names, Json) :-
 
 %   What SWI-Prolog loads at first use counts as inferences: an empty room spares the first house that.
 
-warm(Type) :-
-    length(Zeros, 100), maplist(=(0.0), Zeros),
-    placed(layout([room(0,Type,north,[])],[]), Zeros, 1 000 000, _).
+warm(Type) :- placed(layout([room(0,Type,north,[],1)],[],1), 1 000 000, _).
 
 named(Name, [Name,Report]) :- length_report(Name, Report).
 
@@ -54,39 +55,49 @@ furnished_type(furniture(Type,Pieces), [Type,Room,Reports]) :-
 
 piece_of(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Report).
 
-%!  placed(+Layout, +Uniforms, +Limit, -Json) is det.
+%!  placed(+Layout, +Limit, -Json) is det.
 %
-%   Layout is layout(Rooms,Corners): Rooms are room(R,Type,Side,Atoms) in clockwise order. Json is the plan,
-%   or {"refuted": [R..]} where no sizes and places satisfy the rules for those rooms, or {"limit": true}
-%   past so many inferences.
+%   Layout is layout(Rooms,Corners,Seed): Rooms are room(R,Type,Side,Atoms,Seed) in clockwise order. Json is the plan,
+%   or {"refuted": [[R,Reasons]..]} for rooms that no sizes and places satisfy, each with a least clash: lists of
+%   [holds,Atom], [fails,Atom] and [clause,Clause]; or {"limit": true} past so many inferences.
 
-placed(layout(Rooms,Corners), Uniforms, Limit, Json) :-
+placed(Layout, Limit, Json) :-
     statistics(inferences, Before),
-    call_with_inference_limit(house(Rooms, Corners, Uniforms, Answer), Limit, Result),
+    call_with_inference_limit(house(Layout, Answer), Limit, Result),
     statistics(inferences, After),
     Inferences is After - Before,
     ( Result == inference_limit_exceeded -> Reply = _{limit:true} ; Reply = Answer.put(inferences, Inferences) ),
     as_json(Reply, Json).
 
-house(Rooms, Corners, Uniforms, Answer) :-
-    maplist(posted, Rooms, Sided, Refuted),
-    append(Refuted, Refutations),
-    (   Refutations == []
-    ->  drawn(Sided, Corners, Answer, Uniforms, _)
-    ;   Answer = _{refuted:Refutations} ).
+house(layout(Rooms,Corners,Seed), Answer) :-
+    maplist(furnished_room, Rooms, Furnished, Clashes),
+    append(Clashes, Refuted),
+    (   Refuted == []
+    ->  maplist(rigid, Furnished, Rigid),
+        call(around(Rigid, Corners, Main, Starts), Seed, _),
+        plan(Main, Starts, Furnished, Answer)
+    ;   Answer = _{refuted:Refuted} ).
 
-posted(room(_,Type,Side,Layout), Side-Room, []) :- furnished(Type, Layout, Room), !.
-posted(room(R,_,Side,_), Side-none, [R]).
+furnished_room(room(R,Type,Side,Layout,Seed), Side-Room, Clashes) :-
+    call(furnished(Type, Layout, Answer), Seed, _),
+    (   Answer = clash(Reasons)
+    ->  maplist(reason, Reasons, Told), Clashes = [[R,Told]]
+    ;   Room = Answer, Clashes = [] ).
 
-drawn(Sided, Corners, Plan) -->
-    draw_rooms(Sided),
-    { maplist([Side-room(_,W,D,Door,_,_,_), r(Side,W,D,Door)]>>true, Sided, Rigid),
-      once(around(Rigid, Corners, Main, Chains)) },
-    draw_main_room(Rigid, Main, Chains),
-    { plan(Main, Chains, Sided, Plan) }.
+rigid(Side-room(_,W,D,Door,_,_,_), r(Side,W,D,Door)).
 
-draw_rooms([])               --> [].
-draw_rooms([_-Room|Rooms])   --> draw_room(Room), draw_rooms(Rooms).
+reason(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
+reason(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
+reason(Clause, [clause,Text])       :- functor(Clause, size, _), !, term_string(Clause, Text).
+reason(Atom, [holds,Text])          :- term_string(Atom, Text).
+
+%!  room_system(+Type, +Layout, -Json) is det.
+%
+%   Json lists the rows of the linear system of one room (linear.pl), all sizes unknown.
+
+room_system(Type, Layout, Json) :-
+    linear_system(Type, Layout, Rows),
+    as_json(Rows, Json).
 
 as_json(Value, Text) :-
     with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).

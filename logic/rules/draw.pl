@@ -1,45 +1,48 @@
-:- module(draw, [uniform//1, uniform//3, start//2, lowest/1, highest/1]).
+:- module(draw, [random//1, between_ends//4, uniform//1, lattice/1]).
 
-/** <module> Drawing numbers from a solved store
+/** <module> Random numbers, and drawing with them from a solved store
 
-The store holds a conjunction of linear constraints that has a solution. A variable is fixed at a random point
-of its projection, which leaves a solution again, so a draw never fails and never backtracks. The random
-numbers, uniform in [0,1), come in as a list.
+The numbers come from a stream of 64-bit states (the linear congruence of Knuth's MMIX, of which the top 53 bits
+are used), threaded through as the state of a DCG. Its seed comes in from outside, so a draw depends on nothing else.
 */
 
 :- use_module(library(clpr)).
 
-%!  uniform(?X)// is det.
+:- dynamic lattice/1.
+
+%!  lattice(-Kind) is det.
 %
-%   Fixes X uniformly in its projection.
+%   Kind is `real`, or `whole` where all lengths are whole numbers (of cells).
 
-uniform(X) --> start(X, 1).
+lattice(real).
 
-%!  uniform(?X, +Low, +High)// is det.
+%!  random(-U)// is det.
 %
-%   The same law where the projection is known to lie within Low..High: a point of that range which the store
-%   takes is uniform in the projection already, and saves two simplex runs. One that it refuses is spent.
+%   U is uniform in [0,1).
 
-uniform(X, _, _)      --> { number(X) }, !.
-uniform(X, Low, High) --> [U], { V is Low + U*(High-Low), {X = V} }, !.
-uniform(X, _, _)      --> [_], uniform(X).
+random(U, S0, S) :-
+    S is (S0*6364136223846793005 + 1442695040888963407) /\ 0xFFFFFFFFFFFFFFFF,
+    U is (S >> 11) / 9007199254740992.0.
 
-%!  start(?X, +Gaps)// is det.
+%!  between_ends(+Low, +High, +Gaps, -X)// is det.
 %
-%   Fixes X, where a piece starts on a chain, with so many Gaps behind it that share the slack: then all gaps
-%   of the chain together are uniform on their simplex (the least of N uniform numbers is 1 - U^(1/N)).
+%   X lies in Low..High, as the start of something with so many Gaps behind it, its own among them, that share the
+%   slack: then all gaps together are uniform on their simplex, for the least of N uniform numbers is
+%   1 - U^(1/N). Among whole numbers it is the same law rounded down.
 
-start(X, _)    --> { number(X) }, !.
-start(X, Gaps) --> [U], { inf(X, Low), sup(X, High), between_ends(Low, High, U, Gaps, V), {X = V} }.
+between_ends(Low, High, Gaps, X) --> { lattice(Kind) }, random(U), { point(Kind, Low, High, Gaps, U, X) }.
 
 % Ends nearer than the solver's tolerance are one point, best met in the middle.
-between_ends(Low, High, _, _, V) :- High - Low < 1.0e-9, !, V is (Low+High)/2.
-between_ends(Low, High, U, Gaps, V) :- V is Low + (High-Low)*(1 - U**(1/max(1,Gaps))).
+point(real, Low, High, _, _, X)     :- High - Low < 1.0e-9, !, X is (Low+High)/2.
+point(real, Low, High, Gaps, U, X)  :- X is Low + (High-Low)*(1 - U**(1/Gaps)).
+point(whole, Low, High, Gaps, U, X) :-
+    First is ceiling(Low - 1.0e-6), Last is floor(High + 1.0e-6),
+    X is min(Last, First + floor((Last-First+1)*(1 - U**(1/Gaps)))).
 
-%!  lowest(?X) is det.
-%!  highest(?X) is det.
+%!  uniform(?X)// is det.
 %
-%   Fixes X at an end of its projection.
+%   Fixes X uniformly in its projection: the store is a conjunction of linear constraints that has a solution, and
+%   has one still, so this neither fails nor backtracks.
 
-lowest(X)  :- ( number(X) -> true ; inf(X, V), {X = V} ).
-highest(X) :- ( number(X) -> true ; sup(X, V), {X = V} ).
+uniform(X) --> { number(X) }, !.
+uniform(X) --> { inf(X, Low), sup(X, High) }, between_ends(Low, High, 1, V), { {X = V} }.

@@ -1,5 +1,6 @@
-:- module(lengths, [load_grammar/2, metres/2, room_extent/5, piece_extent/6, length_report/2,
-                    room_report/2, piece_report/3]).
+:- module(lengths, [load_grammar/2, set_cell/1, metres/2, length_of/2, room_extent/5, piece_extent/6,
+                    piece_range/6, rounded/4, room_law/2, piece_law/2, room_system/4, piece_system/6,
+                    length_report/2, room_report/2, piece_report/3]).
 
 /** <module> A grammar's lengths
 
@@ -14,7 +15,7 @@ lengths. They are the single source of lengths; what stage 1 needs of them is de
 :- use_module(library(solution_sequences)).
 
 :- dynamic problem/4.
-:- table room_extent/5, piece_extent/6.      % each is a few simplex runs, and asked for in every room
+:- table room_extent/5, piece_extent/6, room_law/2, piece_law/2.   % a few simplex runs each, asked for in every room
 % A grammar may state its clauses in any order, in one file or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- multifile grammar:room_size/3, grammar:piece_size/4.
@@ -61,37 +62,146 @@ message_text(_, Lines, Text) :-
     atom_string(Atom, Text).
 
 % - lengths ------------------------------------------------------------------
+% All in metres, or in cells where houses stand on a grid: then fixed lengths and least ones are rounded up, greatest
+% ones down, and what is left between them is a whole number of cells.
 
-%!  metres(+Name, -Metres) is det.
+:- dynamic cell/1.
 
-metres(door_width,     M) :- grammar:door_width(M).
-metres(door_clearance, M) :- grammar:door_clearance(M).
-metres(passage,        M) :- grammar:passage(M).
-metres(room_gap,       M) :- grammar:room_gap(M).
+%!  set_cell(+Cell) is det.
+%
+%   Cell is the side of a cell in metres, or 0 for none.
+
+set_cell(Cell) :-
+    retractall(cell(_)), retractall(draw:lattice(_)),
+    abolish_all_tables,
+    ( Cell > 0 -> assertz(cell(Cell)), assertz(draw:lattice(whole)) ; assertz(draw:lattice(real)) ).
+
+%!  metres(+Length, -Metres) is det.
+
+metres(Length, Metres) :- ( cell(Cell) -> Metres is Length*Cell ; Metres is float(Length) ).
+
+up(M, X)   :- ( cell(Cell) -> X is ceiling(M/Cell - 1.0e-9) ; X = M ).
+down(M, X) :- ( cell(Cell) -> X is floor(M/Cell + 1.0e-9)   ; X = M ).
+
+rounded(M, MM, Low, High) :- up(M, Low), down(MM, Most), High is max(Low, Most).
+
+%!  length_of(+Name, -Length) is det.
+
+length_of(Name, Length) :- stated(Name, M), up(M, Length).
+
+stated(door_width,     M) :- grammar:door_width(M).
+stated(door_clearance, M) :- grammar:door_clearance(M).
+stated(passage,        M) :- grammar:passage(M).
+stated(room_gap,       M) :- grammar:room_gap(M).
 
 %!  room_extent(+Type, -W, -WW, -D, -DD) is semidet.
 %
 %   A room of this type is W to WW wide and D to DD deep.
 
 room_extent(Type, W, WW, D, DD) :-
+    room_range(Type, W1, W2, D1, D2),
+    rounded(W1, W2, W, WW), rounded(D1, D2, D, DD).
+
+room_range(Type, W1, W2, D1, D2) :-
     once(grammar:room_size(Type, Width, Depth)),
-    extremes(Width, W, WW),
-    extremes(Depth, D, DD).
+    extremes(Width, W1, W2),
+    extremes(Depth, D1, D2).
 
 %!  piece_extent(+Type, +Piece, -L, -LL, -D, -DD) is semidet.
 %
 %   In a room of this type, a piece takes L to LL of a wall and stands D to DD out from it.
 
 piece_extent(Type, Piece, L, LL, D, DD) :-
-    room_extent(Type, W1, W2, D1, D2),
+    room_range(Type, W1, W2, D1, D2),
     Least is min(W1, D1), Most is max(W2, D2),
     { Wall >= Least, Wall =< Most },
+    piece_range(Piece, Wall, L1, L2, DD1, DD2),
+    rounded(L1, L2, L, LL), rounded(DD1, DD2, D, DD).
+
+piece_range(Piece, Wall, L1, L2, D1, D2) :-
     once(grammar:piece_size(Piece, Length, Depth, Wall)),
-    extremes(Length, L, LL),
-    extremes(Depth, D, DD).
+    extremes(Length, L1, L2),
+    extremes(Depth, D1, D2).
 
 extremes(X, X, X)      :- number(X), !.
 extremes(X, Low, High) :- inf(X, Low), sup(X, High).
+
+%!  room_law(+Type, -Law) is det.
+%!  piece_law(+Piece, -Law) is det.
+%
+%   How two sizes depend on each other: box(A,AA,B,BB), not at all; line(A,AA,B,BB), from (A,B) to (AA,BB); or
+%   clause, in a way that only the clause itself tells. On a grid no two depend on each other.
+
+room_law(Type, Law) :-
+    once(grammar:room_size(Type, W, D)),
+    law(W, D, Law).
+
+piece_law(Piece, Law) :-
+    once(grammar:piece_size(Piece, L, D, Wall)),
+    ( attvar(Wall) -> Law = clause ; law(L, D, Law) ).
+
+law(A, B, Law) :-
+    extremes(A, A1, A2), extremes(B, B1, B2),
+    (   ( cell(_) ; A \== B, independent(A, B) )
+    ->  rounded(A1, A2, X1, X2), rounded(B1, B2, Y1, Y2),
+        Law = box(X1,X2,Y1,Y2)
+    ;   at_end(A, A1, B, V1), at_end(A, A2, B, V2)
+    ->  Law = line(A1,A2,V1,V2)
+    ;   Law = clause ).
+
+independent(A, B) :-
+    copy_term(A-B, _, Goals),
+    forall(member({Goal}, Goals), ( term_variables(Goal, Variables), length(Variables, 1) )).
+
+at_end(A, V, B, W) :- findall(B, {A = V}, [W]), number(W).
+
+%!  room_system(+Type, ?W, ?D, -Constraints) is det.
+%!  piece_system(+Type, +Piece, ?L, ?D, ?Wall, -Constraints) is det.
+%
+%   The linear constraints that a size's clause states, as data (linear.pl).
+
+room_system(Type, W, D, Constraints) :-
+    cell(_), !,
+    room_extent(Type, A, AA, B, BB),
+    maplist(reasoned(size(Type)), [A =< W, W =< AA, B =< D, D =< BB], Constraints).
+room_system(Type, W, D, Constraints) :-
+    once(grammar:room_size(Type, W0, D0)),
+    size_system([W,D], [W0,D0], size(Type), Constraints).
+
+piece_system(Type, Piece, L, D, Wall, Constraints) :-
+    cell(_), !,
+    (   number(Wall)
+    ->  metres(Wall, Metres), piece_range(Piece, Metres, L1, L2, D1, D2),
+        rounded(L1, L2, A, AA), rounded(D1, D2, B, BB)
+    ;   piece_extent(Type, Piece, A, AA, B, BB) ),
+    maplist(reasoned(size(Type,Piece)), [A =< L, L =< AA, B =< D, D =< BB], Constraints).
+piece_system(Type, Piece, L, D, Wall, Constraints) :-
+    once(grammar:piece_size(Piece, L0, D0, Wall0)),
+    size_system([L,D,Wall], [L0,D0,Wall0], size(Type,Piece), Constraints).
+
+size_system(Sizes, Solved, Reason, Constraints) :-
+    copy_term(Solved, Plain, Goals),
+    equated(Sizes, Plain, Equations),
+    phrase(described(Goals), Described),
+    append(Equations, Described, All),
+    maplist(reasoned(Reason), All, Constraints).
+
+reasoned(Reason, Constraint, Constraint-[Reason]).
+
+equated([], [], []).
+equated([S|Ss], [P|Ps], Equations) :-
+    ( number(P) -> Equations = [S = P|Others] ; S = P, Equations = Others ),
+    equated(Ss, Ps, Others).
+
+described([])             --> [].
+described([{Goal}|Goals]) --> conjuncts(Goal), described(Goals).
+
+conjuncts((A,B)) --> !, conjuncts(A), conjuncts(B).
+conjuncts(A >= B) --> !, [B =< A].
+conjuncts(A > B)  --> !, [B =< A].
+conjuncts(A < B)  --> !, [A =< B].
+conjuncts(A =:= B) --> !, [A = B].
+conjuncts(C)      --> [C].
 
 % - reports ------------------------------------------------------------------
 
@@ -100,7 +210,7 @@ extremes(X, Low, High) :- inf(X, Low), sup(X, High).
 %   Report is the length, or says in words why it is of no use, or is null where it is not stated.
 
 length_report(Name, Report) :-
-    findall(M, metres(Name, M), Stated),
+    findall(M, stated(Name, M), Stated),
     length_judged(Stated, Report).
 
 length_judged([], null).

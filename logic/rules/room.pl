@@ -1,212 +1,317 @@
-:- module(room, [furnished/3, draw_room//1]).
+:- module(room, [room/3, room_constraints//1, room_items/2, widest_core/1, room_chains/2]).
 
 /** <module> One room in its own frame: the door on the front wall, x to the right and y inwards
 
-Stage 1 has made every choice, so the constraints here are a conjunction of linear ones. A free rectangle, the
-core, is kept empty: it holds the door's span and is at least a passage wide each way. The pieces along each
-wall stand outside it; where two walls meet, one owns the corner. Every gap on a stretch is either closed or
-opens onto the core by at least a passage, so no floor is shut in.
+Stage 1 has made every choice, so the constraints here are a conjunction of linear ones, as data (linear.pl). A
+free rectangle, the core, is kept empty: it holds the door's span and is at least a passage wide each way. The
+pieces along each wall stand outside it; where two walls meet, one owns the corner. Every gap on a stretch is
+either closed or opens onto the core by at least a passage, so no floor is shut in.
+
+    room(Type,W,D,Door,core(X1,X2,Y1,Y2),Stretches,islands(Row,Islands))
+    stretch(Name,Links,Blocks)       Blocks are a chain (chain.pl) of the Links that are joined to each other
+    link(Gap,Role,Item,Along,Out,Front,Why)     Gap is joined-Why or apart-Why: to what is before it;
+                                     Role is piece(K) or with(F-K); it takes Along of the wall, and stands Out from it
+    island(Item,Across,Inwards,XBlock,YBlock,Seats,Front)    in the middle, with seat(Hand,Item) around it
+    item(Type,Length,Depth,Wall)     what has a size, see piece_size/4
 */
 
 :- use_module(library(apply)).
-:- use_module(library(clpr)).
 :- use_module(library(lists)).
-:- use_module(library(pairs)).
-:- use_module(draw).
+:- use_module(library(yall)).
+:- use_module(chain).
 :- use_module(grammar).
 
-%!  furnished(+Type, +Layout, -Room) is semidet.
+%!  room(+Type, +Layout, -Room) is det.
 %
-%   Room is room(Type,Width,Depth,Door,Core,Chains,Islands), metres, under all constraints of a room of this type with
-%   the furniture of Layout, the atoms of stage 1. Fails if, and only if, they have no solution.
+%   Room has the furniture of Layout, the atoms of stage 1; what is to be solved for is unbound in it.
 
-furnished(Type, Layout, room(Type,W,D,Door,Core,Chains,Islands)) :-
-    once(grammar:room_size(Type, W, D)),
-    metres(door_width, DoorWidth),
-    { Door >= 0, Door + DoorWidth =< W },
-    maplist(stretch_chain(Layout, W, D), [front_left,left,back,right,front_right], Chains),
-    core(Chains, W, D, Door, DoorWidth, Core),
-    Frame = frame(W,D,Door,DoorWidth,Core),
-    maplist(along_wall(Chains, Layout, Frame), Chains),
-    numbered(Layout, middle, Free),
-    maplist(island(Frame), Free, Islands),
-    ( memberchk(row(Direction), Layout) -> in_row(Direction, Islands) ; true ).
+room(Type, Layout, room(Type,W,D,Door,Core,Stretches,islands(Row,Islands))) :-
+    Core = core(X1,X2,Y1,Y2),
+    maplist(all_links(Layout, W, D), [front_left,left,back,right,front_right], Chains),
+    Chains = [_-FrontLeft,_-Left,_-Back,_-Right,_-FrontRight],
+    ( Left == []  -> X1 = 0.0 ; true ),
+    ( Right == [] -> X2 = W   ; true ),
+    ( FrontLeft == [], FrontRight == [] -> Y1 = 0.0 ; true ),
+    ( Back == []  -> Y2 = D   ; true ),
+    maplist(stretch(Chains, Layout, frame(W,D,Door,Core)), Chains, Stretches),
+    ( memberchk(row(R), Layout) -> Row = R ; Row = across ),
+    numbered(Layout, middle, Middle),
+    maplist(island(Layout, W, Core, Row), Middle, Islands).
 
-% - pieces ---------------------------------------------------------------------
-% chain(Stretch,Pieces,End): the pieces in order from the near end; End says if the last is joined to the far one.
-% piece(Type,Start,Length,Depth,Joined): Start counts from the near end; Joined says joined or apart.
+numbered(Layout, Place, Sorted) :-
+    findall(N-(F-K), member(on(F,K,Place,N), Layout), Found),
+    keysort(Found, Sorted).
 
-stretch_chain(Layout, W, D, Stretch, chain(Stretch,Pieces,End)) :-
+% - links: what stands along a stretch, from its near end ------------------------------------------------
+
+all_links(Layout, W, D, Stretch, Stretch-Links) :-
     numbered(Layout, Stretch, Names),
     wall_length(Stretch, W, D, Wall),
-    maplist(wall_piece(Layout, Wall), Names, Pieces),
-    ( memberchk(end(Stretch), Layout) -> End = joined ; End = apart ).
-
-numbered(Layout, Place, Names) :-
-    findall(N-(F-K), member(on(F,K,Place,N), Layout), Numbered),
-    keysort(Numbered, Sorted),
-    pairs_values(Sorted, Names).
+    phrase(links(Names, Stretch, Layout, Wall), Links).
 
 wall_length(left,  _, D, D) :- !.
 wall_length(right, _, D, D) :- !.
 wall_length(_,     W, _, W).
 
-wall_piece(Layout, Wall, F-K, piece(F,_,Length,Depth,Joined)) :-
-    once(grammar:piece_size(F, Length, Depth, Wall)),
-    ( memberchk(joined(F,K), Layout) -> Joined = joined ; Joined = apart ).
+links([], _, _, _) --> [].
+links([N-(F-K)|Names], Stretch, Layout, Wall) -->
+    { On = on(F,K,Stretch,N),
+      ( memberchk(joined(F,K), Layout) -> Gap = joined-[joined(F,K),On] ; Gap = apart-[not(joined(F,K)),On] ),
+      turned(F, K, Layout, Wall, Item, Along, Out, Front, Turned),
+      companion(near, F, K, Layout, Wall, On, Near),
+      companion(far, F, K, Layout, Wall, On, Far),
+      append([Near,[link(joined-[],piece(K),Item,Along,Out,Front,[On|Turned])],Far], [link(_,R,I,A,O,Fr,Why)|Others]) },
+    [link(Gap,R,I,A,O,Fr,Why)],
+    Others,
+    links(Names, Stretch, Layout, Wall).
 
-% - the core ---------------------------------------------------------------------
+turned(F, K, Layout, Wall, item(F,L,D,Wall), D, L, Front, [turned(F,K,Head)]) :-
+    memberchk(turned(F,K,Head), Layout), !,
+    ( Head == near -> Front = far ; Front = near ).
+turned(F, K, _, Wall, item(F,L,D,Wall), L, D, out, [not(turned(F,K,near)),not(turned(F,K,far))]).
 
-core(Chains, W, D, Door, DoorWidth, core(X1,X2,Y1,Y2)) :-
-    metres(passage, P),
-    metres(door_clearance, C),
-    ( busy(left, Chains)  -> { X1 >= 0, X1 + C =< Door }             ; X1 = 0.0 ),
-    ( busy(right, Chains) -> { X2 =< W, X2 >= Door + DoorWidth + C } ; X2 = W ),
-    ( ( busy(front_left, Chains) ; busy(front_right, Chains) ) -> { Y1 >= 0 } ; Y1 = 0.0 ),
-    ( busy(back, Chains)  -> { Y2 =< D, Y2 >= C }                    ; Y2 = D ),
-    { X2 - X1 >= P, Y2 - Y1 >= P, X1 =< Door, Door + DoorWidth =< X2 }.
+companion(Hand, F, K, Layout, Wall, On, [link(joined-[],with(F-K),item(G,L,D,Wall),L,D,out,[With,On])]) :-
+    With = with(F,K,G,Hand),
+    memberchk(With, Layout), !.
+companion(_, _, _, _, _, _, []).
 
-busy(Stretch, Chains) :- memberchk(chain(Stretch,[_|_],_), Chains).
+% - stretches --------------------------------------------------------------------------------------------
 
-% - along a wall -------------------------------------------------------------------
+stretch(_, _, _, Name-[], stretch(Name,[],[])) :- !.
+stretch(Chains, Layout, Frame, Name-Links, stretch(Name,Links,Blocks)) :-
+    along(Name, Frame, Length, From, To, Why),
+    end(Name, near, Chains, Layout, free(0.0,From,[]), Near),
+    end(Name, far,  Chains, Layout, free(Length,To,Why), Far),
+    joined_parts(Links, Parts),
+    length_of(passage, P),
+    ( memberchk(end(Name), Layout) -> End = joined-[end(Name)] ; End = apart-[not(end(Name))] ),
+    memberchk(last(Name,N), Layout),
+    blocks(Parts, ends(Near,Far,P), last(End,last(Name,N)), first, Blocks).
 
-along_wall(_, _, _, chain(_,[],_)) :- !.
-along_wall(Chains, Layout, Frame, chain(Stretch,Pieces,End)) :-
-    stretch(Stretch, Frame, Length, From, To, Room),
-    maplist(stands_within(Room), Pieces),
-    end(Stretch, near, Chains, Layout, free(0.0,From), free(Near,Low)),
-    end(Stretch, far,  Chains, Layout, free(Length,To), free(Far,High)),
-    Pieces = [piece(_,Start,_,_,Joined)|_],
-    first(Joined, Start, Near, Low),
-    chained(Pieces, Low, High, Last),
-    last(End, Last, Far, High).
+%   along(+Stretch, +Frame, -Length, -From, -To, -Why): along a stretch of this Length the core lies From..To. The
+%   right half of the front wall counts from the right, so that both halves start in their corner and end at the
+%   door, where any gap will do.
 
-%   stretch(+Stretch, +Frame, -Length, -From, -To, -Room): along a stretch of this Length the core lies
-%   From..To, and Room is left between wall and core. The right half of the front wall counts from the right,
-%   so that both halves start in their corner and end at the door, where any gap will do.
+along(front_left, frame(_,_,Door,core(X1,_,_,_)), Length, X1, Length+P, [length(door_clearance)]) :-
+    length_of(door_clearance, C), length_of(passage, P),
+    Length = Door-C.
+along(front_right, frame(W,_,Door,core(_,X2,_,_)), Length, W-X2, Length+P, [length(door_clearance),length(door_width)]) :-
+    length_of(door_clearance, C), length_of(passage, P), length_of(door_width, DoorWidth),
+    Length = W-Door-DoorWidth-C.
+along(left,  frame(_,D,_,core(_,_,Y1,Y2)), D, Y1, Y2, []).
+along(right, frame(_,D,_,core(_,_,Y1,Y2)), D, Y1, Y2, []).
+along(back,  frame(W,_,_,core(X1,X2,_,_)), W, X1, X2, []).
 
-stretch(front_left, frame(_,_,Door,_,core(X1,_,Y1,_)), Length, X1, To, Y1) :-
-    beside_door(Door, Length, To).
-stretch(front_right, frame(W,_,Door,DoorWidth,core(_,X2,Y1,_)), Length, From, To, Y1) :-
-    { From = W - X2, Beyond = W - Door - DoorWidth },
-    beside_door(Beyond, Length, To).
-stretch(left,  frame(_,D,_,_,core(X1,_,Y1,Y2)), D, Y1, Y2, X1).
-stretch(right, frame(W,D,_,_,core(_,X2,Y1,Y2)), D, Y1, Y2, Room) :- { Room = W - X2 }.
-stretch(back,  frame(W,D,_,_,core(X1,X2,_,Y2)), W, X1, X2, Room) :- { Room = D - Y2 }.
+%   end(+Stretch, +End, +Chains, +Layout, free(+Wall,+Core,+Why), -at(At,AtWhy,Edge,EdgeWhy)): a piece joined to this
+%   end stands At: at the wall, or at the piece in a corner that the other stretch owns. A gap opens onto the core
+%   from its Edge on, or from the wall on where no furniture stands round the corner.
 
-beside_door(Beyond, Length, To) :-
-    metres(door_clearance, C), metres(passage, P),
-    { Length = Beyond - C, To = Length + P }.
+end(Stretch, End, Chains, Layout, free(Wall,Core,Why), at(At,AtWhy,Edge,EdgeWhy)) :-
+    (   corner(Stretch, End, Other, OtherEnd, A, B)
+    ->  (   memberchk(Other-[Link|Links], Chains)
+        ->  Edge = Core, EdgeWhy = [busy(Other)]
+        ;   Edge = Wall, EdgeWhy = [] ),
+        (   memberchk(corner(A,B,Other), Layout)
+        ->  standing(OtherEnd, Other, [Link|Links], Layout, Depth, Standing),
+            ( End == near -> At = Depth ; At = Wall-Depth ),
+            AtWhy = [corner(A,B,Other)|Standing]
+        ;   At = Wall, AtWhy = [not(corner(A,B,Other))] )
+    ;   At = Wall, AtWhy = Why, Edge = Core, EdgeWhy = Why ).
 
-stands_within(Room, piece(_,_,_,Depth,_)) :- { Depth =< Room }.
+%   corner(?Stretch, ?End, -Other, -OtherEnd, -A, -B): two ends meet in a corner, which stage 1 calls corner(A,B,_).
 
-%   end(+Stretch, +End, +Chains, +Layout, free(+Wall,+Core), free(-At,-Edge)): a piece joined to this end stands
-%   At: at the wall, or at the piece in a corner that the other stretch owns. A gap opens onto the core from its
-%   Edge on, or from the wall on where no furniture stands round the corner.
+corner(front_left,  near, left,        near, front_left, left).
+corner(left,        near, front_left,  near, front_left, left).
+corner(left,        far,  back,        near, left, back).
+corner(back,        near, left,        far,  left, back).
+corner(back,        far,  right,       far,  back, right).
+corner(right,       far,  back,        far,  back, right).
+corner(right,       near, front_right, near, right, front_right).
+corner(front_right, near, right,       near, right, front_right).
 
-end(Stretch, End, Chains, Layout, free(Wall,Core), free(At,Edge)) :-
-    (   corner(Stretch, End, Other, OtherEnd), standing(Other, OtherEnd, Chains, piece(_,_,_,Depth,_))
-    ->  Edge = Core,
-        ( owns(Stretch, Other, Layout) -> At = Wall
-        ; End == near                  -> At = Depth
-        ; { At = Wall - Depth } )
-    ;   corner(Stretch, End, _, _) -> At = Wall, Edge = Wall
-    ;   At = Wall, Edge = Core ).
+standing(near, _, [link(_,_,_,_,Out,_,Why)|_], _, Out, Why).
+standing(far, Other, Links, Layout, Out, [last(Other,N)|Why]) :-
+    memberchk(last(Other,N), Layout),
+    last(Links, link(_,_,_,_,Out,_,Why)).
 
-corner(front_left,  near, left,        near).
-corner(left,        near, front_left,  near).
-corner(left,        far,  back,        near).
-corner(back,        near, left,        far).
-corner(back,        far,  right,       far).
-corner(right,       far,  back,        far).
-corner(right,       near, front_right, near).
-corner(front_right, near, right,       near).
+joined_parts([], []).
+joined_parts([Link|Links], [[Link|Joined]|Parts]) :-
+    joined_links(Links, Joined, Rest),
+    joined_parts(Rest, Parts).
 
-owns(A, B, Layout) :- ( memberchk(corner(A,B,A), Layout) -> true ; memberchk(corner(B,A,A), Layout) ).
+joined_links([Link|Links], [Link|Joined], Rest) :-
+    Link = link(joined-_,_,_,_,_,_,_), !,
+    joined_links(Links, Joined, Rest).
+joined_links(Links, [], Links).
 
-standing(Stretch, near, Chains, Piece) :- memberchk(chain(Stretch,[Piece|_],_), Chains).
-standing(Stretch, far,  Chains, Piece) :- memberchk(chain(Stretch,Pieces,_), Chains), last(Pieces, Piece).
+%   blocks(+Parts, +Ends, +Last, +Place, -Blocks): each part is a block, bound by its near side, the joints within it
+%   and its far side. Place says whether it is the first.
 
-%   Pieces are joined, or apart by a passage that opens onto the core.
+blocks([], _, _, _, []).
+blocks([Part|Parts], Ends, Last, Place, [block(_,Length,Bounds,Why)|Blocks]) :-
+    Part = [link(Gap,_,_,_,_,_,_)|_],
+    Gap = _-Why,
+    near_bound(Gap, Place, Ends, Near),
+    joints(Part, Ends, 0, [], Length, LengthWhy, Joints),
+    far_bound(Parts, Ends, Last, Length, LengthWhy, Far),
+    append([Near|Joints], [Far], Bounds),
+    blocks(Parts, Ends, Last, later, Blocks).
 
-first(joined, Start, Near, _) :- { Start = Near }.
-first(apart,  Start, _, Low)  :- metres(passage, P), { Start >= Low + P }.
+near_bound(joined-Why, first, ends(at(At,AtWhy,_,_),_,_), at(At)-Reasons) :- !, append(Why, AtWhy, Reasons).
+near_bound(apart-Why, _, ends(at(_,_,Edge,EdgeWhy),_,P), at_least(Edge+P)-[length(passage)|Reasons]) :-
+    append(Why, EdgeWhy, Reasons).
 
-chained([Last], _, _, Last) :- !.
-chained([piece(_,S1,L1,_,_), Next|Pieces], Low, High, Last) :-
-    Next = piece(_,S2,_,_,Joined),
-    next(Joined, S1, L1, S2, Low, High),
-    chained([Next|Pieces], Low, High, Last).
+%   The joint between two links lies at the core, so that what stands out less is not shut in behind.
 
-next(joined, S1, L1, S2, Low, High) :- { S2 = S1 + L1, S2 >= Low, S2 =< High }.
-next(apart,  S1, L1, S2, Low, High) :-
-    metres(passage, P),
-    { S2 >= S1 + L1 + P, S2 >= Low + P, S1 + L1 + P =< High }.
+joints([link(_,_,_,Along,_,_,Why)|Links], Ends, 0, [], Length, LengthWhy, Bounds) :-
+    joints(Links, Ends, Along, Why, Length, LengthWhy, Bounds).
+joints([], _, Length, Why, Length, Why, []) :- Length \== 0, !.
+joints([link(_-GapWhy,_,_,Along,_,_,LinkWhy)|Links], Ends, Offset, Why, Length, LengthWhy,
+       [at_least(Low-Offset)-LowReasons, at_most(High-Offset)-HighReasons|Bounds]) :-
+    Offset \== 0,
+    Ends = ends(at(_,_,Low,LowWhy),at(_,_,High,HighWhy),_),
+    append([GapWhy,Why,LowWhy], LowReasons),
+    append([GapWhy,Why,HighWhy], HighReasons),
+    append(Why, LinkWhy, Why1),
+    joints(Links, Ends, Offset+Along, Why1, Length, LengthWhy, Bounds).
 
-last(joined, piece(_,S,L,_,_), Far, _)  :- { S + L = Far }.
-last(apart,  piece(_,S,L,_,_), _, High) :- metres(passage, P), { S + L + P =< High }.
+far_bound([[link(_-GapWhy,_,_,_,_,_,_)|_]|_], ends(_,at(_,_,High,HighWhy),P), _, Length, Why, at_most(High-P-Length)-Reasons) :-
+    append([[length(passage)],GapWhy,Why,HighWhy], Reasons).
+far_bound([], ends(_,at(At,AtWhy,_,_),_), last(joined-EndWhy,Last), Length, Why, at(At-Length)-Reasons) :-
+    append([[Last],EndWhy,Why,AtWhy], Reasons).
+far_bound([], ends(_,at(_,_,High,HighWhy),P), last(apart-EndWhy,Last), Length, Why, at_most(High-P-Length)-Reasons) :-
+    append([[length(passage),Last],EndWhy,Why,HighWhy], Reasons).
 
-% - in the middle ---------------------------------------------------------------------
-% island(Name,X,Y,Length,Depth): with a passage around it.
+% - in the middle ------------------------------------------------------------------------------------------
 
-island(frame(W,_,_,_,core(X1,X2,Y1,Y2)), F-_, island(F,X,Y,L,D)) :-
-    once(grammar:piece_size(F, L, D, W)),
-    metres(passage, P), metres(door_clearance, C),
-    { X >= X1 + P, X + L + P =< X2, Y >= Y1 + P, Y + D + P =< Y2, Y >= C }.
+island(Layout, W, core(X1,X2,Y1,Y2), Row, N-(F-K),
+       island(item(F,L,D,W),Across,Inwards,block(_,FullAcross,XBounds,Apart),block(_,FullInwards,YBounds,Apart),Seats,Front)) :-
+    On = on(F,K,middle,N),
+    ( memberchk(faces(F,K,Front), Layout) -> Faces = [faces(F,K,Front)] ; Front = none, Faces = [] ),
+    ( memberchk(Front, [left,right]) -> Across = D, Inwards = L ; Across = L, Inwards = D ),
+    findall(seat(Hand,item(G,_,_,_)), member(with(F,K,G,Hand), Layout), Found),
+    maplist(seated(W), Found, Seats),
+    full(Across, left, right, Seats, FullAcross),
+    full(Inwards, outwards, inwards, Seats, FullInwards),
+    findall(with(F,K,G,Hand), member(with(F,K,G,Hand), Layout), With),
+    append([[On,length(passage)],Faces,With], Why),
+    length_of(passage, P), length_of(door_clearance, C),
+    XBounds = [at_least(X1+P)-Why, at_most(X2-P-FullAcross)-Why],
+    YBounds = [at_least(Y1+P)-Why, at_least(C)-[On,length(door_clearance)], at_most(Y2-P-FullInwards)-Why],
+    N0 is N - 1,
+    ( memberchk(on(F0,K0,middle,N0), Layout) -> Apart = [row(Row),on(F0,K0,middle,N0)|Why] ; Apart = Why ).
 
-in_row(Direction, [A,B|Islands]) :- !, before(Direction, A, B), in_row(Direction, [B|Islands]).
-in_row(_, _).
+seated(W, seat(Hand,Item), seat(Hand,Item)) :- Item = item(_,_,_,W).
 
-before(across,  island(_,X1,_,L,_), island(_,X2,_,_,_)) :- metres(passage, P), { X1 + L + P =< X2 }.
-before(inwards, island(_,_,Y1,_,D), island(_,_,Y2,_,_)) :- metres(passage, P), { Y1 + D + P =< Y2 }.
+full(Size, Low, High, Seats, Full) :-
+    ( memberchk(seat(Low,item(_,_,A,_)), Seats)  -> Full1 = A+Size ; Full1 = Size ),
+    ( memberchk(seat(High,item(_,_,B,_)), Seats) -> Full = Full1+B ; Full = Full1 ).
 
-% - drawing -----------------------------------------------------------------------------
+% - constraints --------------------------------------------------------------------------------------------
 
-%!  draw_room(+Room)// is det.
+%!  room_constraints(+Room)// describes all constraints of a room but those of its sizes, see linear.pl.
+
+room_constraints(room(_,W,D,Door,Core,Stretches,Islands)) -->
+    core(Stretches, W, D, Door, Core),
+    each(stretch_constraints(W, D, Core), Stretches),
+    island_constraints(Islands).
+
+each(_, [])         --> [].
+each(Part, [X|Xs])  --> call(Part, X), each(Part, Xs).
+
+core(Stretches, W, D, Door, core(X1,X2,Y1,Y2)) -->
+    { length_of(passage, P), length_of(door_clearance, C), length_of(door_width, DoorWidth),
+      Door2 = Door+DoorWidth, Width = [length(door_width)] },
+    [(0 =< Door)-[], (Door2 =< W)-Width, (X1+P =< X2)-[length(passage)], (Y1+P =< Y2)-[length(passage)]],
+    beside(busy(left),  Stretches, X1+C =< Door,  [length(door_clearance)]),
+    beside(busy(right), Stretches, Door2+C =< X2, [length(door_clearance)|Width]),
+    beside(busy(back),  Stretches, C =< Y2,       [length(door_clearance)]),
+    within(W, D, X1, X2, Y1, Y2).
+
+beside(busy(Name), Stretches, Constraint, Why) -->
+    ( { memberchk(stretch(Name,[],_), Stretches) } -> [] ; [Constraint-[busy(Name)|Why]] ).
+
+within(W, D, X1, X2, Y1, Y2) --> [(0 =< X1)-[], (X2 =< W)-[], (0 =< Y1)-[], (Y2 =< D)-[]].
+
+stretch_constraints(W, D, Core, stretch(Name,Links,Blocks)) -->
+    { room_behind(Name, W, D, Core, Room), length_of(passage, P) },
+    stand_within(Links, Room),
+    chain_constraints(P, Blocks).
+
+room_behind(front_left,  _, _, core(_,_,Y1,_), Y1).
+room_behind(front_right, _, _, core(_,_,Y1,_), Y1).
+room_behind(left,        _, _, core(X1,_,_,_), X1).
+room_behind(right,       W, _, core(_,X2,_,_), W-X2).
+room_behind(back,        _, D, core(_,_,_,Y2), D-Y2).
+
+stand_within([], _) --> [].
+stand_within([link(_,_,_,_,Out,_,Why)|Links], Room) --> [(Out =< Room)-Why], stand_within(Links, Room).
+
+island_constraints(Islands) -->
+    { Islands = islands(_,List), length_of(passage, P), island_chains(Islands, Chains) },
+    each(chain_constraints(P), Chains),
+    each(seat_constraints, List).
+
+%   A row is one chain the one way, and each of its islands a chain of its own the other way.
+
+island_chains(islands(_,[]), []) :- !.
+island_chains(islands(Row,Islands), [Chain|Singles]) :-
+    maplist(island_block(Row), Islands, Chain),
+    ( Row == across -> Other = inwards ; Other = across ),
+    maplist(alone(Other), Islands, Singles).
+
+island_block(across,  island(_,_,_,X,_,_,_), X).
+island_block(inwards, island(_,_,_,_,Y,_,_), Y).
+
+alone(Row, Island, [Block]) :- island_block(Row, Island, Block).
+
+seat_constraints(island(_,Across,Inwards,_,block(_,_,[_-Why|_],_),Seats,_)) --> fitted(Seats, Across, Inwards, Why).
+
+fitted([], _, _, _) --> [].
+fitted([seat(Hand,item(_,Length,_,_))|Seats], Across, Inwards, Why) -->
+    { memberchk(Hand, [left,right]) -> Side = Inwards ; Side = Across },
+    [(Length =< Side)-Why],
+    fitted(Seats, Across, Inwards, Why).
+
+% - what is to be drawn --------------------------------------------------------------------------------------
+
+%!  room_items(+Room, -Items) is det.
 %
-%   Fixes every length of a furnished room: sizes first, then the walls, then the widest core, then the places.
+%   Items are Kind-Item: free, or filling(Along,Out) where nothing but sizes fills a stretch from end to end.
 
-draw_room(room(Type,W,D,Door,core(X1,X2,Y1,Y2),Chains,Islands)) -->
-    { room_extent(Type, W1, W2, D1, D2) },
-    draw_each(draw_sizes(Type), Chains),
-    draw_each(draw_island_size(Type), Islands),
-    uniform(W, W1, W2), uniform(D, D1, D2),
-    { lowest(X1), highest(X2), lowest(Y1), highest(Y2) },
-    uniform(Door),
-    draw_each(draw_chain, Chains),
-    draw_each(draw_island, Islands).
+room_items(room(_,_,_,_,_,Stretches,islands(_,Islands)), Items) :-
+    maplist(stretch_items, Stretches, OnWalls),
+    maplist(island_items, Islands, Free),
+    append(OnWalls, A), append(Free, B), append(A, B, Items).
 
-draw_each(_, [])         --> [].
-draw_each(Draw, [X|Xs])  --> call(Draw, X), draw_each(Draw, Xs).
+stretch_items(stretch(_,Links,Blocks), Items) :-
+    ( Blocks = [block(_,_,[at(_)-_|Bounds],_)], memberchk(at(_)-_, Bounds) -> Kind = filling ; Kind = free ),
+    maplist(link_item(Kind), Links, Items).
 
-draw_sizes(Type, chain(_,Pieces,_)) --> draw_each(draw_size(Type), Pieces).
+link_item(free,    link(_,_,Item,_,_,_,_), free-Item).
+link_item(filling, link(_,_,Item,Along,Out,_,_), filling(Along,Out)-Item).
 
-draw_size(Type, piece(F,_,Length,Depth,_)) --> draw_extent(Type, F, Length, Depth).
-draw_island_size(Type, island(F,_,_,L,D))  --> draw_extent(Type, F, L, D).
+island_items(island(Item,_,_,_,_,Seats,_), [free-Item|Items]) :- maplist([seat(_,I),free-I]>>true, Seats, Items).
 
-draw_extent(Type, F, Length, Depth) -->
-    { piece_extent(Type, F, L1, L2, D1, D2) },
-    uniform(Length, L1, L2), uniform(Depth, D1, D2).
+%!  widest_core(?Room) is det.
+%
+%   Where the sizes are known: the core reaches as near to each wall as the deepest piece there lets it.
 
-draw_chain(chain(_,Pieces,End)) -->
-    { gaps(Pieces, End, Gaps) },
-    draw_starts(Pieces, Gaps).
+widest_core(room(_,W,D,_,core(X1,X2,Y1,Y2),Stretches,_)) :-
+    Stretches = [stretch(_,FrontLeft,_),stretch(_,Left,_),stretch(_,Back,_),stretch(_,Right,_),stretch(_,FrontRight,_)],
+    append(FrontLeft, FrontRight, Front),
+    ( Left == []  -> true ; deepest(Left, X1) ),
+    ( Front == [] -> true ; deepest(Front, Y1) ),
+    ( Right == [] -> true ; deepest(Right, R), X2 is W - R ),
+    ( Back == []  -> true ; deepest(Back, B), Y2 is D - B ).
 
-%   gaps(+Pieces, +End, -Gaps): so many gaps of a chain are open, the one behind its last piece included.
+deepest(Links, Most) :- foldl([link(_,_,_,_,Out,_,_),M0,M]>>(M is max(M0, Out)), Links, 0, Most).
 
-gaps([], joined, 0).
-gaps([], apart,  1).
-gaps([piece(_,_,_,_,Joined)|Pieces], End, Gaps) :-
-    gaps(Pieces, End, Behind),
-    ( Joined == apart -> Gaps is Behind + 1 ; Gaps = Behind ).
+%!  room_chains(+Room, -Chains) is det.
+%
+%   All chains of a room, to be drawn where everything else is known.
 
-draw_starts([], _) --> [].
-draw_starts([piece(_,Start,_,_,apart)|Pieces], Gaps) --> !,
-    { Behind is Gaps - 1 },
-    start(Start, Behind),
-    draw_starts(Pieces, Behind).
-draw_starts([piece(_,Start,_,_,joined)|Pieces], Gaps) -->
-    uniform(Start),
-    draw_starts(Pieces, Gaps).
-
-draw_island(island(_,X,Y,_,_)) --> uniform(X), uniform(Y).
+room_chains(room(_,_,_,_,_,Stretches,Islands), Chains) :-
+    maplist([stretch(_,_,Blocks),Blocks]>>true, Stretches, OnWalls),
+    island_chains(Islands, Free),
+    append(OnWalls, Free, Chains).

@@ -24,8 +24,10 @@ piece_size(wardrobe,  L, D, _) :- { L >= 1.0,  L =< 2.2, D >= 0.5,  D =< 0.65 }.
 piece_size(toilet,    L, D, _) :- { L >= 0.36, L =< 0.4, D = L + 0.3 }.
 piece_size(shower,    L, D, _) :- { L >= 0.8,  L =< 1.2, D = L }.
 piece_size(sink,      L, D, _) :- { L >= 0.5,  L =< 1.0, D >= 0.45, D =< 0.55 }.
-piece_size(desk,      L, D, _) :- { L >= 1.2,  L =< 2.8, D >= 0.5,  D =< 0.65 }.
+piece_size(desk,      L, D, Wall) :- { L >= 0.7*Wall, L =< Wall, D >= 0.5, D =< 0.65 }.
 piece_size(table,     L, D, _) :- { L >= 0.8,  L =< 1.6, D >= 0.7,  D =< 1.0 }.
 piece_size(sofa,      L, D, _) :- { L >= 1.6,  L =< 2.4, D >= 0.8,  D =< 1.0 }.
 piece_size(cupboard,  L, D, _) :- { L >= 0.9,  L =< 2.0, D >= 0.4,  D =< 0.5 }.
 piece_size(hallTable, L, D, _) :- { L >= 1.0,  L =< 2.0, D >= 0.8,  D =< 1.2 }.
+piece_size(bedside,   L, D, _) :- { L >= 0.4,  L =< 0.6, D = L }.
+piece_size(chair,     L, D, _) :- { L >= 0.4,  L =< 0.5, D = L }.

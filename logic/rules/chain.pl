@@ -1,0 +1,69 @@
+:- module(chain, [chain_constraints//2, draw_chain//2]).
+
+/** <module> Things in a row, at least a gap apart: pieces along a wall, rooms along the main room's
+
+A chain is a list of block(Start,Length,Bounds,Apart): Bounds are at_least(E)-Reasons, at_most(E)-Reasons and
+at(E)-Reasons on its Start, and Apart are the reasons why it keeps the gap to the block before it.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(draw).
+
+%!  chain_constraints(+Gap, +Blocks)// describes the constraints of a chain, see linear.pl.
+
+chain_constraints(_, []) --> [].
+chain_constraints(Gap, [block(S,L,Bounds,_)|Blocks]) -->
+    bounded(Bounds, S),
+    apart(Blocks, S, L, Gap),
+    chain_constraints(Gap, Blocks).
+
+bounded([], _) --> [].
+bounded([Bound-Why|Bounds], S) --> [Constraint-Why], { bound(Bound, S, Constraint) }, bounded(Bounds, S).
+
+bound(at(E),       S, S = E).
+bound(at_least(E), S, E =< S).
+bound(at_most(E),  S, S =< E).
+
+apart([], _, _, _)                      --> [].
+apart([block(S2,_,_,Why)|_], S, L, Gap) --> [(S + L + Gap =< S2)-Why].
+
+%!  draw_chain(+Gap, +Blocks)// is semidet.
+%
+%   Fixes every Start, where all else is known, so that the gaps between them share what is left over uniformly
+%   (uniformly on their simplex, where no bound inside the chain cuts it). Fails if they do not fit. The bounds
+%   of a row are known in one pass from each end, so this needs no solver.
+
+draw_chain(Gap, Blocks) -->
+    { latest(Blocks, Gap, Latest, Free, _) },
+    placed(Blocks, Latest, -1.0e9, Gap, Free).
+
+%   latest(+Blocks, +Gap, -Latest, -Free, -Before): the greatest Start of each block, how many of them are not at a
+%   fixed place, and what the first block's end must not pass.
+
+latest([], _, [], 0, 1.0e9).
+latest([block(_,L,Bounds,_)|Blocks], Gap, [Late|Lates], Free, Before) :-
+    latest(Blocks, Gap, Lates, Free0, Behind),
+    high(Bounds, 1.0e9, High),
+    Late is min(High, Behind - L),
+    Before is Late - Gap,
+    ( memberchk(at(_)-_, Bounds) -> Free = Free0 ; Free is Free0 + 1 ).
+
+high([], High, High).
+high([Bound-_|Bounds], High0, High) :-
+    ( Bound = at_least(_) -> High1 = High0 ; arg(1, Bound, E), High1 is min(High0, E) ),
+    high(Bounds, High1, High).
+
+low([], Low, Low).
+low([Bound-_|Bounds], Low0, Low) :-
+    ( Bound = at_most(_) -> Low1 = Low0 ; arg(1, Bound, E), Low1 is max(Low0, E) ),
+    low(Bounds, Low1, Low).
+
+placed([], [], _, _, _) --> [].
+placed([block(S,L,Bounds,_)|Blocks], [Late|Lates], After, Gap, Free) -->
+    { low(Bounds, After, Low), Low - Late < 1.0e-6 },
+    (   { memberchk(at(_)-_, Bounds) }
+    ->  { S = Low, Free1 = Free }
+    ;   between_ends(Low, Late, Free, S), { Free1 is Free - 1 } ),
+    { After1 is S + L + Gap },
+    placed(Blocks, Lates, After1, Gap, Free1).

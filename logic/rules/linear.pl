@@ -1,0 +1,82 @@
+:- module(linear, [posted/1, clash/2, rows/2]).
+
+/** <module> A linear system as data
+
+A constraint is (A =< B)-Reasons or (A = B)-Reasons: linear expressions, and why it binds, as the atoms of stage 1
+(not(Atom) for one that does not hold) and the grammar's clauses: length(Name), size(RoomType),
+size(RoomType,Piece). Data can be posted, and can be asked which part of it clashes.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+:- use_module(library(pairs)).
+:- use_module(library(yall)).
+
+%!  posted(+Constraints) is semidet.
+%
+%   CLP(R) holds them all; fails if, and only if, they have no solution together with what is posted already.
+
+posted([]).
+posted([Constraint-_|Constraints]) :- post(Constraint), posted(Constraints).
+
+% Much is known by then, and arithmetic is quicker than the solver.
+post(A =< B) :- ground(A-B), !, A - B < 1.0e-9.
+post(A = B)  :- ground(B), !, V is B, ( var(A), \+ attvar(A) -> A = V ; ground(A) -> abs(A-V) < 1.0e-9 ; {A = V} ).
+post(A =< B) :- {A =< B}.
+post(A = B)  :- {A = B}.
+
+%!  clash(+Constraints, -Clash) is semidet.
+%
+%   Clash is a least part of them that has no solution: leave one out and there is one. Fails if the whole has
+%   one. (The additive method of Tamiz, Mardle and Jones: what makes all before it fail is needed.)
+
+clash(Constraints, Clash) :- clash(Constraints, [], Clash).
+
+clash(Constraints, Needed, Clash) :-
+    findall(Count, ( posted(Needed), fitting(Constraints, 0, Count) ), Counts),
+    (   Counts == []
+    ->  Clash = Needed
+    ;   Counts = [Count],
+        length(Before, Count),
+        append(Before, [Culprit|_], Constraints),
+        clash(Before, [Culprit|Needed], Clash) ).
+
+%   fitting(+Constraints, +Count0, -Count): so many of them, in order, can be posted.
+
+fitting([], Count, Count).
+fitting([C|Cs], Count0, Count) :-
+    (   posted([C])
+    ->  Count1 is Count0 + 1,
+        fitting(Cs, Count1, Count)
+    ;   Count = Count0 ).
+
+%!  rows(+Constraints, -Rows) is det.
+%
+%   Rows are [Coefficients,Constant,Relation] for the sum of Coefficients, pairs of a variable's number and its
+%   factor, and the Constant that is Relation ("=<" or "=") to zero: what any solver of linear programs reads.
+
+rows(Constraints, Rows) :-
+    copy_term(Constraints, Numbered),
+    term_variables(Numbered, Variables),
+    foldl([v(N),N,N1]>>(N1 is N+1), Variables, 0, _),
+    maplist(row, Numbered, Rows).
+
+row((A =< B)-_, [Pairs,Constant,"=<"]) :- !, difference(A, B, Pairs, Constant).
+row((A = B)-_,  [Pairs,Constant,"="])  :- difference(A, B, Pairs, Constant).
+
+difference(A, B, Pairs, Constant) :-
+    phrase((terms(A, 1), terms(B, -1)), Terms),
+    partition([_-_]>>true, Terms, Factors, Constants),
+    sum_list(Constants, Constant),
+    keysort(Factors, Sorted),
+    group_pairs_by_key(Sorted, Grouped),
+    maplist([V-Fs,[V,F]]>>sum_list(Fs, F), Grouped, Pairs).
+
+terms(v(N), F)  --> !, [N-F].
+terms(A+B, F)   --> !, terms(A, F), terms(B, F).
+terms(A-B, F)   --> !, { G is -F }, terms(A, F), terms(B, G).
+terms(-A, F)    --> !, { G is -F }, terms(A, G).
+terms(A*B, F)   --> { number(A) }, !, { G is F*A }, terms(B, G).
+terms(A*B, F)   --> !, { G is F*B }, terms(A, G).
+terms(A, F)     --> { C is F*A }, [C].
