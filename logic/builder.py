@@ -34,14 +34,6 @@ class Request:
         return ", ".join([rooms, *(f"{count} of type {type_}" for type_, count in self.types.items())])
 
 
-HOUSING = (("room", 2), ("side", 2), ("corner", 3))
-FURNISHING = (
-    *(("on", 4), ("joined", 2), ("last", 2), ("end", 1), ("busy", 1), ("corner", 3)),
-    *(("row", 1), ("turned", 3), ("faces", 3), ("with", 4)),
-)
-"""The atoms that stage 1 hands to stage 2: of the house, and of each room."""
-
-
 class Builder:
     """Makes houses of one grammar; it grounds each program once and keeps it."""
 
@@ -49,7 +41,7 @@ class Builder:
         """Load the grammar's files; raises ``GrammarError`` for the first thing wrong with them."""
         self._grammar = grammar
         audit(grammar.asp)
-        probe = Program(grammar.asp, {"rooms": 1}, [("house", [])], HOUSING)
+        probe = Program(grammar.asp, {"rooms": 1}, [("house", [])])
         self.types = sorted(_name(symbol.arguments[0]) for symbol in probe.atoms("type", 1))
         for symbol in probe.atoms("wrong", 2):
             raise GrammarError(f"{symbol.arguments[0]}: {symbol.arguments[1].string}", grammar.directory)
@@ -79,7 +71,7 @@ class Builder:
             layout = self.layout(request, rng, refuted)
             while True:
                 try:
-                    plan = self.place(layout, rng, inferences)
+                    plan = self.place(layout, rng, inferences, least=refuted.count > 1)
                     return self._as_house(plan, request, seed, index)
                 except Refuted as proof:
                     inferences -= proof.inferences
@@ -113,12 +105,14 @@ class Builder:
             if furniture is None:
                 refuted.unfurnishable.add(type_)
                 return None
-            rooms[number] = replace(rooms[number], furniture=furniture)
+            rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
         return Layout(rooms, layout.corners)
 
-    def place(self, layout: Layout, rng: np.random.Generator, inferences: int) -> dict[str, Any]:
+    def place(
+        self, layout: Layout, rng: np.random.Generator, inferences: int, least: bool = True
+    ) -> dict[str, Any]:
         """Stage 2: see ``Placer.place``."""
-        return self._placer.place(layout, rng, inferences)
+        return self._placer.place(layout, rng, inferences, least)
 
     def _draw_rooms(self, request: Request, rng: np.random.Generator, refuted: "Refutations") -> Layout:
         """A layout without furniture, and without the types of room that cannot have any."""
@@ -140,7 +134,7 @@ class Builder:
         terms = [[Function(type_), Number(count)] for type_, count in wishes]
         if (request.rooms, wishes) not in self._housing:
             parts = [("house", []), *(("wish", term) for term in terms)]
-            program = Program(self._grammar.asp, {"rooms": request.rooms}, parts, HOUSING)
+            program = Program(self._grammar.asp, {"rooms": request.rooms}, parts)
             self._refuse_remarks(program)
             self._housing[request.rooms, wishes] = program
         granted = [Function("granted", [Function("wish", term)]) for term in terms]
@@ -190,7 +184,7 @@ class Builder:
                 ("extent", [Function(f), *_millimetres(x)]) for f, x in lengths["pieces"][type_].items()
             ]
             parts = [("room", []), *named, reach, *extents]
-            programs[type_] = Program(self._grammar.asp, {"this_room": type_}, parts, FURNISHING)
+            programs[type_] = Program(self._grammar.asp, {"this_room": type_}, parts)
         return programs
 
     def _refuse_remarks(self, program: Program) -> None:
@@ -225,9 +219,11 @@ class Refutations:
         """Begin with nothing refuted."""
         self.unfurnishable: set[str] = set()
         self.guards: dict[Program, int] = {}
+        self.count = 0
 
     def add(self, program: Program, atoms: Mapping[Symbol, bool]) -> None:
         """No layout of the program in which just these atoms hold, or fail, has a solution."""
+        self.count += 1
         if program not in self.guards:
             self.guards[program] = program.guard()
         program.refute(self.guards[program], atoms)

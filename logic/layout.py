@@ -2,11 +2,14 @@
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
 drawn pick by pick: the variables in random order, each taking its first value, in random order, that some
-stable model shares with all the picks before it. Only the answers "satisfiable" and "unsatisfiable" are used,
-so a layout depends on the rules and the random numbers alone, never on what was solved before.
+stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks in
+just this order, so what it has to take back is refuted, and the first model is the lexicographically first
+(Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the rules and the random numbers
+alone, never on what was solved before.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import clingo
@@ -29,12 +32,11 @@ class Program:
         files: Iterable[Path],
         constants: Mapping[str, object],
         parts: Iterable[Part],
-        outputs: Iterable[tuple[str, int]],
     ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
-        A layout is the atoms of the ``outputs``, signatures, that hold. ``remarks`` keeps what clingo remarks
-        on the way. Raises ``GrammarError`` for its first error.
+        A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
+        way. Raises ``GrammarError`` for its first error.
         """
         self.remarks: list[str] = []
         self._control = clingo.Control(
@@ -49,29 +51,29 @@ class Program:
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
-        self._variables, self._shares = self._options()
-        self._outputs = {
-            atom: self._literal[atom] for name, arity in outputs for atom in self.atoms(name, arity)
-        }
+        self._counts, self._choices, self._weights = self._options()
+        self._brancher = _Brancher(self._choices)
+        self._control.register_propagator(self._brancher)
 
-    def _options(self) -> tuple[list[tuple[int, list[int]]], np.ndarray]:
-        """Each variable's number of picks and its pick literals, in the rules' own order; all weights."""
+    def _options(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Each variable's number of options; all their pick literals and weights, in the rules' own order."""
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
             variable, value, weight = symbol.arguments
             if weight.type != clingo.SymbolType.Number or weight.number < 1:
                 raise GrammarError(f"{symbol}: a weight must be a positive integer")
             options.setdefault(variable, {})[value] = weight.number
-        picks = {symbol.arguments[0]: symbol.arguments[1].number for symbol in self.atoms("picks", 2)}
-        variables = [
-            (
-                picks.get(variable, 1),
-                [self._literal[Function("pick", [variable, value])] for value in sorted(values)],
-            )
+        picks = [
+            (self._literal[Function("pick", [variable, value])], weight)
             for variable, values in sorted(options.items())
+            for value, weight in sorted(values.items())
         ]
-        weights = [values[value] for _, values in sorted(options.items()) for value in sorted(values)]
-        return variables, np.array(weights, float)
+        counts = [len(values) for _, values in sorted(options.items())]
+        return (
+            np.array(counts, int),
+            np.array([literal for literal, _ in picks], int),
+            np.array([weight for _, weight in picks], float),
+        )
 
     def atoms(self, name: str, arity: int) -> list[Symbol]:
         """All atoms of this signature that may hold, in any model."""
@@ -79,7 +81,7 @@ class Program:
 
     def possible(self, assumed: Iterable[Symbol] = (), without: Iterable[Symbol] = ()) -> bool:
         """Whether there is a layout with all assumed atoms and without any of the others."""
-        return self._satisfiable(self._literals(assumed, without))
+        return bool(self._control.solve(assumptions=self._literals(assumed, without)).satisfiable)
 
     def draw(
         self,
@@ -93,23 +95,21 @@ class Program:
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout.
         """
-        keys = rng.exponential(size=len(self._shares)) / self._shares
-        order = rng.permutation(len(self._variables))
-        fixed = self._literals(assumed, without) + ([] if guard is None else [guard])
-        if not self._satisfiable(fixed):
-            return None
-        fixed = self._extended(fixed, self._queues(keys, order))
-        with self._control.solve(assumptions=fixed, yield_=True) as handle:
-            model = handle.model()
-            assert model is not None, "these picks were satisfiable a moment ago"
-            return sorted(atom for atom, literal in self._outputs.items() if model.is_true(literal))
+        # The least of exponential numbers divided by weights is a weighted draw (Efraimidis, Spirakis 2006).
+        keys = rng.exponential(size=len(self._weights)) / self._weights
+        ranks = np.repeat(rng.permutation(len(self._counts)), self._counts)
+        assumptions = self._literals(assumed, without) + ([] if guard is None else [guard])
+        with self._brancher.first(np.lexsort((keys, ranks))):
+            with self._control.solve(assumptions=assumptions, yield_=True) as handle:
+                model = handle.model()
+                return None if model is None else sorted(model.symbols(shown=True))
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
     def guard(self) -> int:
         """A literal that binds what is refuted to some draws, until ``forget``."""
-        with self._control.backend() as backend:
+        with self._changing() as backend:
             guard = backend.add_atom()
             backend.add_external(guard, clingo.TruthValue.Free)
         return guard
@@ -120,62 +120,64 @@ class Program:
         literals = [
             literal if holds else -literal
             for atom, holds in atoms.items()
-            if (literal := self._outputs.get(atom)) is not None
+            if (literal := self._literal.get(atom)) is not None
         ]
-        with self._control.backend() as backend:
+        with self._changing() as backend:
             backend.add_rule([], [guard, *literals])
 
     def forget(self, guard: int) -> None:
         """End a guard and all that it excludes."""
+        self._brancher.renew()
         self._control.release_external(guard)
 
-    def _queues(self, keys: np.ndarray, order: np.ndarray) -> list[tuple[int, list[int]]]:
-        """The variables in this order, each with its number of picks and its literals, least key first.
+    def _changing(self) -> clingo.Backend:
+        """The program's backend: what it adds may change how the solver numbers its literals."""
+        self._brancher.renew()
+        return self._control.backend()
 
-        The least of exponential numbers divided by weights is a weighted draw (Efraimidis, Spirakis 2006).
-        """
-        ends = np.cumsum([len(literals) for _, literals in self._variables])
-        queues = []
-        for place in order:
-            count, literals = self._variables[place]
-            own = keys[ends[place] - len(literals) : ends[place]]
-            queues.append((count, [literals[i] for i in np.argsort(own)]))
-        return queues
 
-    def _extended(self, fixed: list[int], queues: list[tuple[int, list[int]]]) -> list[int]:
-        """Add to the fixed literals the first picks of each queue that fit all before them."""
-        while queues:
-            # Most picks fit: try all the first choices at once, and look for a culprit only then.
-            wanted = [
-                (place, literal) for place, (count, queue) in enumerate(queues) for literal in queue[:count]
-            ]
-            good = self._longest_prefix(fixed, [literal for _, literal in wanted])
-            fixed = fixed + [literal for _, literal in wanted[:good]]
-            if good == len(wanted):
-                return fixed
-            culprit, refused = wanted[good]
-            taken = {literal for place, literal in wanted[:good] if place == culprit}
-            count, queue = queues[culprit]
-            left = [literal for literal in queue if literal not in taken and literal != refused]
-            queues = [(count - len(taken), left), *queues[culprit + 1 :]]
-        return fixed
+class _Brancher(clingo.Propagator):
+    """Makes the solver branch on the picks in a given order, each to be taken where it still can be."""
 
-    def _longest_prefix(self, fixed: list[int], wanted: list[int]) -> int:
-        """How many of the wanted literals, in order, some model has together with the fixed ones.
+    def __init__(self, picks: Iterable[int]) -> None:
+        """Know the pick literals of a program."""
+        self._picks = [int(pick) for pick in picks]
+        self._solver_literals: list[int] | None = None
+        self._order: np.ndarray | None = None
+        self._queue: list[int] = []
+        self._scanned = [0]
 
-        An unsatisfiable core, any one, shows that its last wanted literal is too many: which cores the solver
-        finds decides how soon the answer comes, not what it is.
-        """
-        most = len(wanted)
-        while core := self._core(fixed + wanted[:most]):
-            most = max(place for place in range(most) if wanted[place] in core)
-        return most
+    def renew(self) -> None:
+        """The program changes: look up the solver's literals anew."""
+        self._solver_literals = None
 
-    def _core(self, assumptions: Sequence[int]) -> set[int]:
-        """Assumptions that no model has together: empty where some model has all."""
-        core: set[int] = set()
-        self._control.solve(assumptions=assumptions, on_core=core.update)
-        return core
+    @contextmanager
+    def first(self, order: np.ndarray) -> Iterator[None]:
+        """Within this, solving finds the model that is first by the picks in this order of theirs."""
+        self._order = order
+        try:
+            yield
+        finally:
+            self._order, self._queue = None, []
 
-    def _satisfiable(self, assumptions: Sequence[int]) -> bool:
-        return bool(self._control.solve(assumptions=assumptions).satisfiable)
+    def init(self, init: clingo.PropagateInit) -> None:
+        """Begin a search."""
+        if self._solver_literals is None:
+            self._solver_literals = [init.solver_literal(pick) for pick in self._picks]
+            for literal in self._solver_literals:
+                init.freeze_literal(literal)
+        if self._order is not None:
+            self._queue = [self._solver_literals[place] for place in self._order.tolist()]
+            self._scanned = [0]
+
+    def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
+        """The next pick that is neither taken nor refused."""
+        queue, scanned, level = self._queue, self._scanned, assignment.decision_level
+        scanned.extend([0] * (level + 1 - len(scanned)))
+        # What was decided when this level began, and so up to its place in the queue, still is.
+        place = scanned[level]
+        while place < len(queue) and assignment.value(queue[place]) is not None:
+            place += 1
+        del scanned[level + 1 :]
+        scanned.append(place)
+        return queue[place] if place < len(queue) else fallback

@@ -1,4 +1,4 @@
-:- module(chain, [chain_constraints//2, draw_chain//2]).
+:- module(chain, [chain_constraints//2, packed_constraints//3, draw_chain//2, nowhere/1]).
 
 /** <module> Things in a row, at least a gap apart: pieces along a wall, rooms along the main room's
 
@@ -28,6 +28,22 @@ bound(at_most(E),  S, S =< E).
 apart([], _, _, _)                      --> [].
 apart([block(S2,_,_,Why)|_], S, L, Gap) --> [(S + L + Gap =< S2)-Why].
 
+%!  packed_constraints(+Gap, +After, +Blocks)// describes what a chain asks of all else that is unknown.
+%
+%   Where its lengths and lower bounds are numbers, each block can stand as early as that lets it, after After: then
+%   only the upper bounds are left to be met, one constraint each, and no start is unknown.
+
+packed_constraints(_, _, []) --> [].
+packed_constraints(Gap, After, [block(_,L,Bounds,_)|Blocks]) -->
+    { low(Bounds, After, S), After1 is S + L + Gap },
+    upper(Bounds, S),
+    packed_constraints(Gap, After1, Blocks).
+
+upper([], _) --> [].
+upper([Bound-Why|Bounds], S) -->
+    ( { Bound = at_most(E) } -> [(S =< E)-Why] ; [] ),
+    upper(Bounds, S).
+
 %!  draw_chain(+Gap, +Blocks)// is semidet.
 %
 %   Fixes every Start, where all else is known, so that the gaps between them share what is left over uniformly
@@ -36,7 +52,12 @@ apart([block(S2,_,_,Why)|_], S, L, Gap) --> [(S + L + Gap =< S2)-Why].
 
 draw_chain(Gap, Blocks) -->
     { latest(Blocks, Gap, Latest, Free, _) },
-    placed(Blocks, Latest, -1.0e9, Gap, Free).
+    { nowhere(Before) },
+    placed(Blocks, Latest, Before, Gap, Free).
+
+%!  nowhere(-After): before all that there is.
+
+nowhere(-1.0e9).
 
 %   latest(+Blocks, +Gap, -Latest, -Free, -Before): the greatest Start of each block, how many of them are not at a
 %   fixed place, and what the first block's end must not pass.

@@ -45,7 +45,7 @@ grammar_lengths(Furniture, Names, Json) :-
 
 %   What SWI-Prolog loads at first use counts as inferences: an empty room spares the first house that.
 
-warm(Type) :- placed(layout([room(0,Type,north,[],1)],[],1), 1 000 000, _).
+warm(Type) :- placed(layout([room(0,Type,north,[],1)],[],1,quick), 1 000 000, _).
 
 named(Name, [Name,Report]) :- length_report(Name, Report).
 
@@ -57,9 +57,10 @@ piece_of(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Report).
 
 %!  placed(+Layout, +Limit, -Json) is det.
 %
-%   Layout is layout(Rooms,Corners,Seed): Rooms are room(R,Type,Side,Atoms,Seed) in clockwise order. Json is the plan,
-%   or {"refuted": [[R,Reasons]..]} for rooms that no sizes and places satisfy, each with a least clash: lists of
-%   [holds,Atom], [fails,Atom] and [clause,Clause]; or {"limit": true} past so many inferences.
+%   Layout is layout(Rooms,Corners,Seed,Proof): Rooms are room(R,Type,Side,Atoms,Seed) in clockwise order. Json is the
+%   plan, or {"refuted": [[R,Reasons]..]} for rooms that no sizes and places satisfy, each with a clash (least or
+%   quick: see furnish.pl): lists of [holds,Atom], [fails,Atom] and [clause,Clause]; or {"limit": true} past so many
+%   inferences.
 
 placed(Layout, Limit, Json) :-
     statistics(inferences, Before),
@@ -69,17 +70,26 @@ placed(Layout, Limit, Json) :-
     ( Result == inference_limit_exceeded -> Reply = _{limit:true} ; Reply = Answer.put(inferences, Inferences) ),
     as_json(Reply, Json).
 
-house(layout(Rooms,Corners,Seed), Answer) :-
-    maplist(furnished_room, Rooms, Furnished, Clashes),
+house(layout(Rooms,Corners,Seed,Proof), Answer) :-
+    maplist(furnished_room(Proof), Rooms, Furnished, Clashes),
     append(Clashes, Refuted),
+    retractall(kept(_,_)),
     (   Refuted == []
     ->  maplist(rigid, Furnished, Rigid),
         call(around(Rigid, Corners, Main, Starts), Seed, _),
         plan(Main, Starts, Furnished, Answer)
-    ;   Answer = _{refuted:Refuted} ).
+    ;   maplist(keep, Rooms, Furnished),
+        Answer = _{refuted:Refuted} ).
 
-furnished_room(room(R,Type,Side,Layout,Seed), Side-Room, Clashes) :-
-    call(furnished(Type, Layout, Answer), Seed, _),
+%   kept(?Seed, ?Room): where some rooms of a house are refuted, the others wait for the next try.
+
+:- dynamic kept/2.
+
+keep(room(_,_,_,_,Seed), _-Room) :- ( var(Room) -> true ; assertz(kept(Seed, Room)) ).
+
+furnished_room(_, room(_,_,Side,_,Seed), Side-Room, []) :- kept(Seed, Room), !.
+furnished_room(Proof, room(R,Type,Side,Layout,Seed), Side-Room, Clashes) :-
+    call(furnished(Type, Layout, Proof, Answer), Seed, _),
     (   Answer = clash(Reasons)
     ->  maplist(reason, Reasons, Told), Clashes = [[R,Told]]
     ;   Room = Answer, Clashes = [] ).

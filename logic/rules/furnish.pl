@@ -1,10 +1,11 @@
-:- module(furnish, [furnished//3, linear_system/3]).
+:- module(furnish, [furnished//4, linear_system/3]).
 
 /** <module> Sizes and places for a room's furniture: a random solution, or why there is none
 
 Sizes are drawn by their own clauses first, and kept if CLP(R) finds that all can stand so: most can, and what is
-left to solve is small then. Where they cannot, CLP(R) decides with every size unknown. It finds a least clash, or
-the sizes are drawn one by one in what is left for each. Places are drawn last, by the gap law of chain.pl.
+left to solve is small then. Try after try the room is drawn nearer to its largest and the furniture nearer to its
+least. Where that does not help, CLP(R) decides with every size unknown. It finds a least clash, or the sizes are
+drawn one by one in what is left for each. Places are drawn last, by the gap law of chain.pl.
 */
 
 :- use_module(library(apply)).
@@ -14,72 +15,73 @@ the sizes are drawn one by one in what is left for each. Places are drawn last, 
 :- use_module(chain).
 :- use_module(draw).
 :- use_module(grammar).
-:- use_module(room).
 :- use_module(linear).
+:- use_module(room).
 
-tries(4).
-
-%!  furnished(+Type, +Layout, -Answer)// is det.
+%!  furnished(+Type, +Layout, +Proof, -Answer)// is det.
 %
-%   Answer is the room (room.pl), every length of it known, or clash(Reasons), a least set of reasons why a room of
-%   this type cannot have this furniture.
+%   Answer is the room (room.pl), every length of it known, or clash(Reasons): reasons why a room of this type cannot
+%   have this furniture, a least set of them where Proof is `least`. Where it is `quick` they cost a fifth.
 
-furnished(Type, Layout, Answer) -->
+furnished(Type, Layout, Proof, Answer) -->
     { room(Type, Layout, Room),
-      phrase(room_constraints(Room), Constraints),
-      tries(Tries) },
-    (   sized_first(Tries, Room, Constraints)
+      phrase(room_constraints(Room), Constraints) },
+    (   sized_first(Room, Constraints)
     ->  { Answer = Room }
-    ;   solved(Type, Room, Constraints, Answer) ).
+    ;   solved(Type, Room, Constraints, Proof, Answer) ).
 
-%   sized_first(+Tries, ?Room, +Constraints)// is semidet: each try draws with numbers of its own.
+%   try(?Try, -Ease): how much of its range each size is drawn in.
 
-sized_first(Tries, Room, Constraints, S0, S) :-
-    between(1, Tries, Try),
-    Seed is S0 xor (Try << 32),
-    call(sized(Room, Constraints), Seed, S), !.
+try(Try, Ease) :- between(1, 12, Try), Ease is min(1.0, (12-Try)/8).
 
-sized(Room, Constraints) -->
+sized_first(Room, Constraints, S0, S) :-
+    try(Try, Ease),
+    Seed is S0 xor (Try << 32),            % each try with numbers of its own
+    call(sized(Ease, Room, Constraints), Seed, S), !.
+
+sized(Ease, Room, Constraints) -->
     { Room = room(Type,W,D,Door,_,_,_),
       room_law(Type, Law), room_items(Room, Items) },
-    drawn_by(Law, Type, W, D),
-    draw_items(Items, Filling),
+    room_by(Law, Type, Ease, W, D),
+    draw_items(Items, Type, Ease, Filling),
     { widest_core(Room), filling_constraints(Filling, Type, Alongs, Filled),
       append(Filled, Constraints, All) },
     forgotten(Door-Alongs, placed_door(Alongs, All, Door)),
     draw_places(Room).
 
-drawn_by(box(A1,A2,B1,B2), _, A, B)  --> between_ends(A1, A2, 1, A), between_ends(B1, B2, 1, B).
-drawn_by(line(A1,A2,B1,B2), _, A, B) --> random(U), { A is A1 + U*(A2-A1), B is B1 + U*(B2-B1) }.
-drawn_by(clause, Type, A, B)         --> forgotten(A-B, room_by_clause(Type, A, B)).
+room_by(box(A1,A2,B1,B2), _, Ease, W, D)  --> large(A1, A2, Ease, W), large(B1, B2, Ease, D).
+room_by(line(A1,A2,B1,B2), _, Ease, W, D) --> random(U), { V is 1-U*Ease, W is A1 + V*(A2-A1), D is B1 + V*(B2-B1) }.
+room_by(clause, Type, _, W, D)            --> forgotten(W-D, room_by_clause(Type, W, D)).
 
-room_by_clause(Type, A, B) --> { once(grammar:room_size(Type, A, B)) }, uniform(A), uniform(B).
+room_by_clause(Type, W, D) --> { once(grammar:room_size(Type, W, D)) }, uniform(W), uniform(D).
 
-%   draw_items(+Items, -Filling)//: of what fills a stretch, the length along it is left to the solver.
+%   large(+Least, +Most, +Ease, -Size)// and small: in the upper or lower part of a range of metres.
 
-draw_items([], []) --> [].
-draw_items([free-item(F,L,D,Wall)|Items], Filling) -->
-    { piece_law(F, Law) },
-    item_by(Law, F, L, D, Wall),
-    draw_items(Items, Filling).
-draw_items([filling(Along,Out)-item(F,L,D,Wall)|Items], [fill(Along,F,L,D,Wall)|Filling]) -->
-    { piece_law(F, Law) },
-    forgotten(Drawn, filled(Law, F, L, D, Wall, Out, Drawn)),
-    { Out = Drawn },
-    draw_items(Items, Filling).
+large(M1, M2, Ease, Size) --> { rounded(M1, M2, Low, High), Low1 is High - Ease*(High-Low) }, between_ends(Low1, High, 1, Size).
+small(M1, M2, Ease, Size) --> { rounded(M1, M2, Low, High), High1 is Low + Ease*(High-Low) }, between_ends(Low, High1, 1, Size).
 
-item_by(box(L1,L2,D1,D2), _, L, D, _)  --> between_ends(L1, L2, 1, L), between_ends(D1, D2, 1, D).
-item_by(line(L1,L2,D1,D2), _, L, D, _) --> random(U), { L is L1 + U*(L2-L1), D is D1 + U*(D2-D1) }.
-item_by(clause, F, L, D, Wall)         --> forgotten(L-D, item_by_clause(F, L, D, Wall)).
+%   draw_items(+Items, +Type, +Ease, -Filling)//: of what fills a stretch, the length along it is left to the solver.
 
-item_by_clause(F, L, D, Wall) -->
-    { lattice(whole) }, !,
-    { metres(Wall, Metres), piece_range(F, Metres, L1, L2, D1, D2),
-      rounded(L1, L2, LLow, LHigh), rounded(D1, D2, DLow, DHigh) },
-    between_ends(LLow, LHigh, 1, L), between_ends(DLow, DHigh, 1, D).
+draw_items([], _, _, []) --> [].
+draw_items([Kind-Item|Items], Type, Ease, Filling) -->
+    { Item = item(F,L,D,Wall), piece_law(Type, F, Law), law_on(Wall, Law, Here) },
+    (   { Kind = filling(Along,Out) }
+    ->  forgotten(Out, item_by(Here, F, Ease, L, D, Wall)),
+        { Filling = [fill(Here,Along,Item)|Others] }
+    ;   item_by(Here, F, Ease, L, D, Wall),
+        { Filling = Others } ),
+    draw_items(Items, Type, Ease, Others).
+
+law_on(Wall, Law, Here) :- Law =.. [Kind|Ys], metres(Wall, Metres), maplist(at_wall(Metres), Ys, Xs), Here =.. [Kind|Xs].
+
+at_wall(Wall, on(Wall1,Y1,Slope), Y) :- !, Y is Y1 + Slope*(Wall-Wall1).
+at_wall(_, Y, Y).
+
+item_by(box(L1,L2,D1,D2), _, Ease, L, D, _)  --> small(L1, L2, Ease, L), small(D1, D2, Ease, D).
+item_by(line(L1,L2,D1,D2), _, Ease, L, D, _) --> random(U), { V is U*Ease, L is L1 + V*(L2-L1), D is D1 + V*(D2-D1) }.
+item_by(clause, F, _, L, D, Wall)            --> forgotten(L-D, item_by_clause(F, L, D, Wall)).
+
 item_by_clause(F, L, D, Wall) --> { once(grammar:piece_size(F, L, D, Wall)) }, uniform(L), uniform(D).
-
-filled(Law, F, L, D, Wall, Out, Out) --> item_by(Law, F, L, D, Wall).
 
 %   forgotten(?Result, :Draw)//: what Draw posts ends with it; Result is numbers.
 
@@ -87,10 +89,14 @@ forgotten(Result, Draw, S0, S) :-
     findall(Result-S1, once(call(Draw, S0, S1)), [Result-S]).
 
 filling_constraints([], _, [], []).
-filling_constraints([fill(Along,F,L,D,Wall)|Filling], Type, [Along|Alongs], Constraints) :-
-    piece_system(Type, F, L, D, Wall, Own),
+filling_constraints([fill(Law,Along,Item)|Filling], Type, [Along|Alongs], Constraints) :-
+    filling_range(Law, Type, Along, Item, Own),
     append(Own, Others, Constraints),
     filling_constraints(Filling, Type, Alongs, Others).
+
+filling_range(box(L1,L2,D1,D2), _, Along, item(_,L,_,_), [(Low =< Along)-[], (Along =< High)-[]]) :- !,
+    ( Along == L -> rounded(L1, L2, Low, High) ; rounded(D1, D2, Low, High) ).
+filling_range(_, Type, _, item(F,L,D,Wall), Constraints) :- piece_system(Type, F, L, D, Wall, Constraints).
 
 placed_door(Alongs, Constraints, Door) -->
     { posted(Constraints) },
@@ -107,14 +113,14 @@ draw_chains([Chain|Chains], P)  --> draw_chain(P, Chain), draw_chains(Chains, P)
 
 % - with every size unknown ------------------------------------------------------------------------------------
 
-solved(Type, Room, Constraints, Answer) -->
+solved(Type, Room, Constraints, Proof, Answer) -->
     { Room = room(_,W,D,Door,_,_,_), room_items(Room, Items) },
     (   forgotten(Items-W-D, solved_sizes(Type, W, D, Items, Constraints))
     ->  { widest_core(Room) },
         forgotten(Door, placed_door([], Constraints, Door)),
         { Answer = Room },
         draw_places(Room)
-    ;   { why(Type, W, D, Items, Constraints, Answer) } ).
+    ;   { why(Proof, Type, W, D, Items, Constraints, Answer) } ).
 
 %   solved_sizes(+Type, ?W, ?D, ?Items, +Constraints)// is semidet: draws every size in what the others leave. On a
 %   grid some whole W and D may take the furniture where others do not: all are tried, in random order.
@@ -158,14 +164,17 @@ item_systems([_-item(F,L,D,Wall)|Items], Type, [System|Systems]) :-
     piece_system(Type, F, L, D, Wall, System),
     item_systems(Items, Type, Systems).
 
-%   why(+Type, ?W, ?D, +Items, +Constraints, -clash(Reasons)): on a grid, whole lengths may be what does not fit, where
+%   why(+Proof, +Type, ?W, ?D, +Items, +Constraints, -clash(Reasons)): on a grid, whole lengths may be what does not fit, where
 %   the same lengths do: then nothing less than all of it is to blame.
 
-why(Type, W, D, Items, Constraints, clash(Reasons)) :-
+why(Proof, Type, W, D, Items, Constraints, clash(Reasons)) :-
     system(Type, W, D, Items, Constraints, All),
-    ( clash(All, Clash) -> true ; Clash = All ),
+    ( clash(Proof, All, Clash) -> true ; Clash = All ),
     findall(Reason, ( member(_-Why, Clash), member(Reason, Why) ), Found),
     sort(Found, Reasons).
+
+clash(least, All, Clash) :- clash(All, Clash).
+clash(quick, All, Clash) :- clash_among(All, Clash).
 
 %!  linear_system(+Type, +Layout, -Rows) is det.
 %

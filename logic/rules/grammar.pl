@@ -1,5 +1,5 @@
 :- module(lengths, [load_grammar/2, set_cell/1, metres/2, length_of/2, room_extent/5, piece_extent/6,
-                    piece_range/6, rounded/4, room_law/2, piece_law/2, room_system/4, piece_system/6,
+                    piece_range/6, rounded/4, room_law/2, piece_law/3, room_system/4, piece_system/6,
                     length_report/2, room_report/2, piece_report/3]).
 
 /** <module> A grammar's lengths
@@ -15,7 +15,7 @@ lengths. They are the single source of lengths; what stage 1 needs of them is de
 :- use_module(library(solution_sequences)).
 
 :- dynamic problem/4.
-:- table room_extent/5, piece_extent/6, room_law/2, piece_law/2.   % a few simplex runs each, asked for in every room
+:- table room_extent/5, piece_extent/6, room_law/2, piece_law/3.   % a few simplex runs each, asked for in every room
 % A grammar may state its clauses in any order, in one file or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- multifile grammar:room_size/3, grammar:piece_size/4.
@@ -127,24 +127,43 @@ extremes(X, X, X)      :- number(X), !.
 extremes(X, Low, High) :- inf(X, Low), sup(X, High).
 
 %!  room_law(+Type, -Law) is det.
-%!  piece_law(+Piece, -Law) is det.
+%!  piece_law(+Type, +Piece, -Law) is det.
 %
-%   How two sizes depend on each other: box(A,AA,B,BB), not at all; line(A,AA,B,BB), from (A,B) to (AA,BB); or
-%   clause, in a way that only the clause itself tells. On a grid no two depend on each other.
+%   How two sizes, in metres, depend on each other: box(A,AA,B,BB), not at all; line(A,AA,B,BB), from (A,B) to
+%   (AA,BB); or clause, in a way that only the clause itself tells. Each number is one, or on(Wall1,Y1,Slope): Y1 where
+%   the wall is Wall1 long, and so on in a straight line.
 
 room_law(Type, Law) :-
     once(grammar:room_size(Type, W, D)),
     law(W, D, Law).
 
-piece_law(Piece, Law) :-
+piece_law(Type, Piece, Law) :-
+    room_range(Type, W1, W2, D1, D2),
+    Short is min(W1, D1), Long is max(W2, D2), Middle is (Short+Long)/2,
     once(grammar:piece_size(Piece, L, D, Wall)),
-    ( attvar(Wall) -> Law = clause ; law(L, D, Law) ).
+    (   \+ attvar(Wall)
+    ->  law(L, D, Law)
+    ;   maplist(law_at(Piece), [Short,Middle,Long], [Law1,Law2,Law3]),
+        Law1 =.. [Kind|As], Law2 =.. [Kind|Bs], Law3 =.. [Kind|Cs],
+        straight(As, Bs, Cs, Short, Long, Straight)
+    ->  Law =.. [Kind|Straight]
+    ;   Law = clause ).
+
+law_at(Piece, Wall, Law) :- once(grammar:piece_size(Piece, L, D, Wall)), law(L, D, Law).
+
+%   The least and the greatest of a linear program are convex and concave in what is given: what lies on the straight
+%   line in the middle lies on it throughout.
+
+straight([], [], [], _, _, []).
+straight([A|As], [B|Bs], [C|Cs], Short, Long, [Y|Ys]) :-
+    abs(B - (A+C)/2) < 1.0e-9,
+    ( abs(A-C) < 1.0e-9 -> Y = A ; Slope is (C-A)/(Long-Short), Y = on(Short,A,Slope) ),
+    straight(As, Bs, Cs, Short, Long, Ys).
 
 law(A, B, Law) :-
     extremes(A, A1, A2), extremes(B, B1, B2),
     (   ( cell(_) ; A \== B, independent(A, B) )
-    ->  rounded(A1, A2, X1, X2), rounded(B1, B2, Y1, Y2),
-        Law = box(X1,X2,Y1,Y2)
+    ->  Law = box(A1,A2,B1,B2)
     ;   at_end(A, A1, B, V1), at_end(A, A2, B, V2)
     ->  Law = line(A1,A2,V1,V2)
     ;   Law = clause ).

@@ -1,4 +1,4 @@
-:- module(linear, [posted/1, clash/2, rows/2]).
+:- module(linear, [posted/1, clash/2, clash_among/2, rows/2]).
 
 /** <module> A linear system as data
 
@@ -34,13 +34,21 @@ post(A = B)  :- {A = B}.
 clash(Constraints, Clash) :- clash(Constraints, [], Clash).
 
 clash(Constraints, Needed, Clash) :-
-    findall(Count, ( posted(Needed), fitting(Constraints, 0, Count) ), Counts),
-    (   Counts == []
+    (   \+ posted(Needed)
     ->  Clash = Needed
-    ;   Counts = [Count],
-        length(Before, Count),
-        append(Before, [Culprit|_], Constraints),
+    ;   culprit(Constraints, Needed, Before, Culprit),
         clash(Before, [Culprit|Needed], Clash) ).
+
+%!  clash_among(+Constraints, -Clash) is semidet.
+%
+%   Clash is the constraints up to the first that does not fit: a clash, not a least one, found in one go.
+
+clash_among(Constraints, [Culprit|Before]) :- culprit(Constraints, [], Before, Culprit).
+
+culprit(Constraints, Needed, Before, Culprit) :-
+    findall(Count, ( posted(Needed), fitting(Constraints, 0, Count) ), [Count]),
+    length(Before, Count),
+    append(Before, [Culprit|_], Constraints).
 
 %   fitting(+Constraints, +Count0, -Count): so many of them, in order, can be posted.
 

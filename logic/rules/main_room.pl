@@ -24,14 +24,15 @@ counted clockwise along the main room's wall; the main room is Width by Height.
 around(Rooms, Corners, main(W,H), Starts) -->
     { gap(Gap),
       maplist(side_chain(Rooms, Corners, Gap), [north-W,east-H,south-W,west-H], Chains),
-      phrase(all_constraints(Chains, Gap), Constraints),
+      nowhere(Before),
+      phrase(all_packed(Chains, Gap, Before), Constraints),
       findall(W0-H0, ( {W >= 0, H >= 0}, posted(Constraints), inf(W, W0), inf(H, H0) ), [LeastW-LeastH]) },
     draw_main_room(Rooms, LeastW, LeastH, W, H),
     draw_chains(Chains, Gap),
     { findall(S, ( member(Chain, Chains), member(block(S,_,_,_), Chain) ), Starts) }.
 
-all_constraints([], _)             --> [].
-all_constraints([Chain|Chains], Gap) --> chain_constraints(Gap, Chain), all_constraints(Chains, Gap).
+all_packed([], _, _)                  --> [].
+all_packed([Chain|Chains], Gap, Before) --> packed_constraints(Gap, Before, Chain), all_packed(Chains, Gap, Before).
 
 side_chain(Rooms, Corners, Gap, Side-Wall, Blocks) :-
     findall(Width-Door, member(r(Side,Width,_,Door), Rooms), Standing),

@@ -152,7 +152,8 @@ blocks([Part|Parts], Ends, Last, Place, [block(_,Length,Bounds,Why)|Blocks]) :-
     Part = [link(Gap,_,_,_,_,_,_)|_],
     Gap = _-Why,
     near_bound(Gap, Place, Ends, Near),
-    joints(Part, Ends, 0, [], Length, LengthWhy, Joints),
+    shut(Near, Parts, Last, Ends, NearMargin, FarMargin),
+    joints(Part, Ends, NearMargin, FarMargin, Length, LengthWhy, Joints),
     far_bound(Parts, Ends, Last, Length, LengthWhy, Far),
     append([Near|Joints], [Far], Bounds),
     blocks(Parts, Ends, Last, later, Blocks).
@@ -161,19 +162,28 @@ near_bound(joined-Why, first, ends(at(At,AtWhy,_,_),_,_), at(At)-Reasons) :- !, 
 near_bound(apart-Why, _, ends(at(_,_,Edge,EdgeWhy),_,P), at_least(Edge+P)-[length(passage)|Reasons]) :-
     append(Why, EdgeWhy, Reasons).
 
-%   The joint between two links lies at the core, so that what stands out less is not shut in behind.
+%   shut(+Near, +LaterParts, +Last, +Ends, -NearMargin, -FarMargin): a part that reaches into a corner where other
+%   furniture stands may shut floor in between that and a link that stands out more: so its joints keep a passage.
 
-joints([link(_,_,_,Along,_,_,Why)|Links], Ends, 0, [], Length, LengthWhy, Bounds) :-
-    joints(Links, Ends, Along, Why, Length, LengthWhy, Bounds).
-joints([], _, Length, Why, Length, Why, []) :- Length \== 0, !.
-joints([link(_-GapWhy,_,_,Along,_,_,LinkWhy)|Links], Ends, Offset, Why, Length, LengthWhy,
-       [at_least(Low-Offset)-LowReasons, at_most(High-Offset)-HighReasons|Bounds]) :-
-    Offset \== 0,
+shut(Near, Parts, last(End-_,_), ends(at(_,_,_,LowWhy),at(_,_,_,HighWhy),P), NearMargin, FarMargin) :-
+    ( Near = at(_)-_, LowWhy \== [] -> NearMargin = P ; NearMargin = 0 ),
+    ( Parts == [], End == joined, HighWhy \== [] -> FarMargin = P ; FarMargin = 0 ).
+
+%   joints(+Links, +Ends, +NearMargin, +FarMargin, -Length, -Why, -Bounds): the joint between two links lies at the core,
+%   so that what stands out less is not shut in behind.
+
+joints([link(_,_,_,Along,_,_,Why)|Links], Ends, NearMargin, FarMargin, Length, LengthWhy, Bounds) :-
+    later_joints(Links, Ends, NearMargin-FarMargin, Along, Why, Length, LengthWhy, Bounds).
+
+later_joints([], _, _, Length, Why, Length, Why, []).
+later_joints([link(_-GapWhy,_,_,Along,_,_,LinkWhy)|Links], Ends, Margins, Offset, Why, Length, LengthWhy,
+             [at_least(Low+NearMargin-Offset)-LowReasons, at_most(High-FarMargin-Offset)-HighReasons|Bounds]) :-
     Ends = ends(at(_,_,Low,LowWhy),at(_,_,High,HighWhy),_),
-    append([GapWhy,Why,LowWhy], LowReasons),
-    append([GapWhy,Why,HighWhy], HighReasons),
+    Margins = NearMargin-FarMargin,
+    append([[length(passage)],GapWhy,Why,LowWhy], LowReasons),
+    append([[length(passage)],GapWhy,Why,HighWhy], HighReasons),
     append(Why, LinkWhy, Why1),
-    joints(Links, Ends, Offset+Along, Why1, Length, LengthWhy, Bounds).
+    later_joints(Links, Ends, Margins, Offset+Along, Why1, Length, LengthWhy, Bounds).
 
 far_bound([[link(_-GapWhy,_,_,_,_,_,_)|_]|_], ends(_,at(_,_,High,HighWhy),P), _, Length, Why, at_most(High-P-Length)-Reasons) :-
     append([[length(passage)],GapWhy,Why,HighWhy], Reasons).
