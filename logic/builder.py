@@ -170,9 +170,10 @@ class Builder:
         for symbol in probe.atoms("may", 4):
             furniture[_name(symbol.arguments[0])].append(_name(symbol.arguments[1]))
         for symbol in [*probe.atoms("beside", 4), *probe.atoms("around", 4)]:
+            piece, companion = map(_name, symbol.arguments[:2])
             for pieces in furniture.values():
-                if _name(symbol.arguments[0]) in pieces and (name := _name(symbol.arguments[1])) not in pieces:
-                    pieces.append(name)
+                if piece in pieces and companion not in pieces:
+                    pieces.append(companion)
         lengths = self._placer.lengths(furniture)
         named = [
             ("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()

@@ -2,10 +2,10 @@
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
 drawn pick by pick: the variables in random order, each taking its first value, in random order, that some
-stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks in
-just this order, so what it has to take back is refuted, and the first model is the lexicographically first
-(Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the rules and the random numbers
-alone, never on what was solved before.
+stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks
+in just this order, so what it has to take back is refuted, and the first model is the lexicographically first
+(Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the rules and the random
+numbers alone, never on what was solved before.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -99,10 +99,12 @@ class Program:
         keys = rng.exponential(size=len(self._weights)) / self._weights
         ranks = np.repeat(rng.permutation(len(self._counts)), self._counts)
         assumptions = self._literals(assumed, without) + ([] if guard is None else [guard])
-        with self._brancher.first(np.lexsort((keys, ranks))):
-            with self._control.solve(assumptions=assumptions, yield_=True) as handle:
-                model = handle.model()
-                return None if model is None else sorted(model.symbols(shown=True))
+        with (
+            self._brancher.first(np.lexsort((keys, ranks))),
+            self._control.solve(assumptions=assumptions, yield_=True) as handle,
+        ):
+            model = handle.model()
+            return None if model is None else sorted(model.symbols(shown=True))
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]

@@ -111,7 +111,7 @@ class Placer:
 
         Raises ``Refuted`` where the constraints have no solution, ``LimitReached`` past so many inferences.
         """
-        # A seed for each room and one for the main room: numbers by the thousand cost more to pass than to draw.
+        # Seeds for the rooms and the main room: numbers by the thousand cost more to pass than to draw.
         rooms = ",".join(
             f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{room.seed})"
             for room in layout.rooms

@@ -10,12 +10,10 @@ from clingo import Function, Number, Symbol
 from scipy.stats import chisquare
 
 from logic import GrammarError
-from logic.builder import HOUSING
 from logic.grammar import find
 from logic.layout import Program
 
 FAMILY = find("family")
-PICKS = [("pick", 2)]
 CHOICE = """
 #program house.
 option(colour,red,1).  option(colour,blue,1).  option(colour,green,2).
@@ -29,13 +27,13 @@ option(hand,1..4,1).  picks(hand,2).
 def program(folder: Path, text: str) -> Program:
     file = folder / "rules.lp"
     file.write_text(text)
-    return Program([file], {}, [("house", [])], PICKS)
+    return Program([file], {}, [("house", [])])
 
 
 def house(rooms: int, **types: int) -> tuple[Program, list[Symbol]]:
     terms = [[Function(name), Number(count)] for name, count in types.items()]
     parts = [("house", []), *(("wish", term) for term in terms)]
-    made = Program(FAMILY.asp, {"rooms": rooms}, parts, HOUSING)
+    made = Program(FAMILY.asp, {"rooms": rooms}, parts)
     return made, [Function("granted", [Function("wish", term)]) for term in terms]
 
 
@@ -75,29 +73,30 @@ def test_a_draw_depends_on_its_random_numbers_alone() -> None:
     assert first
     for seed in range(40):
         guard = used.guard()
-        used.refute(guard, first)
+        used.refute(guard, dict.fromkeys(first, True))
         assert used.draw(np.random.default_rng(seed), guard=guard)
         used.forget(guard)
     for seed in range(5):
         assert used.draw(np.random.default_rng(seed)) == fresh.draw(np.random.default_rng(seed))
 
 
-def test_a_refuted_layout_is_excluded_and_no_larger_one(tmp_path: Path) -> None:
-    """A layout says what is not there too: with one piece more, or joined, it may well have a solution."""
+def test_what_is_refuted_is_excluded_and_nothing_else(tmp_path: Path) -> None:
+    """A clash says what is not there too: with one piece more, a layout may well have a solution."""
     file = tmp_path / "coins.lp"
     file.write_text("""
         #program coins.
         option(coin(1..2),(heads;tails),1).
         heads(C) :- pick(coin(C),heads).
         :- not heads(1).
+        #show heads/1.
     """)
-    made = Program([file], {}, [("coins", [])], [("heads", 1)])
+    made = Program([file], {}, [("coins", [])])
     one, both = [[Function("heads", [Number(c)]) for c in range(1, n + 1)] for n in (1, 2)]
     guard = made.guard()
-    made.refute(guard, one)
+    made.refute(guard, {one[0]: True, both[1]: False})
     for seed in range(8):
         assert made.draw(np.random.default_rng(seed), guard=guard) == both
-    made.refute(guard, both)
+    made.refute(guard, {both[1]: True, Function("never"): False})
     assert made.draw(np.random.default_rng(0), guard=guard) is None
     made.forget(guard)
     assert {str(made.draw(np.random.default_rng(seed))) for seed in range(20)} == {str(one), str(both)}

@@ -10,13 +10,13 @@ at(E)-Reasons on its Start, and Apart are the reasons why it keeps the gap to th
 :- use_module(library(lists)).
 :- use_module(draw).
 
-%!  chain_constraints(+Gap, +Blocks)// describes the constraints of a chain, see linear.pl.
+%!  chain_constraints(+Blocks, +Gap)// describes the constraints of a chain, see linear.pl.
 
-chain_constraints(_, []) --> [].
-chain_constraints(Gap, [block(S,L,Bounds,_)|Blocks]) -->
+chain_constraints([], _) --> [].
+chain_constraints([block(S,L,Bounds,_)|Blocks], Gap) -->
     bounded(Bounds, S),
     apart(Blocks, S, L, Gap),
-    chain_constraints(Gap, Blocks).
+    chain_constraints(Blocks, Gap).
 
 bounded([], _) --> [].
 bounded([Bound-Why|Bounds], S) --> [Constraint-Why], { bound(Bound, S, Constraint) }, bounded(Bounds, S).
@@ -28,29 +28,29 @@ bound(at_most(E),  S, S =< E).
 apart([], _, _, _)                      --> [].
 apart([block(S2,_,_,Why)|_], S, L, Gap) --> [(S + L + Gap =< S2)-Why].
 
-%!  packed_constraints(+Gap, +After, +Blocks)// describes what a chain asks of all else that is unknown.
+%!  packed_constraints(+Blocks, +Gap, +After)// describes what a chain asks of all else that is unknown.
 %
 %   Where its lengths and lower bounds are numbers, each block can stand as early as that lets it, after After: then
 %   only the upper bounds are left to be met, one constraint each, and no start is unknown.
 
-packed_constraints(_, _, []) --> [].
-packed_constraints(Gap, After, [block(_,L,Bounds,_)|Blocks]) -->
+packed_constraints([], _, _) --> [].
+packed_constraints([block(_,L,Bounds,_)|Blocks], Gap, After) -->
     { low(Bounds, After, S), After1 is S + L + Gap },
     upper(Bounds, S),
-    packed_constraints(Gap, After1, Blocks).
+    packed_constraints(Blocks, Gap, After1).
 
 upper([], _) --> [].
 upper([Bound-Why|Bounds], S) -->
     ( { Bound = at_most(E) } -> [(S =< E)-Why] ; [] ),
     upper(Bounds, S).
 
-%!  draw_chain(+Gap, +Blocks)// is semidet.
+%!  draw_chain(+Blocks, +Gap)// is semidet.
 %
 %   Fixes every Start, where all else is known, so that the gaps between them share what is left over uniformly
 %   (uniformly on their simplex, where no bound inside the chain cuts it). Fails if they do not fit. The bounds
 %   of a row are known in one pass from each end, so this needs no solver.
 
-draw_chain(Gap, Blocks) -->
+draw_chain(Blocks, Gap) -->
     { latest(Blocks, Gap, Latest, Free, _) },
     { nowhere(Before) },
     placed(Blocks, Latest, Before, Gap, Free).

@@ -34,10 +34,10 @@ between_ends(Low, High, Gaps, X) --> { lattice(Kind) }, random(U), { point(Kind,
 
 % Ends nearer than the solver's tolerance are one point, best met in the middle.
 point(real, Low, High, _, _, X)     :- High - Low < 1.0e-9, !, X is (Low+High)/2.
-point(real, Low, High, Gaps, U, X)  :- X is Low + (High-Low)*(1 - U**(1/Gaps)).
+point(real, Low, High, Gaps, U, X)  :- X is Low + (High-Low)*(1 - (1-U)**(1/Gaps)).
 point(whole, Low, High, Gaps, U, X) :-
     First is ceiling(Low - 1.0e-6), Last is floor(High + 1.0e-6),
-    X is min(Last, First + floor((Last-First+1)*(1 - U**(1/Gaps)))).
+    X is min(Last, First + floor((Last-First+1)*(1 - (1-U)**(1/Gaps)))).
 
 %!  uniform(?X)// is det.
 %

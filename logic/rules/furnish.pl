@@ -32,7 +32,13 @@ furnished(Type, Layout, Proof, Answer) -->
 
 %   try(?Try, -Ease): how much of its range each size is drawn in.
 
-try(Try, Ease) :- between(1, 12, Try), Ease is min(1.0, (12-Try)/8).
+try(1, 1.0).
+try(2, 1.0).
+try(3, 0.8).
+try(4, 0.6).
+try(5, 0.4).
+try(6, 0.2).
+try(7, 0.0).
 
 sized_first(Room, Constraints, S0, S) :-
     try(Try, Ease),
@@ -109,36 +115,40 @@ draw_each([X|Xs]) --> uniform(X), draw_each(Xs).
 draw_places(Room) --> { length_of(passage, P), room_chains(Room, Chains) }, draw_chains(Chains, P).
 
 draw_chains([], _)              --> [].
-draw_chains([Chain|Chains], P)  --> draw_chain(P, Chain), draw_chains(Chains, P).
+draw_chains([Chain|Chains], P)  --> draw_chain(Chain, P), draw_chains(Chains, P).
 
 % - with every size unknown ------------------------------------------------------------------------------------
 
 solved(Type, Room, Constraints, Proof, Answer) -->
-    { Room = room(_,W,D,Door,_,_,_), room_items(Room, Items) },
-    (   forgotten(Items-W-D, solved_sizes(Type, W, D, Items, Constraints))
+    { Room = room(_,W,D,Door,_,_,_), room_items(Room, Items),
+      system(Type, W, D, Items, Constraints, System) },
+    (   { clash(Proof, System, Clash) }
+    ->  { because(Clash, Answer) }
+    ;   forgotten(Items-W-D, solved_sizes(Type, W, D, Items, Constraints, System))
     ->  { widest_core(Room) },
         forgotten(Door, placed_door([], Constraints, Door)),
         { Answer = Room },
         draw_places(Room)
-    ;   { why(Proof, Type, W, D, Items, Constraints, Answer) } ).
+    ;   { because(System, Answer) } ).
 
-%   solved_sizes(+Type, ?W, ?D, ?Items, +Constraints)// is semidet: draws every size in what the others leave. On a
-%   grid some whole W and D may take the furniture where others do not: all are tried, in random order.
+%   solved_sizes(+Type, ?W, ?D, ?Items, +Constraints, +System)// is semidet: draws every size in what the others leave.
+%   On a grid some whole W and D may take the furniture where others do not: all are tried, in random order. Where none
+%   does, though lengths that are not whole could, nothing less than the whole system is to blame.
 
-solved_sizes(Type, W, D, Items, Constraints) -->
+solved_sizes(Type, W, D, Items, Constraints, _) -->
     { lattice(whole) }, !,
     { room_extent(Type, W1, W2, D1, D2), numlist(W1, W2, Ws), numlist(D1, D2, Ds),
       findall(A-B, ( member(A, Ws), member(B, Ds) ), Pairs) },
     shuffled(Pairs, Order),
     sized_whole(Order, Type, W, D, Items, Constraints).
-solved_sizes(Type, W, D, Items, Constraints) -->
-    { system(Type, W, D, Items, Constraints, All), posted(All) },
+solved_sizes(_, W, D, Items, _, System) -->
+    { posted(System) },
     drawn_sizes(Items, W, D).
 
 sized_whole(Pairs, Type, W, D, Items, Constraints, S0, S) :-
     member(W-D, Pairs),
-    system(Type, W, D, Items, Constraints, All),
-    posted(All),
+    system(Type, W, D, Items, Constraints, System),
+    posted(System),
     call(drawn_sizes(Items, W, D), S0, S), !.
 
 shuffled(List, Shuffled) --> keyed(List, Keyed), { keysort(Keyed, Sorted), pairs_values(Sorted, Shuffled) }.
@@ -164,14 +174,11 @@ item_systems([_-item(F,L,D,Wall)|Items], Type, [System|Systems]) :-
     piece_system(Type, F, L, D, Wall, System),
     item_systems(Items, Type, Systems).
 
-%   why(+Proof, +Type, ?W, ?D, +Items, +Constraints, -clash(Reasons)): on a grid, whole lengths may be what does not fit, where
-%   the same lengths do: then nothing less than all of it is to blame.
-
-why(Proof, Type, W, D, Items, Constraints, clash(Reasons)) :-
-    system(Type, W, D, Items, Constraints, All),
-    ( clash(Proof, All, Clash) -> true ; Clash = All ),
+because(Clash, clash(Reasons)) :-
     findall(Reason, ( member(_-Why, Clash), member(Reason, Why) ), Found),
     sort(Found, Reasons).
+
+%   clash(+Proof, +System, -Clash) is semidet.
 
 clash(least, All, Clash) :- clash(All, Clash).
 clash(quick, All, Clash) :- clash_among(All, Clash).

@@ -15,7 +15,7 @@ lengths. They are the single source of lengths; what stage 1 needs of them is de
 :- use_module(library(solution_sequences)).
 
 :- dynamic problem/4.
-:- table room_extent/5, piece_extent/6, room_law/2, piece_law/3.   % a few simplex runs each, asked for in every room
+:- table room_extent/5, piece_extent/6, room_law/2, piece_law/3, clause_system/4.   % a few simplex runs each, asked for in every room
 % A grammar may state its clauses in any order, in one file or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- multifile grammar:room_size/3, grammar:piece_size/4.
@@ -195,8 +195,12 @@ piece_system(Type, Piece, L, D, Wall, Constraints) :-
     ;   piece_extent(Type, Piece, A, AA, B, BB) ),
     maplist(reasoned(size(Type,Piece)), [A =< L, L =< AA, B =< D, D =< BB], Constraints).
 piece_system(Type, Piece, L, D, Wall, Constraints) :-
-    once(grammar:piece_size(Piece, L0, D0, Wall0)),
-    size_system([L,D,Wall], [L0,D0,Wall0], size(Type,Piece), Constraints).
+    clause_system(Type, Piece, Sizes, Constraints),     % a table of this call, whatever the wall
+    Sizes = [L,D,Wall].
+
+clause_system(Type, Piece, Sizes, Constraints) :-
+    once(grammar:piece_size(Piece, L, D, Wall)),
+    size_system(Sizes, [L,D,Wall], size(Type,Piece), Constraints).
 
 size_system(Sizes, Solved, Reason, Constraints) :-
     copy_term(Solved, Plain, Goals),

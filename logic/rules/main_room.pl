@@ -32,7 +32,7 @@ around(Rooms, Corners, main(W,H), Starts) -->
     { findall(S, ( member(Chain, Chains), member(block(S,_,_,_), Chain) ), Starts) }.
 
 all_packed([], _, _)                  --> [].
-all_packed([Chain|Chains], Gap, Before) --> packed_constraints(Gap, Before, Chain), all_packed(Chains, Gap, Before).
+all_packed([Chain|Chains], Gap, Before) --> packed_constraints(Chain, Gap, Before), all_packed(Chains, Gap, Before).
 
 side_chain(Rooms, Corners, Gap, Side-Wall, Blocks) :-
     findall(Width-Door, member(r(Side,Width,_,Door), Rooms), Standing),
@@ -74,4 +74,4 @@ draw_main_room(Rooms, W0, H0, W, H) -->
     between_ends(HLow, HHigh, 1, H).
 
 draw_chains([], _)               --> [].
-draw_chains([Chain|Chains], Gap) --> draw_chain(Gap, Chain), draw_chains(Chains, Gap).
+draw_chains([Chain|Chains], Gap) --> draw_chain(Chain, Gap), draw_chains(Chains, Gap).

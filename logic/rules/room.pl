@@ -187,10 +187,12 @@ later_joints([link(_-GapWhy,_,_,Along,_,_,LinkWhy)|Links], Ends, Margins, Offset
 
 far_bound([[link(_-GapWhy,_,_,_,_,_,_)|_]|_], ends(_,at(_,_,High,HighWhy),P), _, Length, Why, at_most(High-P-Length)-Reasons) :-
     append([[length(passage)],GapWhy,Why,HighWhy], Reasons).
-far_bound([], ends(_,at(At,AtWhy,_,_),_), last(joined-EndWhy,Last), Length, Why, at(At-Length)-Reasons) :-
-    append([[Last],EndWhy,Why,AtWhy], Reasons).
-far_bound([], ends(_,at(_,_,High,HighWhy),P), last(apart-EndWhy,Last), Length, Why, at_most(High-P-Length)-Reasons) :-
-    append([[length(passage),Last],EndWhy,Why,HighWhy], Reasons).
+far_bound([], Ends, last(End-EndWhy,Last), Length, Why, Bound-Reasons) :-
+    end_bound(End, Ends, Length, Bound, Own),
+    append([[Last],EndWhy,Why,Own], Reasons).
+
+end_bound(joined, ends(_,at(At,AtWhy,_,_),_),   Length, at(At-Length), AtWhy).
+end_bound(apart,  ends(_,at(_,_,High,Why),P), Length, at_most(High-P-Length), [length(passage)|Why]).
 
 % - in the middle ------------------------------------------------------------------------------------------
 
@@ -223,11 +225,11 @@ full(Size, Low, High, Seats, Full) :-
 
 room_constraints(room(_,W,D,Door,Core,Stretches,Islands)) -->
     core(Stretches, W, D, Door, Core),
-    each(stretch_constraints(W, D, Core), Stretches),
+    each(Stretches, stretch_constraints(W, D, Core)),
     island_constraints(Islands).
 
-each(_, [])         --> [].
-each(Part, [X|Xs])  --> call(Part, X), each(Part, Xs).
+each([], _)        --> [].
+each([X|Xs], Part) --> call(Part, X), each(Xs, Part).
 
 core(Stretches, W, D, Door, core(X1,X2,Y1,Y2)) -->
     { length_of(passage, P), length_of(door_clearance, C), length_of(door_width, DoorWidth),
@@ -246,7 +248,7 @@ within(W, D, X1, X2, Y1, Y2) --> [(0 =< X1)-[], (X2 =< W)-[], (0 =< Y1)-[], (Y2 
 stretch_constraints(W, D, Core, stretch(Name,Links,Blocks)) -->
     { room_behind(Name, W, D, Core, Room), length_of(passage, P) },
     stand_within(Links, Room),
-    chain_constraints(P, Blocks).
+    chain_constraints(Blocks, P).
 
 room_behind(front_left,  _, _, core(_,_,Y1,_), Y1).
 room_behind(front_right, _, _, core(_,_,Y1,_), Y1).
@@ -259,8 +261,11 @@ stand_within([link(_,_,_,_,Out,_,Why)|Links], Room) --> [(Out =< Room)-Why], sta
 
 island_constraints(Islands) -->
     { Islands = islands(_,List), length_of(passage, P), island_chains(Islands, Chains) },
-    each(chain_constraints(P), Chains),
-    each(seat_constraints, List).
+    chains_constraints(Chains, P),
+    each(List, seat_constraints).
+
+chains_constraints([], _)              --> [].
+chains_constraints([Chain|Chains], P)  --> chain_constraints(Chain, P), chains_constraints(Chains, P).
 
 %   A row is one chain the one way, and each of its islands a chain of its own the other way.
 

@@ -1,22 +1,34 @@
-% Drawing from a solved store: with given random numbers the places are given.
+% Drawing numbers: with a given state the numbers are given.
 :- use_module('../../logic/rules/draw').
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
 
-:- begin_tests(draw).
+:- begin_tests(draw, [cleanup(grid(real))]).
 
 near(X, Y) :- abs(X - Y) < 1.0e-9.
 
-test(uniform_lies_in_its_share, X =:= 3.0) :- {X >= 2, X =< 4}, phrase(uniform(X), [0.5], []).
-test(a_box_that_fits_takes_one_number, Rest == [0.9]) :-
-    {X >= 0, X =< 10}, phrase(uniform(X, 0, 10), [0.25,0.9], Rest), near(X, 2.5).
-test(a_box_too_wide_takes_two, Rest == []) :-
-    {X >= 0, X =< 1}, phrase(uniform(X, 0, 10), [0.5,0.25], Rest), near(X, 0.75).
-test(a_fixed_number_takes_none, Rest == [0.5]) :- {X = 1}, phrase(uniform(X), [0.5], Rest).
-test(one_gap_behind_is_uniform) :- {X >= 0, X =< 1}, phrase(start(X, 1), [0.25], []), near(X, 0.75).
-test(three_gaps_behind) :- {X >= 0, X =< 1}, phrase(start(X, 3), [0.125], []), near(X, 0.5).
-test(no_gap_behind_is_the_end) :- {X >= 1, X =< 1}, phrase(start(X, 0), [0.3], _), near(X, 1.0).
-test(ends) :- {A >= 0.5, B =< 2}, lowest(A), highest(B), near(A, 0.5), near(B, 2.0).
+grid(Kind) :- retractall(draw:lattice(_)), assertz(draw:lattice(Kind)).
+
+drawn(Goal, State) :- call(Goal, State, _).
+
+test(numbers_lie_between_0_and_1, true(( Least >= 0.0, Most < 1.0 ))) :-
+    numbers(1000, 7, Us), min_list(Us, Least), max_list(Us, Most).
+test(their_mean_is_a_half, true(abs(Mean - 0.5) < 0.03)) :-
+    numbers(1000, 7, Us), sum_list(Us, Sum), Mean is Sum/1000.
+test(a_stream_depends_on_its_seed_alone, true(( A == B, A \== C ))) :-
+    numbers(5, 1, A), numbers(5, 1, B), numbers(5, 2, C).
+test(uniform_lies_in_its_projection, true(( X >= 2, X =< 4 ))) :- {X >= 2, X =< 4}, drawn(uniform(X), 99).
+test(a_known_number_takes_none, State == 99) :- {X = 1}, call(uniform(X), 99, State).
+test(one_gap_is_uniform) :- random(U, 5, _), drawn(between_ends(0, 2, 1, X), 5), near(X, 2*U).
+test(of_three_gaps_the_first_is_least) :- random(U, 5, _), drawn(between_ends(0, 1, 3, X), 5), near(X, 1 - (1-U)**(1/3)).
+test(ends_that_meet_are_a_point) :- drawn(between_ends(1, 1.0000000001, 1, X), 5), near(X, 1.00000000005).
+test(on_a_grid_numbers_are_whole, Found == [1,2,3]) :-
+    grid(whole),
+    findall(X, ( between(1, 100, Seed), drawn(between_ends(0.5, 3.2, 1, X), Seed) ), Xs),
+    sort(Xs, Found).
+
+numbers(0, _, []) :- !.
+numbers(N, State0, [U|Us]) :- random(U, State0, State), N1 is N-1, numbers(N1, State, Us).
 
 :- end_tests(draw).

@@ -10,3 +10,4 @@ room_size(cell, W, 3.0) :- { W >= 3.0, W =< 4.0 }.
 piece_size(crate, 1.0, 0.5, _).
 piece_size(beam,  L, 0.5, Wall) :- { L = Wall }.
 piece_size(block, 1.0, 2.7, _).
+piece_size(stool, 0.4, 0.4, _).
