@@ -5,6 +5,7 @@ Torch, Taichi and the solvers are imported inside the commands that need them, s
 
 import json
 import os
+import re
 import sys
 import traceback
 from collections.abc import Iterator
@@ -32,7 +33,13 @@ class Generate:
     """Number of secondary rooms, 1 to 128."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
-    """Exact number of rooms of a type, as in bedroom=2. Repeat for several types."""
+    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
 
     grammar: str = "family"
     """A shipped grammar's name, or a directory of rules."""
@@ -66,7 +73,9 @@ class Generate:
         houses: list[House] = []
         request = generate(
             rooms=self.rooms,
-            types=_counts(self.type),
+            types=_counts("--type", self.type),
+            furniture=_counts("--piece", self.piece),
+            cell=self.cell,
             grammar=self.grammar,
             seed=self.seed,
             count=self.count,
@@ -89,6 +98,53 @@ class Generate:
             save(houses, self.out)
             _say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
         return 0
+
+
+@dataclass(frozen=True)
+class Explain:
+    """Tell why no house satisfies a request: what clashes, and where it stands."""
+
+    rooms: int
+    """Number of secondary rooms, 1 to 128."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres; 0 for none."""
+
+    grammar: str = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seconds: float = 60.0
+    """Most seconds."""
+
+    json: bool = False
+    """Print the reasons as JSON."""
+
+    def run(self) -> int:
+        """Print the reasons; 1 where there is a house after all."""
+        from logic import Unsatisfiable, generate
+        from logic.errors import to_record
+
+        houses = generate(
+            rooms=self.rooms,
+            types=_counts("--type", self.type),
+            furniture=_counts("--piece", self.piece),
+            cell=self.cell,
+            grammar=self.grammar,
+            seconds=self.seconds,
+        )
+        try:
+            next(houses)
+        except Unsatisfiable as proof:
+            print(json.dumps(to_record(proof)) if self.json else proof)
+            return 0
+        print(json.dumps({"satisfiable": True}) if self.json else "There are such houses: vitruvius generate")
+        return 1
 
 
 @dataclass(frozen=True)
@@ -144,6 +200,7 @@ class Draw:
 
 COMMANDS: dict[str, Any] = {
     "generate": Generate,
+    "explain": Explain,
     "check": Check,
     "draw": Draw,
     "train": Train,
@@ -190,14 +247,16 @@ def _exit_code(arguments: list[str] | None) -> int:
         return 70
 
 
-def _counts(types: tuple[str, ...]) -> dict[str, int]:
-    """``("bedroom=2",)`` as ``{"bedroom": 2}``."""
+def _counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
+    """``("bedroom=2", "hall=..1")`` as ``{"bedroom": 2, "hall": (0, 1)}``."""
+    from logic.request import from_option
+
     counts = {}
-    for text in types:
+    for text in texts:
         name, _, number = text.partition("=")
-        if not name or not number.isdecimal() or name in counts:
-            raise RequestError(f"--type {text}: give each type once, as in --type bedroom=2")
-        counts[name] = int(number)
+        if not name or not re.fullmatch(r"\d+|\d*\.\.\d*", number) or name in counts:
+            raise RequestError(f"{option} {text}: give each name once, as in {option} bed=2 or bed=1..3")
+        counts[name] = from_option(number)
     return counts
 
 

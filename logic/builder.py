@@ -1,8 +1,9 @@
 """From a request to a house: the two stages, and what goes between them."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
 from importlib.metadata import version
 from math import ceil, floor
 from typing import Any
@@ -13,32 +14,24 @@ import numpy as np
 from clingo import Function, Number, Symbol
 
 from logic.audit import audit
-from logic.errors import GrammarError, LimitReached, RequestError, Unsatisfiable
+from logic.errors import GrammarError, LimitReached
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
 from logic.layout import Program
 from logic.messages import placed_error
 from logic.placement import Layout, Placer, Refuted, RoomLayout
-
-
-@dataclass(frozen=True)
-class Request:
-    """What a house must have: its number of secondary rooms, and exact counts of room types."""
-
-    rooms: int
-    types: Mapping[str, int] = field(default_factory=dict)
-
-    def __str__(self) -> str:
-        """In words, as in ``3 rooms, 2 of type bedroom``."""
-        rooms = f"{self.rooms} room{'s' if self.rooms != 1 else ''}"
-        return ", ".join([rooms, *(f"{count} of type {type_}" for type_, count in self.types.items())])
+from logic.proof import Prover, wishes_for
+from logic.request import Request, known
 
 
 class Builder:
     """Makes houses of one grammar; it grounds each program once and keeps it."""
 
-    def __init__(self, grammar: Grammar) -> None:
-        """Load the grammar's files; raises ``GrammarError`` for the first thing wrong with them."""
+    def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
+        """Load the grammar's files; raises ``GrammarError`` for the first thing wrong with them.
+
+        ``cell`` is the side of a grid's cell in metres, 0 for none.
+        """
         self._grammar = grammar
         audit(grammar.asp)
         probe = Program(grammar.asp, {"rooms": 1}, [("house", [])])
@@ -47,13 +40,13 @@ class Builder:
             raise GrammarError(f"{symbol.arguments[0]}: {symbol.arguments[1].string}", grammar.directory)
         if not self.types:
             raise GrammarError("no room type: state type/1 in a .lp file", grammar.directory)
-        self._placer = Placer(grammar)
-        self._furnishing = self._furnishing_programs(probe)
-        programs = [probe, *self._furnishing.values()]
+        self._placer = Placer(grammar, cell)
+        self._pieces = self._furniture(probe)
+        self._lengths = self._lengths_by_type()
+        programs = [probe, *(self._furnishing(type_) for type_ in self.types)]
         self._unknown_atoms = set.intersection(*(set(program.remarks) for program in programs))
         for program in programs:
             self._refuse_remarks(program)
-        self._housing: dict[tuple[int, tuple[tuple[str, int], ...]], Program] = {}
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -67,6 +60,7 @@ class Builder:
         such house, ``LimitReached`` past so many Prolog inferences.
         """
         rng = np.random.default_rng([seed, index])
+        self._require_known(request)
         with Refutations() as refuted:
             layout = self.layout(request, rng, refuted)
             while True:
@@ -78,8 +72,9 @@ class Builder:
                     if inferences <= 0:
                         raise LimitReached(f"house {index} reached its limit of inferences") from None
                     for number, clash in proof.clashes.items():
-                        refuted.add(self._furnishing[layout.rooms[number].type.name], clash.atoms)
-                    again = self._refurnished(layout, proof.clashes, rng, refuted)
+                        program, _ = self._furnishing_for(layout.rooms[number].type.name, request)
+                        refuted.add(program, clash.atoms)
+                    again = self._refurnished(request, layout, proof.clashes, rng, refuted)
                     layout = again or self.layout(request, rng, refuted)
 
     def layout(
@@ -89,19 +84,24 @@ class Builder:
         refuted = refuted or Refutations()
         while True:
             bare = self._draw_rooms(request, rng, refuted)
-            furnished = self._refurnished(bare, range(request.rooms), rng, refuted)
+            furnished = self._refurnished(request, bare, range(request.rooms), rng, refuted)
             if furnished is not None:
                 return furnished
 
     def _refurnished(
-        self, layout: Layout, numbers: Iterable[int], rng: np.random.Generator, refuted: "Refutations"
+        self,
+        request: Request,
+        layout: Layout,
+        numbers: Iterable[int],
+        rng: np.random.Generator,
+        refuted: "Refutations",
     ) -> Layout | None:
         """The layout with new furniture in these rooms; None, learnt, where a type of room can have none."""
         rooms = list(layout.rooms)
         for number in numbers:
             type_ = rooms[number].type.name
-            program = self._furnishing[type_]
-            furniture = program.draw(rng, guard=refuted.guards.get(program))
+            program, wishes = self._furnishing_for(type_, request)
+            furniture = program.draw(rng, wishes, guard=refuted.guards.get(program))
             if furniture is None:
                 refuted.unfurnishable.add(type_)
                 return None
@@ -116,77 +116,83 @@ class Builder:
 
     def _draw_rooms(self, request: Request, rng: np.random.Generator, refuted: "Refutations") -> Layout:
         """A layout without furniture, and without the types of room that cannot have any."""
-        program, wishes = self._housing_program(request)
-        atoms = program.draw(rng, wishes, _rooms_of(refuted.unfurnishable, request))
+        wishes = wishes_for("among", request.types)
+        program = self._housing(request.rooms, tuple(wishes.values()))
+        atoms = program.draw(rng, map(_granted, wishes.values()), _rooms_of(refuted.unfurnishable, request))
         if atoms is None:
-            raise self._unsatisfiable(request, program, wishes, refuted)
+            prover = Prover(self._grammar, self._placer, self._lengths)
+            raise prover.unsatisfiable(request, refuted.unfurnishable)
         types = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "room"}
         sides = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "side"}
         rooms = [RoomLayout(number, types[number], sides[number], ()) for number in sorted(types)]
         return Layout(rooms, [atom for atom in atoms if atom.name == "corner"])
 
-    def _housing_program(self, request: Request) -> tuple[Program, list[Symbol]]:
-        wishes = tuple(sorted(request.types.items()))
-        for type_, _ in wishes:
-            if type_ not in self.types:
-                known = ", ".join(self.types)
-                raise RequestError(f"{self._grammar.name} has no room type {type_}: it has {known}")
-        terms = [[Function(type_), Number(count)] for type_, count in wishes]
-        if (request.rooms, wishes) not in self._housing:
-            parts = [("house", []), *(("wish", term) for term in terms)]
-            program = Program(self._grammar.asp, {"rooms": request.rooms}, parts)
-            self._refuse_remarks(program)
-            self._housing[request.rooms, wishes] = program
-        granted = [Function("granted", [Function("wish", term)]) for term in terms]
-        return self._housing[request.rooms, wishes], granted
+    def _require_known(self, request: Request) -> None:
+        """Refuse names of types and pieces that the grammar does not have."""
+        for type_ in request.types:
+            known("room type", type_, self.types)
+        for name in request.furniture:
+            type_, _, piece = name.rpartition(".")
+            if type_:
+                known("room type", type_, self.types)
+            pieces = [self._pieces[type_]] if type_ else self._pieces.values()
+            known("piece", piece, {each for room in pieces for each in room})
 
-    def _unsatisfiable(
-        self, request: Request, program: Program, wishes: Sequence[Symbol], refuted: "Refutations"
-    ) -> Unsatisfiable:
-        """The proof in words: the least part of what is wished and of what is refuted that clashes."""
-        bare = _minimal(
-            sorted(refuted.unfurnishable), lambda types: program.possible(wishes, _rooms_of(types, request))
-        )
-        clash = _minimal(wishes, lambda some: program.possible(some, _rooms_of(bare, request)))
-        counts = [atom.arguments[0].arguments for atom in clash]
-        wanted = " and ".join(f"{count} of type {type_}" for type_, count in counts) or "every house"
-        why = f"its rules exclude {wanted} among {request.rooms} rooms"
-        advice = "Ask for other counts or more rooms" if counts else "Change its .lp files"
-        if bare:
-            why += f" where none is of type {' or '.join(bare)}, which cannot be furnished"
-            advice = "Change their sizes and clearances, or their furniture"
-        return Unsatisfiable(
-            f"no house of {self._grammar.name} has {request}: {why}. {advice}",
-            (
-                f"rooms={request.rooms}",
-                *(f"types {type_}={count}" for type_, count in counts),
-                *(f"no room of type {type_} can be furnished" for type_ in bare),
-            ),
-        )
+    @cache  # noqa: B019 (a builder lives as long as its process)
+    def _housing(self, rooms: int, wishes: tuple[Symbol, ...]) -> Program:
+        """The program of a house's rooms, with these wishes to be granted."""
+        parts = [("house", []), *((wish.name, wish.arguments) for wish in wishes)]
+        program = Program(self._grammar.asp, {"rooms": rooms}, parts)
+        self._refuse_remarks(program)
+        return program
 
-    def _furnishing_programs(self, probe: Program) -> dict[str, Program]:
-        """For each type the program that furnishes a room, with the extremes of its lengths as facts."""
+    def _furnishing_for(self, type_: str, request: Request) -> tuple[Program, list[Symbol]]:
+        """The program that furnishes a room of this type, and what is to be granted in it."""
+        wants = {name: n for name, n in request.wants(type_).items() if name in self._pieces[type_]}
+        wishes = tuple(wishes_for("has", wants).values())
+        return self._furnishing(type_, wishes), [_granted(wish) for wish in wishes]
+
+    @cache  # noqa: B019
+    def _furnishing(self, type_: str, wishes: tuple[Symbol, ...] = ()) -> Program:
+        """The program of a room's furniture, with the extremes of its lengths as facts."""
+        facts = [(fact.name, fact.arguments) for fact, _ in self._lengths[type_]]
+        parts = [("room", []), *facts, *((wish.name, wish.arguments) for wish in wishes)]
+        return Program(self._grammar.asp, {"this_room": type_}, parts)
+
+    def _furniture(self, probe: Program) -> dict[str, list[str]]:
+        """The pieces that a room of each type may have."""
         furniture: dict[str, list[str]] = {type_: [] for type_ in self.types}
         for symbol in probe.atoms("may", 4):
             furniture[_name(symbol.arguments[0])].append(_name(symbol.arguments[1]))
+        self._companions: dict[str, list[str]] = {}
         for symbol in [*probe.atoms("beside", 4), *probe.atoms("around", 4)]:
             piece, companion = map(_name, symbol.arguments[:2])
-            for pieces in furniture.values():
-                if piece in pieces and companion not in pieces:
-                    pieces.append(companion)
-        lengths = self._placer.lengths(furniture)
+            self._companions.setdefault(piece, []).append(companion)
+        return furniture
+
+    def _lengths_by_type(self) -> dict[str, list[tuple[Symbol, Symbol]]]:
+        """For each room type what stage 1 knows of lengths, each fact with the clause that it comes from."""
+        sized = {
+            type_: list(dict.fromkeys([*pieces, *(c for p in pieces for c in self._companions.get(p, ()))]))
+            for type_, pieces in self._pieces.items()
+        }
+        lengths = self._placer.lengths(sized)
         named = [
-            ("length", [Function(name), Number(floor(1000 * m))]) for name, m in lengths["lengths"].items()
+            (
+                Function("length", [Function(name), Number(floor(1000 * m))]),
+                Function("length", [Function(name)]),
+            )
+            for name, m in lengths["lengths"].items()
         ]
-        programs = {}
+        facts = {}
         for type_ in self.types:
-            reach = ("reach", [Function(type_), *_millimetres(lengths["rooms"][type_])])
-            extents = [
-                ("extent", [Function(f), *_millimetres(x)]) for f, x in lengths["pieces"][type_].items()
-            ]
-            parts = [("room", []), *named, reach, *extents]
-            programs[type_] = Program(self._grammar.asp, {"this_room": type_}, parts)
-        return programs
+            kind = Function(type_)
+            reach = Function("reach", [kind, *_millimetres(lengths["rooms"][type_])])
+            facts[type_] = [*named, (reach, Function("size", [kind]))]
+            for piece, extremes in lengths["pieces"][type_].items():
+                extent = Function("extent", [Function(piece), *_millimetres(extremes)])
+                facts[type_].append((extent, Function("size", [kind, Function(piece)])))
+        return facts
 
     def _refuse_remarks(self, program: Program) -> None:
         """What clingo only remarks on, and passes over, is an error where it is in the grammar's files.
@@ -204,7 +210,7 @@ class Builder:
         provenance = Provenance(
             grammar=self._grammar.name,
             grammar_hash=self._grammar.hash,
-            request={"rooms": request.rooms, "types": dict(request.types)},
+            request=request.to_dict(),
             seed=seed,
             index=index,
             versions=self.versions,
@@ -239,14 +245,8 @@ class Refutations:
             program.forget(guard)
 
 
-def _minimal(parts: Sequence[Any], possible: Callable[[Sequence[Any]], bool]) -> list[Any]:
-    """Parts that are together impossible, and possible with any one of them taken away."""
-    kept = list(parts)
-    for part in parts:
-        fewer = [other for other in kept if other is not part]
-        if not possible(fewer):
-            kept = fewer
-    return kept
+def _granted(wish: Symbol) -> Symbol:
+    return Function("granted", [wish])
 
 
 def _rooms_of(types: Iterable[str], request: Request) -> list[Symbol]:

@@ -14,6 +14,8 @@
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 
 class VitruviusError(Exception):
     """Any error that a user can act on: its text says what, where and what next."""
@@ -47,15 +49,35 @@ class HouseFileError(VitruviusError):
     exit_code = 5
 
 
+class Reason(msgspec.Struct, frozen=True):
+    """A statement of the user's: a rule, a fact or a clause with its place, or a choice without one."""
+
+    text: str
+    file: str | None = None
+    line: int | None = None
+    column: int | None = None
+
+    def __str__(self) -> str:
+        """As in ``rooms.lp:8:1: :- rooms >= 3, basic(T), not room(_,T).``."""
+        return f"{self.file}:{self.line}:{self.column}: {self.text}" if self.file else self.text
+
+
 class Unsatisfiable(VitruviusError):
-    """Proved: no house satisfies the request. ``reasons`` are the user's choices that clash."""
+    """Proved: no house satisfies the request.
+
+    ``reasons`` are a least set of the user's own statements and choices that clash: take one away and the
+    others do not (but more may clash than this). ``advice`` says what would do, if known.
+    """
 
     exit_code = 3
 
-    def __init__(self, message: str, reasons: tuple[str, ...] = ()) -> None:
-        """Keep the minimal set of clashing choices, each in the user's words."""
-        super().__init__(message)
-        self.reasons = reasons
+    def __init__(self, grammar: str, request: str, reasons: tuple[Reason, ...], advice: str = "") -> None:
+        """Keep what clashes."""
+        self.grammar, self.request, self.reasons, self.advice = grammar, request, reasons, advice
+        listed = "".join(f"\n  {reason}" for reason in reasons)
+        only = "this forbids it" if len(reasons) == 1 else "these clash, so one of them must go"
+        hint = f"\n{advice}" if advice else ""
+        super().__init__(f"no house of {grammar} has {request}: {only}{listed}{hint}")
 
 
 class LimitReached(VitruviusError):
@@ -77,7 +99,9 @@ def to_record(error: VitruviusError) -> dict[str, Any]:
         file = str(error.file) if error.file else None
         record |= {"message": error.message, "file": file, "line": error.line, "column": error.column}
     if isinstance(error, Unsatisfiable):
-        record["reasons"] = error.reasons
+        reasons = msgspec.to_builtins(error.reasons)
+        record |= {"grammar": error.grammar, "request": error.request, "reasons": reasons}
+        record["advice"] = error.advice
     return record
 
 
@@ -87,5 +111,6 @@ def from_record(record: dict[str, Any]) -> VitruviusError:
     if kind is GrammarError:
         return GrammarError(record["message"], record["file"], record["line"], record["column"])
     if kind is Unsatisfiable:
-        return Unsatisfiable(record["message"], tuple(record["reasons"]))
+        reasons = msgspec.convert(record["reasons"], tuple[Reason, ...])
+        return Unsatisfiable(record["grammar"], record["request"], reasons, record["advice"])
     return kind(record["message"])

@@ -15,8 +15,11 @@ from typing import Any
 from logic.errors import GrammarError, LimitReached, RequestError, VitruviusError, from_record
 from logic.grammar import find
 from logic.house import House
+from logic.request import Count, Request
 
 MOST_ROOMS = 128
+BODY = 0.287
+"""Metres: the width of the body that walks in the houses, and the least cell of a grid."""
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
 
@@ -27,7 +30,9 @@ ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 def generate(
     rooms: int,
     *,
-    types: Mapping[str, int] | None = None,
+    types: Mapping[str, Count] | None = None,
+    furniture: Mapping[str, Count] | None = None,
+    cell: float = 0.0,
     grammar: str | Path = "family",
     seed: int = 0,
     count: int = 1,
@@ -38,7 +43,11 @@ def generate(
 ) -> Iterator[House]:
     """Generate houses ``start`` to ``start + count - 1`` of a request, one by one, in order.
 
-    ``rooms`` is the number of secondary rooms (1 to 128) and ``types`` the exact counts of some room types.
+    ``rooms`` is the number of secondary rooms (1 to 128). ``types`` counts the rooms of some types, exactly
+    or from a least to a greatest number, None for no bound: ``{"bedroom": 2, "bathroom": (1, None)}``.
+    ``furniture`` counts in the same way the pieces in each room that may have them, or in rooms of one type:
+    ``{"bed": 1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the body's 0.287) every edge
+    of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
     ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
     request, the seed and ``i``: the number of ``workers``, each a process of its own, changes nothing but the
     time. ``inferences`` (of Prolog) and ``seconds`` bound each house.
@@ -46,10 +55,9 @@ def generate(
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
-    request = {"rooms": rooms, "types": dict(types or {}), "seed": seed, "inferences": inferences}
     for counts, least in (
         ({"rooms": rooms, "count": count, "workers": workers, "inferences": inferences}, 1),
-        ({"seed": seed, "start": start} | {f"type {type_}": n for type_, n in request["types"].items()}, 0),
+        ({"seed": seed, "start": start}, 0),
     ):
         for name, value in counts.items():
             if type(value) is not int or not least <= value < 2**31:
@@ -58,19 +66,24 @@ def generate(
         raise RequestError(f"rooms must be at most {MOST_ROOMS}, not {rooms}")
     if not 0 < seconds < 1e6:
         raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
-    return _houses(str(find(grammar).directory), request, range(start, start + count), workers, seconds)
+    if cell and not BODY <= cell <= 2:
+        raise RequestError(f"cell must be {BODY} m (the body's width) to 2 m, not {cell!r}")
+    wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}, "cell": cell})
+    question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
+    opening = {"grammar": str(find(grammar).directory), "cell": float(cell)}
+    return _houses(opening, question, range(start, start + count), workers, seconds)
 
 
 def _houses(
-    grammar: str, request: dict[str, Any], indices: range, workers: int, seconds: float
+    opening: dict[str, Any], request: dict[str, Any], indices: range, workers: int, seconds: float
 ) -> Iterator[House]:
     """Deal the indices out in turn, so that answers come back in the order in which they are asked for."""
-    team = [_Worker(grammar) for _ in range(min(workers, len(indices)))]
+    team = [_Worker(opening) for _ in range(min(workers, len(indices)))]
     try:
         for worker in team:
             worker.answer(
                 START_UP,
-                f"{grammar}: loading took {START_UP:g} s: do its rules recur, or ground, without end?",
+                f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
             )
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})
@@ -90,8 +103,8 @@ def _houses(
 class _Worker:
     """A solver process and the two ends of its pipes."""
 
-    def __init__(self, grammar: str) -> None:
-        self._grammar = grammar
+    def __init__(self, opening: dict[str, Any]) -> None:
+        self._grammar = opening["grammar"]
         # A session of its own: Ctrl-C goes to the parent alone, which then ends the worker.
         self._process = subprocess.Popen(
             [sys.executable, "-m", "logic.worker"],
@@ -105,7 +118,7 @@ class _Worker:
         os.set_blocking(self._process.stdout.fileno(), False)
         self._answers.register(self._process.stdout, selectors.EVENT_READ)
         self._received = b""
-        self.ask({"grammar": grammar})
+        self.ask(opening)
 
     def ask(self, question: dict[str, Any]) -> None:
         """Send a request; that the process is gone shows in its answer."""

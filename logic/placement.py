@@ -63,8 +63,8 @@ class Refuted(Exception):
 class Placer:
     """The Prolog engine of this process with one grammar's lengths."""
 
-    def __init__(self, grammar: Grammar) -> None:
-        """Load the core and the grammar's ``.pl`` files.
+    def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
+        """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
 
         Raises ``GrammarError`` for whatever SWI-Prolog remarks on them, ``MissingProgram`` without it.
         """
@@ -78,6 +78,7 @@ class Placer:
         files = ",".join(_quoted(file) for file in grammar.prolog)
         for file, line, column, text in self._json(f"grammar_problems([{files}],Json)"):
             raise GrammarError(text, file or grammar.directory, line, column)
+        self._ask(f"set_cell({cell})")
 
     def lengths(self, furniture: Mapping[str, Iterable[str]]) -> dict[str, Any]:
         """The named lengths, and the extremes of each room type and its pieces, in metres.
@@ -124,6 +125,16 @@ class Placer:
         if "refuted" in answer:
             raise Refuted({room: _clash(why) for room, why in answer["refuted"]}, answer["inferences"])
         return answer
+
+    def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
+        """File and line of clauses, named as in ``Clash``; those that the grammar states."""
+        found = self._json(f"grammar_origins({_list(clauses)},Json)")
+        return {parse_term(clause): (file, line) for clause, file, line in found}
+
+    def clash(self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]) -> Clash | None:
+        """A least clash of a room with this furniture, some clauses left out; None if it has places."""
+        told = self._json(f"room_clash({type_},{_list(furniture)},{_list(without)},Json)")
+        return None if told is None else _clash(told)
 
     def version(self) -> str:
         """SWI-Prolog's version, as in 9.0.4."""

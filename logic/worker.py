@@ -31,14 +31,15 @@ def main() -> None:
         request = json.loads(requests.get())
         try:
             # Imported here: that a solver is missing is an answer too.
-            from logic.builder import Builder, Request
+            from logic.builder import Builder
             from logic.grammar import find
+            from logic.request import Request
 
             if builder is None:
-                builder = Builder(find(request["grammar"]))
+                builder = Builder(find(request["grammar"]), request["cell"])
                 answer = {"versions": builder.versions}
             else:
-                wanted = Request(request["rooms"], request["types"])
+                wanted = Request.read(request["request"])
                 house = builder.house(wanted, request["seed"], request["index"], request["inferences"])
                 answer = {"house": house.to_dict()}
         except VitruviusError as error:

@@ -1,4 +1,5 @@
-:- module(core, [grammar_problems/2, grammar_lengths/3, set_cell/1, placed/3, room_system/3]).
+:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, set_cell/1, placed/3, room_clash/4,
+                 room_system/3]).
 
 /** <module> Stage 2: from a layout to a house
 
@@ -19,6 +20,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(library(lists)).
 :- use_module(grammar, except([room_system/4])).
 :- use_module(main_room).
+:- use_module(origins).
 :- use_module(plan).
 :- use_module(furnish).
 
@@ -100,6 +102,25 @@ reason(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
 reason(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
 reason(Clause, [clause,Text])       :- functor(Clause, size, _), !, term_string(Clause, Text).
 reason(Atom, [holds,Text])          :- term_string(Atom, Text).
+
+%!  grammar_origins(+Clauses, -Json) is det.
+%
+%   Json lists [Clause,File,Line], see origins.pl.
+
+grammar_origins(Clauses, Json) :-
+    origins(Clauses, Origins),
+    as_json(Origins, Json).
+
+%!  room_clash(+Type, +Layout, +Without, -Json) is det.
+%
+%   Json is a least clash, as in placed/3, of a room with this furniture where the clauses Without are left out; or null
+%   where there is none.
+
+room_clash(Type, Layout, Without, Json) :-
+    (   least_clash(Type, Layout, Without, Reasons)
+    ->  maplist(reason, Reasons, Told)
+    ;   Told = null ),
+    as_json(Told, Json).
 
 %!  room_system(+Type, +Layout, -Json) is det.
 %

@@ -1,4 +1,4 @@
-:- module(furnish, [furnished//4, linear_system/3]).
+:- module(furnish, [furnished//4, least_clash/4, linear_system/3]).
 
 /** <module> Sizes and places for a room's furniture: a random solution, or why there is none
 
@@ -183,14 +183,36 @@ because(Clash, clash(Reasons)) :-
 clash(least, All, Clash) :- clash(All, Clash).
 clash(quick, All, Clash) :- clash_among(All, Clash).
 
+%!  least_clash(+Type, +Layout, +Without, -Reasons) is semidet.
+%
+%   Reasons are a least clash of a room with this furniture, where the clauses Without are left out.
+
+least_clash(Type, Layout, Without, Reasons) :-
+    whole_system(Type, Layout, Items, System),
+    exclude(resting_on(Without), System, Rest),
+    phrase(positive(Items), Positive),
+    append(Positive, Rest, All),
+    clash(All, Clash),
+    because(Clash, clash(Reasons)).
+
+%   A size without its clause is still a size.
+
+positive([])                       --> [].
+positive([_-item(_,L,D,_)|Items])  --> [(0 =< L)-[], (0 =< D)-[]], positive(Items).
+
+resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !.
+
+whole_system(Type, Layout, Items, System) :-
+    room(Type, Layout, Room),
+    Room = room(_,W,D,_,_,_,_),
+    phrase(room_constraints(Room), Constraints),
+    room_items(Room, Items),
+    system(Type, W, D, Items, Constraints, System).
+
 %!  linear_system(+Type, +Layout, -Rows) is det.
 %
 %   The whole linear system of a room, as rows of numbers (linear.pl): what another solver is compared with.
 
 linear_system(Type, Layout, Rows) :-
-    room(Type, Layout, Room),
-    Room = room(_,W,D,_,_,_,_),
-    phrase(room_constraints(Room), Constraints),
-    room_items(Room, Items),
-    system(Type, W, D, Items, Constraints, All),
-    rows(All, Rows).
+    whole_system(Type, Layout, _, System),
+    rows(System, Rows).

@@ -1,0 +1,166 @@
+# clingo.ast leaves the attributes of its nodes untyped.
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
+"""Why there is no house: a least set of the user's own statements and choices that clash.
+
+Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
+is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
+adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
+something. The lengths of the ``.pl`` files enter in the same way, in both stages.
+"""
+
+import functools
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import clingo
+from clingo import Function, Number, Symbol, ast
+
+from logic.errors import Reason
+from logic.layout import CORE, Part
+from logic.placement import Clash
+
+BEGIN = ast.Position("<explanation>", 1, 1)
+HERE = ast.Location(BEGIN, BEGIN)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One thing that may be left out: what the user reads, and the literals that stand for it."""
+
+    reason: Reason
+    literals: tuple[int, ...]
+    clause: Symbol | None = None
+    """Of a ``.pl`` file: see ``logic.placement.Clash``."""
+
+
+class Relaxed:
+    """A ground program in which each statement of the user's can be left out."""
+
+    def __init__(
+        self,
+        files: Sequence[Path],
+        constants: dict[str, Any],
+        parts: Iterable[Part],
+        lengths: Iterable[tuple[Symbol, Symbol, Reason]] = (),
+    ) -> None:
+        """Ground these parts of the core and the files.
+
+        ``lengths`` are facts for stage 1, with the clause that each comes from and where that stands.
+        """
+        self._control = clingo.Control(
+            [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
+        )
+        self._control.load(str(CORE))
+        found: list[tuple[Reason, Symbol | None]] = []
+        with ast.ProgramBuilder(self._control) as builder:
+            for rule in _conditional(files, found):
+                builder.add(rule)
+            builder.add(ast.Program(HERE, "base", []))
+            numbers: dict[Symbol, int] = {}
+            for fact, clause, reason in lengths:
+                if clause not in numbers:
+                    numbers[clause] = len(found)
+                    found.append((reason, clause))
+                builder.add(ast.Rule(HERE, _literal(_atom(fact)), [_literal(_stated(numbers[clause]))]))
+            for number in range(len(found)):
+                free = ast.ConditionalLiteral(HERE, _literal(_stated(number)), [])
+                builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
+        self._control.ground([("base", []), *parts, ("pick", [])])
+        self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
+        self.statements = [
+            Statement(reason, (self._literal_of[Function("stated", [Number(number)])],), clause)
+            for number, (reason, clause) in enumerate(found)
+        ]
+
+    def choice(self, reason: Reason, holds: Iterable[Symbol] = (), fails: Iterable[Symbol] = ()) -> Statement:
+        """A choice of the request's: that some atoms hold, and others do not."""
+        literals = [self._literal_of[atom] for atom in holds]
+        literals += [-self._literal_of[atom] for atom in fails if atom in self._literal_of]
+        return Statement(reason, tuple(literals))
+
+    def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
+        """The shown atoms of a layout under these statements; None if there is none."""
+        with self._control.solve(assumptions=_assumed(statements), yield_=True) as handle:
+            model = handle.model()
+            return None if model is None else sorted(model.symbols(shown=True))
+
+    def core(self, statements: Sequence[Statement]) -> list[Statement]:
+        """Some of these statements, which have no layout, that have none by themselves."""
+        core: set[int] = set()
+        self._control.solve(assumptions=_assumed(statements), on_core=core.update)
+        return [statement for statement in statements if core.intersection(statement.literals)]
+
+    def refute(self, clash: Clash) -> None:
+        """Exclude what clashes, as long as its clauses are stated."""
+        clauses = [
+            statement.literals[0] for statement in self.statements if statement.clause in clash.clauses
+        ]
+        atoms = [
+            self._literal_of[atom] if holds else -self._literal_of[atom]
+            for atom, holds in clash.atoms.items()
+            if atom in self._literal_of
+        ]
+        with self._control.backend() as backend:
+            backend.add_rule([], clauses + atoms)
+
+
+def least(
+    statements: Sequence[Statement],
+    possible: Callable[[Sequence[Statement]], bool],
+    core: Callable[[Sequence[Statement]], list[Statement]],
+) -> list[Statement]:
+    """Statements that are impossible together, and possible with any one of them left out."""
+    kept = core(statements)
+    # A rule is more readily left out than the facts above it, which it may stand in for.
+    for statement in reversed(list(kept)):
+        if statement in kept:
+            fewer = [other for other in kept if other is not statement]
+            if not possible(fewer):
+                kept = core(fewer)
+    return kept
+
+
+def _assumed(statements: Iterable[Statement]) -> list[int]:
+    return [literal for statement in statements for literal in statement.literals]
+
+
+def _conditional(files: Sequence[Path], found: list[tuple[Reason, Symbol | None]]) -> list[ast.AST]:
+    """The files' statements, each rule with its condition; ``found`` gets a reason for each."""
+    rules = [ast.Program(HERE, "base", [])]
+    lines = functools.cache(lambda file: Path(file).read_text(encoding="utf-8").split("\n"))
+
+    def take(statement: ast.AST) -> None:
+        if statement.ast_type == ast.ASTType.Rule:
+            begin, end = statement.location.begin, statement.location.end
+            text = _excerpt(lines(begin.filename), begin.line, begin.column, end.line, end.column)
+            condition = _literal(_stated(len(found)))
+            found.append((Reason(text, begin.filename, begin.line, begin.column), None))
+            statement = statement.update(body=[*statement.body, condition])
+        rules.append(statement)
+
+    for file in files:
+        ast.parse_files([str(file)], take)
+    return rules
+
+
+def _excerpt(lines: list[str], line: int, column: int, last_line: int, last_column: int) -> str:
+    """What stands between two places of a file, on one line."""
+    part = lines[line - 1 : last_line]
+    part[-1] = part[-1][: last_column - 1]
+    part[0] = part[0][column - 1 :]
+    return " ".join(" ".join(text.split()) for text in part)
+
+
+def _stated(number: int) -> ast.AST:
+    return _atom(Function("stated", [Number(number)]))
+
+
+def _atom(symbol: Symbol) -> ast.AST:
+    terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
+    return ast.SymbolicAtom(ast.Function(HERE, symbol.name, terms, False))
+
+
+def _literal(atom: ast.AST) -> ast.AST:
+    return ast.Literal(HERE, ast.Sign.NoSign, atom)

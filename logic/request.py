@@ -1,0 +1,111 @@
+"""What a house must have: the user's choices, beside what the grammar says."""
+
+import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from logic.errors import RequestError
+
+Range = tuple[int, int | None]
+"""The least number and the greatest, None for no bound."""
+
+Count = int | tuple[int, int | None]
+"""An exact number, or a range."""
+
+MOST = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class Request:
+    """The number of secondary rooms, how many are of each type, and how much furniture they have.
+
+    ``furniture`` counts pieces in each room that may have them (``bed``) or in rooms of one type
+    (``bedroom.bed``). ``cell`` is the side of a grid's cell in metres, 0 for none.
+    """
+
+    rooms: int
+    types: Mapping[str, Range] = field(default_factory=dict)
+    furniture: Mapping[str, Range] = field(default_factory=dict)
+    cell: float = 0.0
+
+    @classmethod
+    def read(cls, record: Mapping[str, Any]) -> "Request":
+        """A request from its JSON form; raises ``RequestError`` for what makes no sense."""
+        return cls(
+            record["rooms"],
+            {name: as_range(f"type {name}", count) for name, count in record.get("types", {}).items()},
+            {name: as_range(f"piece {name}", count) for name, count in record.get("furniture", {}).items()},
+            record.get("cell", 0.0),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON form: exact numbers as such, ranges as lists."""
+        record: dict[str, Any] = {"rooms": self.rooms, "types": _counts(self.types)}
+        if self.furniture:
+            record["furniture"] = _counts(self.furniture)
+        if self.cell:
+            record["cell"] = self.cell
+        return record
+
+    def wants(self, type_: str) -> dict[str, Range]:
+        """How many pieces of each kind a room of this type must have."""
+        return {
+            name.rpartition(".")[2]: wanted
+            for name, wanted in self.furniture.items()
+            if name.rpartition(".")[0] in {"", type_}
+        }
+
+    def __str__(self) -> str:
+        """In words, as in ``3 rooms, 2 of type bedroom``."""
+        rooms = f"{self.rooms} room{'s' if self.rooms != 1 else ''}"
+        types = [f"{in_words(wanted)} of type {name}" for name, wanted in self.types.items()]
+        pieces = [f"{in_words(wanted)} {name} in a room" for name, wanted in self.furniture.items()]
+        return ", ".join([rooms, *types, *pieces])
+
+
+def as_range(name: str, count: Any) -> Range:
+    """A count as a range; raises ``RequestError`` where it is none."""
+    least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
+    if type(least) is not int or not (most is None or type(most) is int):
+        raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
+    if not 0 <= least <= (MOST if most is None else most) <= MOST:
+        raise RequestError(f"{name}: counts are whole numbers from 0, the lesser first, not {count!r}")
+    return least, most
+
+
+def in_words(wanted: Range) -> str:
+    """As in ``2``, ``1 to 3``, ``2 or more``."""
+    least, most = wanted
+    return f"{least}" if most == least else f"{least} or more" if most is None else f"{least} to {most}"
+
+
+def as_option(wanted: Range) -> str:
+    """As on the command line: ``2``, ``1..3``, ``2..``."""
+    least, most = wanted
+    return f"{least}" if most == least else f"{least}..{'' if most is None else most}"
+
+
+def from_option(text: str) -> Count:
+    """What ``as_option`` wrote, and ``..3``; raises ``ValueError``."""
+    if ".." not in text:
+        return int(text)
+    least, _, most = text.partition("..")
+    return int(least or 0), int(most) if most else None
+
+
+def known(what: str, name: str, names: Iterable[str]) -> None:
+    """Raise ``RequestError`` for a name that is none of these."""
+    names = sorted(names)
+    if name not in names:
+        close = difflib.get_close_matches(name, names, 1)
+        hint = f"did you mean {close[0]}? " if close else ""
+        raise RequestError(f"there is no {what} {name}: {hint}it has {', '.join(names)}")
+
+
+def _is_pair(count: Any) -> bool:
+    return isinstance(count, tuple | list) and len(count) == 2
+
+
+def _counts(ranges: Mapping[str, Range]) -> dict[str, Any]:
+    return {name: least if least == most else [least, most] for name, (least, most) in ranges.items()}
