@@ -12,10 +12,11 @@ from scipy.stats import chisquare
 from logic import GrammarError
 from logic.grammar import find
 from logic.layout import Program
+from logic.proof import wishes_for
 
 FAMILY = find("family")
 CHOICE = """
-#program house.
+#program toys.
 option(colour,red,1).  option(colour,blue,1).  option(colour,green,2).
 option(size,(small;large),1).
 option(hand,1..4,1).  picks(hand,2).
@@ -27,14 +28,14 @@ option(hand,1..4,1).  picks(hand,2).
 def program(folder: Path, text: str) -> Program:
     file = folder / "rules.lp"
     file.write_text(text)
-    return Program([file], {}, [("house", [])])
+    return Program([file], {}, [("toys", [])])
 
 
 def house(rooms: int, **types: int) -> tuple[Program, list[Symbol]]:
-    terms = [[Function(name), Number(count)] for name, count in types.items()]
-    parts = [("house", []), *(("wish", term) for term in terms)]
+    wishes = wishes_for("among", {name: (count, count) for name, count in types.items()}).values()
+    parts = [("house", []), *((wish.name, wish.arguments) for wish in wishes)]
     made = Program(FAMILY.asp, {"rooms": rooms}, parts)
-    return made, [Function("granted", [Function("wish", term)]) for term in terms]
+    return made, [Function("granted", [wish]) for wish in wishes]
 
 
 def draws(made: Program, count: int) -> list[tuple[str, ...]]:
@@ -142,4 +143,4 @@ def test_a_syntax_error_is_placed(tmp_path: Path) -> None:
 
 def test_a_weight_is_a_positive_integer(tmp_path: Path) -> None:
     with pytest.raises(GrammarError, match="positive"):
-        program(tmp_path, "#program house. option(coin,heads,0).")
+        program(tmp_path, "#program toys. option(coin,heads,0).")
