@@ -71,7 +71,11 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     if promises is None:
         grammar = house.provenance.grammar if house.provenance else DEFAULT
         promises = PROMISES.get(grammar, Promises())
+    cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
+    if cell:
+        promises = _on_grid(promises, cell)
     return [
+        *(_off_grid(house, cell) if cell else ()),
         *_doors(house, promises),
         *_rooms(house),
         *_types(house, promises),
@@ -79,6 +83,33 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
         *_walking(house),
         *_main_room(house, promises),
     ]
+
+
+def _on_grid(promises: Promises, cell: float) -> Promises:
+    """What is promised of a house on a grid: fixed lengths, and least ones, in whole cells."""
+
+    def up(length: float) -> float:
+        return math.ceil(length / cell - TOLERANCE) * cell
+
+    door = None if promises.door is None else up(promises.door)
+    gap = promises.room_gap if math.isinf(promises.room_gap) else up(max(promises.room_gap, CLEARANCE))
+    return msgspec.structs.replace(promises, door=door, room_gap=gap)
+
+
+def _off_grid(house: House, cell: float) -> Iterator[str]:
+    """Edges that do not lie on the grid of the main room's corner."""
+    for index, room in enumerate(house.rooms):
+        parts = [("the room", room), ("its door", room.door)]
+        parts += zip(_piece_names(room), room.pieces, strict=True)
+        for name, rect in parts:
+            for edge, origin in zip(rect.box, (house.floor.x, house.floor.y) * 2, strict=True):
+                off = abs((edge - origin) / cell - round((edge - origin) / cell)) * cell
+                if off > TOLERANCE:
+                    yield f"{_name(house, index)}: {name} stands {off:.3f} m off the grid of {cell:g} m"
+                    break
+    for size, name in ((house.floor.width, "wide"), (house.floor.height, "deep")):
+        if abs(size / cell - round(size / cell)) * cell > TOLERANCE:
+            yield f"main room: is {size:.3f} m {name}, not whole cells of {cell:g} m"
 
 
 def _doors(house: House, promises: Promises) -> Iterator[str]:

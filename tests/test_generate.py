@@ -132,6 +132,32 @@ def test_a_new_room_type_needs_no_python(edited: Edit) -> None:
     assert check(house) == []
 
 
+@pytest.mark.parametrize("cell", [0.287, 0.3, 0.5])
+def test_houses_on_a_grid_keep_every_promise_with_every_edge_on_a_cell(cell: float) -> None:
+    """The check knows the grid from the provenance: see the next test."""
+    for rooms in (1, 2, 3, 5, 8, 16):
+        for house in generate(rooms=rooms, cell=cell, seed=rooms, count=6):
+            assert check(house) == []
+            assert house.provenance
+            assert house.provenance.request["cell"] == cell
+    assert all(
+        (edge - origin) / cell == pytest.approx(round((edge - origin) / cell), abs=1e-6)
+        for room in house.rooms
+        for rect in (room, room.door, *room.pieces)
+        for edge, origin in zip(rect.box, (house.floor.x, house.floor.y) * 2, strict=True)
+    )
+
+
+def test_a_house_off_its_grid_is_seen() -> None:
+    house = next(generate(rooms=2, cell=0.3))
+    record = house.to_dict()
+    record["R0"]["children"][0]["width"] += 0.05
+    assert any("off the grid of 0.3 m" in line for line in check(House.from_dict(record)))
+    record = house.to_dict()
+    record["floor"]["width"] += 0.1
+    assert any("not whole cells" in line for line in check(House.from_dict(record)))
+
+
 # No houses: proofs, limits and errors.
 
 

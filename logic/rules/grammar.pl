@@ -238,7 +238,7 @@ length_report(Name, Report) :-
 
 length_judged([], null).
 length_judged([_,_|_], "is stated more than once").
-length_judged([M], M) :- number(M), M >= 0, !.
+length_judged([M], Metres) :- number(M), M >= 0, !, up(M, Length), metres(Length, Metres).
 length_judged([_], "is not a number of metres, 0 or more").
 
 %!  room_report(+Type, -Report) is det.
@@ -251,7 +251,7 @@ room_report(Type, Report) :-
     ( is_list(Report) -> room_extent(Type, _, _, _, _) ; true ).
 
 piece_report(Type, Piece, Report) :-
-    (   room_extent(Type, W1, W2, D1, D2)
+    (   room_range(Type, W1, W2, D1, D2)
     ->  Least is min(W1, D1), Most is max(W2, D2),
         { Wall >= Least, Wall =< Most },
         report([L,D], [Wall], grammar:piece_size(Piece, L, D, Wall), Report),
@@ -277,7 +277,10 @@ judged(_, All, Report) :-
     format(string(Report), "has the nonlinear constraint ~p, and CLP(R) decides linear ones", [Constraint]).
 judged(Sizes, _, "is not bounded on both sides") :- \+ maplist([X]>>extremes(X, _, _), Sizes).
 judged(Sizes, _, "allows a size that is not positive") :- member(X, Sizes), extremes(X, Low, _), Low =< 0.
-judged(Sizes, _, [A,AA,B,BB]) :- maplist(extremes, Sizes, [A,B], [AA,BB]).
+judged(Sizes, _, Report) :-
+    maplist(extremes, Sizes, [A,B], [AA,BB]),
+    rounded(A, AA, L, LL), rounded(B, BB, D, DD),
+    maplist(metres, [L,LL,D,DD], Report).
 
 nonlinear(Sizes, Constraint) :-
     copy_term(Sizes, _, Goals),

@@ -98,7 +98,7 @@ seat_box(outwards, box(X,Y,W,_), L, D, box(SX,SY,L,D), inwards)  :- SY is Y - D,
 seat_box(inwards,  box(X,Y,W,H), L, D, box(SX,SY,L,D), outwards) :- SY is Y + H, middle(X, W, L, SX).
 
 middle(Start, Size, Length, Middle) :-
-    ( lattice(whole) -> Middle is Start + (Size-Length)//2 ; Middle is Start + (Size-Length)/2 ).
+    ( lattice(whole) -> Middle is Start + floor((Size-Length)/2) ; Middle is Start + (Size-Length)/2 ).
 
 % - from a room's frame to the house's -----------------------------------------------------------------------
 
