@@ -8,7 +8,6 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
-from pathlib import Path
 
 import msgspec
 import shapely
@@ -16,6 +15,7 @@ import shapely
 from logic.boxes import TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
 from logic.house import FORMAT, House, Room
 from logic.least import ELONGATION, least_area, side_of
+from logic.promises import PROMISES, Promises, kept_counts, kept_sizes, kept_together
 from logic.walk import free_floor, main_space, places_inside, spaces, swept
 
 BODY = 0.287
@@ -34,30 +34,8 @@ SPACIOUSNESS = 2.0
 _BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
 
 
-class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What a grammar promises beyond what every house keeps; left empty, it promises nothing more."""
-
-    door: float | None = None
-    """Metres: the width of every door; None where it need only be the same throughout a house."""
-    basic: tuple[str, ...] = ()
-    """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
-    suits: dict[str, frozenset[str]] = {}
-    """The room types there are, and the types of the pieces that suit each; empty to judge neither."""
-    room_gap: float = math.inf
-    """Metres: as near as neighbouring rooms may come; what the house shows, if less, counts instead."""
-    at_wall: frozenset[str] = frozenset()
-    """Piece types that never stand in the middle of a room: they touch a wall."""
-    turns: frozenset[str] = frozenset()
-    """Piece types that may stand with a side to a wall; others at a wall have their back to it."""
-
-
-PROMISES = msgspec.json.decode(
-    Path(__file__).with_name("promises.json").read_bytes(), type=dict[str, Promises]
-)
-"""Those of the shipped grammars, written apart from their rules. Other grammars promise nothing more."""
-
-DEFAULT = "family"
-"""The grammar of houses that name none: it states the paper's constraints."""
+DEFAULT = "original"
+"""The promises of houses that name no grammar: the paper's constraints, whatever the sizes."""
 
 
 def check(house: House, promises: Promises | None = None) -> list[str]:
@@ -77,8 +55,9 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     return [
         *(_off_grid(house, cell) if cell else ()),
         *_doors(house, promises),
-        *_rooms(house),
+        *_rooms(house, promises),
         *_types(house, promises),
+        *(_sides(house, promises) if house.format == FORMAT else ()),
         *(line for index in range(len(house.rooms)) for line in _furniture(house, index, promises)),
         *_walking(house),
         *_main_room(house, promises),
@@ -91,9 +70,19 @@ def _on_grid(promises: Promises, cell: float) -> Promises:
     def up(length: float) -> float:
         return math.ceil(length / cell - TOLERANCE) * cell
 
+    def down(length: float) -> float:
+        return math.floor(length / cell + TOLERANCE) * cell
+
     door = None if promises.door is None else up(promises.door)
-    gap = promises.room_gap if math.isinf(promises.room_gap) else up(max(promises.room_gap, CLEARANCE))
-    return msgspec.structs.replace(promises, door=door, room_gap=gap)
+    gap = None if promises.room_gap is None else up(promises.room_gap)
+    rooms, pieces = (
+        {
+            name: (up(a), max(up(a), down(aa)), up(b), max(up(b), down(bb)))
+            for name, (a, aa, b, bb) in sizes.items()
+        }
+        for sizes in (promises.rooms, promises.pieces)
+    )
+    return msgspec.structs.replace(promises, door=door, room_gap=gap, rooms=rooms, pieces=pieces)
 
 
 def _off_grid(house: House, cell: float) -> Iterator[str]:
@@ -125,7 +114,7 @@ def _doors(house: House, promises: Promises) -> Iterator[str]:
             yield f"{_name(house, index)}: its door is not on a wall of the room"
 
 
-def _rooms(house: House) -> Iterator[str]:
+def _rooms(house: House, promises: Promises) -> Iterator[str]:
     slack = TOLERANCE * (house.floor.width + house.floor.height)
     for index, room in enumerate(house.rooms):
         depth = overlap(room.box, house.floor.box)
@@ -140,13 +129,18 @@ def _rooms(house: House) -> Iterator[str]:
         depth = overlap(house.rooms[one].box, house.rooms[other].box)
         if depth > TOLERANCE:
             yield f"{_name(house, one)} overlaps {_name(house, other)} by {depth:.2f} m"
+            continue
+        apart = distance(house.rooms[one].box, house.rooms[other].box)
+        if promises.room_gap is not None and house.format == FORMAT and apart < promises.room_gap - TOLERANCE:
+            away = f"{apart:.2f} m from {_name(house, other)} (at least {promises.room_gap:g})"
+            yield f"{_name(house, one)} stands {away}"
 
 
 def _types(house: House, promises: Promises) -> Iterator[str]:
     types = Counter(room.type for room in house.rooms)
     for index, room in enumerate(house.rooms):
-        if promises.suits and room.type not in promises.suits:
-            yield f"{_name(house, index)} is none of the room types ({', '.join(promises.suits)})"
+        if promises.counts and room.type not in promises.counts:
+            yield f"{_name(house, index)} is none of the room types ({', '.join(promises.counts)})"
     basic = sum(types[kind] for kind in promises.basic)
     if promises.basic and basic < 2 <= types.total():
         yield f"house: has {basic} rooms of the basic types (at least 2 of {', '.join(promises.basic)})"
@@ -156,13 +150,22 @@ def _types(house: House, promises: Promises) -> Iterator[str]:
                 yield f"house: has no {kind} (at least 1 from {len(promises.basic)} rooms on)"
 
 
+def _sides(house: House, promises: Promises) -> Iterator[str]:
+    if promises.a_side is None or len(house.rooms) < 4:
+        return
+    most = len(house.rooms) // promises.a_side + 1
+    for side, count in Counter(side_of(house, room) for room in house.rooms).items():
+        if side and count > most:
+            yield f"house: has {count} rooms on the {side} side (at most {most} of {len(house.rooms)})"
+
+
 def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
     room, place = house.rooms[index], _name(house, index)
     names = _piece_names(room)
     if not room.pieces:
         yield f"{place}: has no furniture"
     for piece, name in zip(room.pieces, names, strict=True):
-        if piece.type not in promises.suits.get(room.type, {piece.type}):
+        if not promises.suits(room.type, piece.type):
             yield f"{place}: {name} does not suit the room"
         juts = excess(piece.box, room.box)
         if juts > TOLERANCE:
@@ -180,6 +183,9 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
             yield f"{place}: {a} overlaps {b} by {depth:.2f} m"
     if house.format == FORMAT:
         yield from _fronts(room, place, names, promises)
+        yield from (f"{place}: {line}" for line in kept_sizes(room, side_of(house, room), names, promises))
+        yield from (f"{place}: {line}" for line in kept_counts(room, promises))
+        yield from (f"{place}: {line}" for line in kept_together(room, names, promises))
 
 
 def _fronts(room: Room, place: str, names: list[str], promises: Promises) -> Iterator[str]:
@@ -226,7 +232,7 @@ def _main_room(house: House, promises: Promises) -> Iterator[str]:
         yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
     if house.format != FORMAT or not house.rooms or any(side_of(house, room) is None for room in house.rooms):
         return
-    least = least_area(house, promises.room_gap)
+    least = least_area(house, math.inf if promises.room_gap is None else max(promises.room_gap, CLEARANCE))
     if house.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
         yield (
             f"main room: is of {house.floor.area:.2f} m² "

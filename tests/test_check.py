@@ -294,7 +294,7 @@ def test_another_grammar_is_not_judged_by_the_family_s_rules() -> None:
     assert len(check(house)) > 3
     elsewhere = replace(house, provenance=Provenance("school", "", {}, 0, 0, {}))
     assert check(elsewhere) == [] == check(house, Promises())
-    assert check(replace(house, provenance=Provenance("family", "", {}, 0, 0, {}))) == check(house)
+    assert set(check(house)) <= set(check(replace(house, provenance=Provenance("family", "", {}, 0, 0, {}))))
 
 
 @pytest.mark.skipif(not EXAMPLE.exists(), reason="the original's example house is not here")

@@ -4,7 +4,7 @@
 door_width(0.762).          % the paper's 2.5 feet
 door_clearance(0.45).       % nothing stands nearer to a door
 passage(0.42).              % the paper's body measures 0.394 m across its diagonal
-room_gap(0.45).             % between neighbouring rooms
+room_gap(0.6).              % between neighbouring rooms
 
 %!  room_size(?Type, -Width, -Depth)
 %
