@@ -148,6 +148,30 @@ class Explain:
 
 
 @dataclass(frozen=True)
+class Lint:
+    """Find the mistakes in rule files that clingo and Prolog pass over."""
+
+    grammar: tyro.conf.Positional[str] = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    json: bool = False
+    """Print each finding as a line of JSON."""
+
+    def run(self) -> int:
+        """Print a line for each finding; 1 if any is an error."""
+        from msgspec import to_builtins
+
+        from logic import lint
+
+        found = lint(self.grammar)
+        for finding in found:
+            print(json.dumps(to_builtins(finding)) if self.json else finding)
+        errors = sum(finding.severity == "error" for finding in found)
+        _say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
+        return 1 if errors else 0
+
+
+@dataclass(frozen=True)
 class Check:
     """Check houses by plain geometry, apart from the rules that made them."""
 
@@ -201,6 +225,7 @@ class Draw:
 COMMANDS: dict[str, Any] = {
     "generate": Generate,
     "explain": Explain,
+    "lint": Lint,
     "check": Check,
     "draw": Draw,
     "train": Train,

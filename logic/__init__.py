@@ -11,11 +11,12 @@ from logic.errors import (
     VitruviusError,
 )
 from logic.files import load, save
-from logic.generate import generate
+from logic.generate import Finding, generate, lint
 from logic.house import Door, House, Piece, Rect, Room
 
 __all__ = [
     "Door",
+    "Finding",
     "GrammarError",
     "House",
     "HouseFileError",
@@ -29,6 +30,7 @@ __all__ = [
     "VitruviusError",
     "check",
     "generate",
+    "lint",
     "load",
     "save",
 ]

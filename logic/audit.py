@@ -1,7 +1,7 @@
 """What may stand in a grammar's .lp files: rules that a draw of picks is true to, and no code."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +13,12 @@ from logic.messages import clingo_error
 CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction, ASTType.TheoryAtom}
 
 
-def audit(files: Sequence[Path]) -> None:
-    """Refuse what would be passed over, or would choose past the picks (``rules/pick.lp``).
-
-    Raises ``GrammarError`` with file, line and column.
-    """
-    for file in files:
-        _require_plain_names(file)
+def audit(files: Sequence[Path]) -> list[GrammarError]:
+    """What would be passed over, or would choose past the picks (``rules/pick.lp``), each by its place."""
+    objections = [error for file in files for error in _other_letters(file)]
+    if objections:
+        return objections
     remarks: list[str] = []
-    objections: list[GrammarError] = []
     part = "base"
 
     def judge(statement: Any) -> None:
@@ -35,12 +32,13 @@ def audit(files: Sequence[Path]) -> None:
     try:
         parse_files([str(file) for file in files], judge, logger=lambda _, text: remarks.append(text))
     except RuntimeError as error:
-        raise clingo_error(remarks, str(error)) from None
-    for objection in objections:
-        raise objection
+        return [clingo_error(remarks, str(error))]
+    return objections
 
 
 def _objection(statement: Any, part: str) -> str:
+    if statement.ast_type == ASTType.External:
+        return "a grammar holds rules: what is #external holds in no house"
     if statement.ast_type == ASTType.Script:
         return "a grammar holds rules, no scripts"
     if statement.ast_type == ASTType.Minimize:
@@ -53,14 +51,15 @@ def _objection(statement: Any, part: str) -> str:
     return ""
 
 
-def _require_plain_names(file: Path) -> None:
+def _other_letters(file: Path) -> Iterator[GrammarError]:
     """Other letters than plain ones, outside of comments and strings, end clingo without a word."""
     try:
         text = file.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise GrammarError(f"not UTF-8: {error.reason}", file) from None
+        yield GrammarError(f"not UTF-8: {error.reason}", file)
+        return
     for number, line in enumerate(text.split("\n"), start=1):
         code = re.sub(r'"[^"]*"|%.*', lambda found: " " * len(found[0]), line)
         for column, letter in enumerate(code, start=1):
             if not letter.isascii():
-                raise GrammarError(f"{letter}: names are of plain letters", file, number, column)
+                yield GrammarError(f"{letter}: names are of plain letters", file, number, column)

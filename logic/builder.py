@@ -1,6 +1,5 @@
 """From a request to a house: the two stages, and what goes between them."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -13,13 +12,13 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.audit import audit
-from logic.errors import GrammarError, LimitReached
+from logic.errors import LimitReached
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
 from logic.layout import Program
+from logic.lint import Linter
 from logic.messages import placed_error
-from logic.placement import Layout, Placer, Refuted, RoomLayout
+from logic.placement import Layout, Refuted, RoomLayout
 from logic.proof import Prover, wishes_for
 from logic.request import Request, known
 
@@ -33,19 +32,14 @@ class Builder:
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
         self._grammar = grammar
-        audit(grammar.asp)
-        probe = Program(grammar.asp, {"rooms": 1}, [("house", [])])
-        self.types = sorted(_name(symbol.arguments[0]) for symbol in probe.atoms("type", 1))
-        for symbol in probe.atoms("wrong", 2):
-            raise GrammarError(f"{symbol.arguments[0]}: {symbol.arguments[1].string}", grammar.directory)
-        if not self.types:
-            raise GrammarError("no room type: state type/1 in a .lp file", grammar.directory)
-        self._placer = Placer(grammar, cell)
-        self._pieces = self._furniture(probe)
-        self._lengths = self._lengths_by_type()
-        programs = [probe, *(self._furnishing(type_) for type_ in self.types)]
-        self._unknown_atoms = set.intersection(*(set(program.remarks) for program in programs))
-        for program in programs:
+        linter = Linter(grammar, cell)
+        if linter.errors:
+            raise linter.errors[0]
+        self.types = sorted(linter.furniture)
+        self._placer, self._pieces = linter.placer, linter.furniture
+        self._lengths = self._lengths_by_type(linter.lengths)
+        probe = self._housing(1, ())
+        for program in (probe, *(self._furnishing(type_) for type_ in self.types)):
             self._refuse_remarks(program)
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -142,9 +136,7 @@ class Builder:
     def _housing(self, rooms: int, wishes: tuple[Symbol, ...]) -> Program:
         """The program of a house's rooms, with these wishes to be granted."""
         parts = [("house", []), *((wish.name, wish.arguments) for wish in wishes)]
-        program = Program(self._grammar.asp, {"rooms": rooms}, parts)
-        self._refuse_remarks(program)
-        return program
+        return Program(self._grammar.asp, {"rooms": rooms}, parts)
 
     def _furnishing_for(self, type_: str, request: Request) -> tuple[Program, list[Symbol]]:
         """The program that furnishes a room of this type, and what is to be granted in it."""
@@ -159,24 +151,8 @@ class Builder:
         parts = [("room", []), *facts, *((wish.name, wish.arguments) for wish in wishes)]
         return Program(self._grammar.asp, {"this_room": type_}, parts)
 
-    def _furniture(self, probe: Program) -> dict[str, list[str]]:
-        """The pieces that a room of each type may have."""
-        furniture: dict[str, list[str]] = {type_: [] for type_ in self.types}
-        for symbol in probe.atoms("may", 4):
-            furniture[_name(symbol.arguments[0])].append(_name(symbol.arguments[1]))
-        self._companions: dict[str, list[str]] = {}
-        for symbol in [*probe.atoms("beside", 4), *probe.atoms("around", 4)]:
-            piece, companion = map(_name, symbol.arguments[:2])
-            self._companions.setdefault(piece, []).append(companion)
-        return furniture
-
-    def _lengths_by_type(self) -> dict[str, list[tuple[Symbol, Symbol]]]:
+    def _lengths_by_type(self, lengths: dict[str, Any]) -> dict[str, list[tuple[Symbol, Symbol]]]:
         """For each room type what stage 1 knows of lengths, each fact with the clause that it comes from."""
-        sized = {
-            type_: list(dict.fromkeys([*pieces, *(c for p in pieces for c in self._companions.get(p, ()))]))
-            for type_, pieces in self._pieces.items()
-        }
-        lengths = self._placer.lengths(sized)
         named = [
             (
                 Function("length", [Function(name), Number(floor(1000 * m))]),
@@ -197,13 +173,12 @@ class Builder:
     def _refuse_remarks(self, program: Program) -> None:
         """What clingo only remarks on, and passes over, is an error where it is in the grammar's files.
 
-        That an atom is in no rule's head is none by itself: a program holds the rules of one stage.
+        That an atom is in no rule's head is none: a program holds the rules of one stage.
         """
         for remark in program.remarks:
             error = placed_error(remark)
-            if str(error.file) in map(str, self._grammar.asp) and (
-                remark in self._unknown_atoms or "does not occur in any rule head" not in remark
-            ):
+            own = str(error.file) in map(str, self._grammar.asp)
+            if own and "does not occur in any rule head" not in remark:
                 raise error
 
     def _as_house(self, plan: dict[str, Any], request: Request, seed: int, index: int) -> House:
@@ -256,13 +231,6 @@ def _rooms_of(types: Iterable[str], request: Request) -> list[Symbol]:
         for type_ in sorted(types)
         for number in range(request.rooms)
     ]
-
-
-def _name(symbol: Symbol) -> str:
-    """A type's name: a word in lower case, the same term for clingo and for Prolog, and a word in files."""
-    if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(symbol)):
-        raise GrammarError(f"{symbol}: a type is named by a word that begins in lower case, as in bedroom")
-    return symbol.name
 
 
 def _millimetres(extremes: Sequence[float]) -> list[Symbol]:

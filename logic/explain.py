@@ -52,6 +52,8 @@ class Relaxed:
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
         )
+        self._grounded = _Grounded()
+        self._control.register_observer(self._grounded)
         self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
@@ -80,6 +82,10 @@ class Relaxed:
         literals += [-self._literal_of[atom] for atom in fails if atom in self._literal_of]
         return Statement(reason, tuple(literals))
 
+    def binds(self, statement: Statement) -> bool:
+        """Whether a statement has any ground instance."""
+        return any(literal in self._grounded.conditions for literal in statement.literals)
+
     def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
         """The shown atoms of a layout under these statements; None if there is none."""
         with self._control.solve(assumptions=_assumed(statements), yield_=True) as handle:
@@ -104,6 +110,17 @@ class Relaxed:
         ]
         with self._control.backend() as backend:
             backend.add_rule([], clauses + atoms)
+
+
+class _Grounded(clingo.Observer):
+    """The literals on which ground rules depend."""
+
+    def __init__(self) -> None:
+        self.conditions: set[int] = set()
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A ground rule."""
+        self.conditions.update(body)
 
 
 def least(

@@ -12,6 +12,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from logic.errors import GrammarError, LimitReached, RequestError, VitruviusError, from_record
 from logic.grammar import find
 from logic.house import House
@@ -72,6 +74,37 @@ def generate(
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
     opening = {"grammar": str(find(grammar).directory), "cell": float(cell)}
     return _houses(opening, question, range(start, start + count), workers, seconds)
+
+
+class Finding(msgspec.Struct, frozen=True):
+    """Something wrong with a grammar: ``error`` or ``warning``, by its place."""
+
+    severity: str
+    file: str
+    line: int
+    column: int
+    text: str
+
+    def __str__(self) -> str:
+        """As in ``sizes.pl:6:1: error: nothing uses room_gab/1: did you mean room_gap/1?``."""
+        return f"{self.file}:{self.line}:{self.column}: {self.severity}: {self.text}"
+
+
+def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]:
+    """Find the mistakes in a grammar's files that clingo and SWI-Prolog pass over, without running its code.
+
+    ``generate`` refuses a grammar with an error. Raises ``GrammarError`` where there is no such grammar, and
+    ``LimitReached`` past so many seconds.
+    """
+    opening = {"grammar": str(find(grammar).directory), "lint": True}
+    worker = _Worker(opening)
+    try:
+        record = worker.answer(
+            seconds, f"{opening['grammar']}: reading took {seconds:g} s: do its rules recur?"
+        )
+    finally:
+        worker.end()
+    return msgspec.convert(record["findings"], list[Finding])
 
 
 def _houses(

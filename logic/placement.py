@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from clingo import Symbol, parse_term
+from clingo import Function, Symbol, parse_term
 
 from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
 from logic.grammar import Grammar
@@ -66,7 +66,7 @@ class Placer:
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
         """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
 
-        Raises ``GrammarError`` for whatever SWI-Prolog remarks on them, ``MissingProgram`` without it.
+        ``problems`` holds what is wrong with them. Raises ``MissingProgram`` without SWI-Prolog.
         """
         try:
             from pyswip import Prolog
@@ -76,32 +76,52 @@ class Placer:
         self._directory = grammar.directory
         self._ask(f"use_module({_quoted(Path(__file__).parent / 'rules' / 'core.pl')})")
         files = ",".join(_quoted(file) for file in grammar.prolog)
-        for file, line, column, text in self._json(f"grammar_problems([{files}],Json)"):
-            raise GrammarError(text, file or grammar.directory, line, column)
+        self.problems = [
+            GrammarError(text, file or grammar.directory, line, column)
+            for file, line, column, text in self._json(f"grammar_problems([{files}],Json)")
+        ]
         self._ask(f"set_cell({cell})")
 
-    def lengths(self, furniture: Mapping[str, Iterable[str]]) -> dict[str, Any]:
+    def lengths(self, furniture: Mapping[str, Iterable[str]]) -> tuple[dict[str, Any], list[GrammarError]]:
         """The named lengths, and the extremes of each room type and its pieces, in metres.
 
         ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}}``, where
-        extremes are ``[least width, greatest width, least depth, greatest depth]``.
-        Raises ``GrammarError`` for a length that is absent or of no use.
+        extremes are ``[least width, greatest width, least depth, greatest depth]``; and an error for each
+        length that is absent or of no use.
         """
         wanted = ",".join(f"furniture({t},[{','.join(pieces)}])" for t, pieces in furniture.items())
         report = self._json(f"grammar_lengths([{wanted}],[{','.join(NAMES)}],Json)")
-        named = {name: self._required(f"{name}/1", name, value) for name, value in report["lengths"]}
+        errors: list[GrammarError] = []
+
+        def used(clause: Symbol, what: str, value: Any) -> Any:
+            if value is None:
+                hint = f"{what} has no clause for {clause.arguments[-1]}: add one to a .pl file"
+                errors.append(GrammarError(hint, self._directory))
+            elif isinstance(value, str):
+                file, line = self.origins([clause]).get(clause, (str(self._directory), None))
+                text = f"{what} for {clause.arguments[-1]} {value}"
+                errors.append(GrammarError(text, file, line, 1 if line else None))
+            return value
+
+        named = {
+            name: used(Function("length", [Function(name)]), f"{name}/1", value)
+            for name, value in report["lengths"]
+        }
         rooms, pieces = {}, {}
         for type_, room, each in report["types"]:
-            rooms[type_] = self._required("room_size/3", type_, room)
-            pieces[type_] = {piece: self._required("piece_size/4", piece, extent) for piece, extent in each}
-        return {"lengths": named, "rooms": rooms, "pieces": pieces}
+            size = [Function(type_)]
+            rooms[type_] = used(Function("size", size), "room_size/3", room)
+            pieces[type_] = {
+                piece: used(Function("size", [*size, Function(piece)]), "piece_size/4", extent)
+                for piece, extent in each
+            }
+        return {"lengths": named, "rooms": rooms, "pieces": pieces}, errors
 
-    def _required(self, clause: str, name: str, value: Any) -> Any:
-        if value is None:
-            raise GrammarError(f"{clause} has no clause for {name}: add one to a .pl file", self._directory)
-        if isinstance(value, str):
-            raise GrammarError(f"{clause} for {name} {value}", self._directory)
-        return value
+    def sized(self) -> list[tuple[str, str, str, int]]:
+        """Predicate, name, file and line of each clause that gives a type of room or piece its size."""
+        return [
+            (predicate, name, file, line) for predicate, name, file, line in self._json("grammar_sized(Json)")
+        ]
 
     def place(
         self, layout: Layout, rng: np.random.Generator, inferences: int, least: bool = True

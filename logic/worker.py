@@ -35,7 +35,11 @@ def main() -> None:
             from logic.grammar import find
             from logic.request import Request
 
-            if builder is None:
+            if "lint" in request:
+                from logic.lint import findings
+
+                answer = {"findings": findings(find(request["grammar"]))}
+            elif builder is None:
                 builder = Builder(find(request["grammar"]), request["cell"])
                 answer = {"versions": builder.versions}
             else:

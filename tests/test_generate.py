@@ -20,6 +20,7 @@ from logic import (
     Unsatisfiable,
     check,
     generate,
+    lint,
     load,
 )
 from logic.grammar import SHIPPED
@@ -113,19 +114,20 @@ def test_a_house_says_where_it_comes_from() -> None:
     assert House.from_dict(json.loads(json.dumps(house.to_dict()))) == house
 
 
-def test_a_new_room_type_needs_no_python(edited: Edit) -> None:
-    """As README tells: a line for the type, one for its furniture, two for the sizes, wherever they stand."""
-    folder = edited("rooms.lp", "kitchen; hall)", "kitchen; hall; study)")
+def test_a_new_room_type_needs_two_files_and_no_python(edited: Edit) -> None:
+    """As README tells: two lines in a .lp file for the type and its furniture, two in a .pl file for the sizes."""
+    folder = edited("furniture.lp", "may(bedroom,bed,1,2).", "may(bedroom,bed,1,2).")
     for file, lines in (
-        ("furniture.lp", "may(study,lectern,1,1).      stands(lectern, (back; left)).\n"),
+        ("furniture.lp", "type(study).\nmay(study,lectern,1,1).      stands(lectern, (back; left)).\n"),
         (
-            "more.pl",
+            "sizes.pl",
             "room_size(study, W, D) :- { W >= 2.5, W =< 4.0, D >= 2.5, D =< W }.\n"
             "piece_size(lectern, L, D, _) :- { L >= 0.5, L =< 0.8, D = 0.5 }.\n",
         ),
     ):
         with (folder / file).open("a") as rules:
             rules.write(lines)
+    assert lint(folder) == []
     (house,) = generate(rooms=4, types={"study": 1}, grammar=folder)
     (study,) = (room for room in house.rooms if room.type == "study")
     assert [piece.type for piece in study.pieces] == ["lectern"]
@@ -237,7 +239,7 @@ def test_an_unknown_grammar_is_named() -> None:
             "piece_size(sofa, L, D, _) :- { M >=",
             "ingleton",
         ),
-        ("sizes.pl", "passage(0.42).", ":- atom_length(X, Y), passage(X, Y).", "instantiated"),
+        ("sizes.pl", "passage(0.42).", ":- atom_length(X, Y), passage(X, Y).", "runs code"),
     ],
 )
 def test_a_wrong_rule_is_named_by_file_and_line(
@@ -257,7 +259,7 @@ def test_a_wrong_rule_is_named_by_file_and_line(
     [
         ("sizes.pl", "room_size(hall,", "room_size(hal,", "room_size/3 has no clause for hall"),
         ("sizes.pl", "piece_size(sink,", "piece_size(snk,", "piece_size/4 has no clause for sink"),
-        ("sizes.pl", "room_gap(0.45).", "room_gab(0.45).", "room_gap/1 has no clause"),
+        ("sizes.pl", "room_gap(0.6).", "", "room_gap/1 has no clause"),
         ("sizes.pl", "D = L + 0.3", "D = L * L", "nonlinear"),
         (
             "sizes.pl",
@@ -283,12 +285,6 @@ def test_a_wrong_rule_is_named_by_file_and_line(
         ("furniture.lp", "stands(table,", "stands(tabel,", r"the piece stands nowhere|no room may have"),
         ("furniture.lp", "stands(table,     middle)", "stands(table, centre)", "no such place"),
         ("rooms.lp", "type(bedroom;", 'type("best room"; bedroom;', r"best room.*lower case"),
-        (
-            "sizes.pl",
-            "passage(0.42).",
-            "passage(0.42).\n:- initialization(halt).",
-            "ended the solver process",
-        ),
     ],
 )
 def test_rules_that_cannot_work_are_named(edited: Edit, file: str, old: str, new: str, says: str) -> None:
@@ -302,30 +298,10 @@ def test_rules_that_never_end_meet_the_limit(edited: Edit) -> None:
         next(generate(rooms=3, grammar=edited("sizes.pl", "piece_size(toilet,", loop)))
 
 
-def test_what_directives_start_ends_with_them(edited: Edit, tmp_path: Path) -> None:
-    folder = edited(
-        "sizes.pl", "passage(0.42).", f"passage(0.42).\n:- shell('sleep 300 & echo $! > {tmp_path}/pid')."
-    )
-    assert check(next(generate(rooms=1, grammar=folder))) == []
-    sleeper = int((tmp_path / "pid").read_text())
-    time.sleep(0.2)
-    assert not alive(sleeper)
-
-
-def test_rules_read_nothing_of_the_requests(edited: Edit) -> None:
-    folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).\n:- read(end_of_file).")
-    assert check(next(generate(rooms=1, grammar=folder))) == []
-
-
 def test_hidden_files_are_no_rules(edited: Edit) -> None:
     folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).  % größer als der Körper")
     (folder / ".#rooms.lp").symlink_to("nowhere")
     (folder / "old.lp").mkdir()
-    assert check(next(generate(rooms=1, grammar=folder))) == []
-
-
-def test_what_rules_print_does_not_reach_the_answers(edited: Edit) -> None:
-    folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).\n:- format('{\"house\": 1}~n').")
     assert check(next(generate(rooms=1, grammar=folder))) == []
 
 

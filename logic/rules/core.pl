@@ -1,4 +1,4 @@
-:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, set_cell/1, placed/3, room_clash/4,
+:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3, room_clash/4,
                  room_system/3]).
 
 /** <module> Stage 2: from a layout to a house
@@ -19,6 +19,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
 :- use_module(grammar, except([room_system/4])).
+:- use_module(lint).
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
@@ -26,10 +27,12 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 %!  grammar_problems(+Files, -Json) is det.
 %
-%   Loads the grammar's files; Json lists [File,Line,Column,Text] of what is wrong with them.
+%   Json lists [File,Line,Column,Text] of what is wrong with the grammar's files. They are read first, and loaded only
+%   if there is nothing in them that must not be run.
 
 grammar_problems(Files, Json) :-
-    load_grammar(Files, Problems),
+    file_problems(Files, Read),
+    ( Read == [] -> load_grammar(Files, Problems) ; Problems = Read ),
     findall([F,L,C,T], member(problem(F,L,C,T), Problems), List),
     as_json(List, Json).
 
@@ -110,6 +113,12 @@ reason(Atom, [holds,Text])          :- term_string(Atom, Text).
 grammar_origins(Clauses, Json) :-
     origins(Clauses, Origins),
     as_json(Origins, Json).
+
+%!  grammar_sized(-Json) is det.
+%
+%   Json lists [Predicate,Name,File,Line] of the clauses that give sizes, see origins.pl.
+
+grammar_sized(Json) :- sized(Clauses), as_json(Clauses, Json).
 
 %!  room_clash(+Type, +Layout, +Without, -Json) is det.
 %

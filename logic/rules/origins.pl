@@ -1,4 +1,4 @@
-:- module(origins, [origins/2]).
+:- module(origins, [origins/2, sized/1]).
 
 /** <module> Where the grammar's clauses stand in its files */
 
@@ -18,6 +18,19 @@ origin(Clause, [Text,File,Line]) :-
     clause_property(Reference, file(File)),
     clause_property(Reference, line_count(Line)),
     term_string(Clause, Text).
+
+%!  sized(-Clauses) is det.
+%
+%   Clauses are [Predicate,Name,File,Line] for each clause that gives a named type of room or piece its size.
+
+sized(Clauses) :-
+    findall([Predicate,Name,File,Line],
+            ( sizes(Predicate, Head, Name), clause(grammar:Head, _, Reference), atom(Name),
+              clause_property(Reference, file(File)), clause_property(Reference, line_count(Line)) ),
+            Clauses).
+
+sizes(room_size,  room_size(Name,_,_),    Name).
+sizes(piece_size, piece_size(Name,_,_,_), Name).
 
 head(length(Name), Head) :- Head =.. [Name,_].
 head(size(Type),    room_size(Type,_,_)).
