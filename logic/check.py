@@ -196,7 +196,11 @@ def _fronts(room: Room, place: str, names: list[str], promises: Promises) -> Ite
         elif piece.orientation and piece in room.children:
             walls = walls_touched(piece, room)
             back = _BACK[piece.orientation]
-            sides = {back, (back + 1) % 4, (back + 3) % 4} if piece.type in promises.turns else {back}
+            sides = (
+                {back, (back + 1) % 4, (back + 3) % 4}
+                if promises.turns is None or piece.type in promises.turns
+                else {back}
+            )
             if walls and not sides & set(walls):
                 at = " and ".join(WALLS[wall] for wall in walls)
                 yield f"{place}: {name} faces {piece.orientation}, not away from its wall ({at})"

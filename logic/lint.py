@@ -1,5 +1,6 @@
 """What is wrong with a grammar: mistakes that clingo and SWI-Prolog pass over, by file, line and column."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -36,15 +37,15 @@ class Linter:
             yield error
             return
         sized = self.placer.sized()
-        wrong = [*self._wrong(probe), *misspelt(self._grammar.asp, (name for _, name, _, _ in sized))]
-        yield from wrong
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
-        if not self.types:
-            yield GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory)
-        unnamed = [type_ for type_ in self.types if not type_.name or type_.arguments]
+        unnamed = [type_ for type_ in self.types if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(type_))]
         for type_ in unnamed:
             why = f"{type_}: a type is named by a word that begins in lower case, as in bedroom"
             yield self._at(Function("type", [type_]), why)
+        wrong = [*self._wrong(probe), *misspelt(self._grammar.asp, (name for _, name, _, _ in sized))]
+        yield from wrong
+        if not self.types:
+            yield GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory)
         if wrong or unnamed or not self.types:
             return
         self.furniture = _furniture(probe)

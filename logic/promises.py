@@ -37,8 +37,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """For each piece type with companions, how many it has; a turned piece at a wall has none."""
     at_wall: frozenset[str] = frozenset()
     """Piece types that never stand in the middle of a room: they touch a wall."""
-    turns: frozenset[str] = frozenset()
-    """Piece types that may stand with a side to a wall, their back to another one or to a piece."""
+    turns: frozenset[str] | None = None
+    """Piece types that may stand with a side to a wall, their back to something else; None for all."""
     spans: dict[str, tuple[float, float]] = {}
     """Piece types that take a share of their wall: the least and the greatest."""
     meet: frozenset[str] = frozenset()
@@ -90,7 +90,7 @@ def kept_counts(room: Room, promises: Promises) -> Iterator[str]:
     yield from _counted("it", room.children, promises.counts.get(room.type, {}))
     for piece in room.children:
         wanted = promises.companions.get(piece.type, {})
-        if not (piece.type in promises.turns and is_turned(piece, room)):
+        if not (piece.type in (promises.turns or ()) and is_turned(piece, room)):
             yield from _counted(f"its {piece.type}", piece.children, wanted)
 
 
@@ -129,7 +129,7 @@ def kept_together(room: Room, names: list[str], promises: Promises) -> Iterator[
         if len(walls) == 2 and not any((wall + 1) % 4 in walls for wall in walls):
             yield f"{type_}: two stand at opposite walls, and none between them"
     for piece, name in tops:
-        if piece.type in promises.turns and is_turned(piece, room):
+        if piece.type in (promises.turns or ()) and is_turned(piece, room):
             front = (BACK[piece.orientation] + 2) % 4
             touched = walls_touched(piece, room)
             back = BACK[piece.orientation]

@@ -1,11 +1,11 @@
 """What a house must have: the user's choices, beside what the grammar says."""
 
-import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from logic.errors import RequestError
+from logic.spelling import closest
 
 Range = tuple[int, int | None]
 """The least number and the greatest, None for no bound."""
@@ -98,8 +98,8 @@ def known(what: str, name: str, names: Iterable[str]) -> None:
     """Raise ``RequestError`` for a name that is none of these."""
     names = sorted(names)
     if name not in names:
-        close = difflib.get_close_matches(name, names, 1)
-        hint = f"did you mean {close[0]}? " if close else ""
+        close = closest(name, names)
+        hint = f"did you mean {close}? " if close else ""
         raise RequestError(f"there is no {what} {name}: {hint}it has {', '.join(names)}")
 
 

@@ -1,6 +1,5 @@
 """The words of a grammar's .lp files: what is misspelt, and what nothing uses."""
 
-import difflib
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -13,6 +12,7 @@ from clingo.ast import AST, ASTSequence, ASTType, parse_files
 
 from logic.errors import GrammarError
 from logic.layout import CORE
+from logic.spelling import closest
 
 Signature = tuple[str, int]
 
@@ -123,11 +123,11 @@ def _unknown(signature: Signature, what: str, place: Any, known: Iterable[Signat
 
 
 def _meant(name: str, names: Iterable[str], signatures: Iterable[Signature] = ()) -> str:
-    close = difflib.get_close_matches(name, list(names), 1, 0.6)
-    if not close:
+    close = closest(name, names)
+    if close is None:
         return ""
-    arity = next((f"/{arity}" for other, arity in sorted(signatures) if other == close[0]), "")
-    return f": did you mean {close[0]}{arity}?"
+    arity = next((f"/{arity}" for other, arity in sorted(signatures) if other == close), "")
+    return f": did you mean {close}{arity}?"
 
 
 def _at(location: Any, text: str) -> GrammarError:

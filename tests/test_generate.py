@@ -115,7 +115,7 @@ def test_a_house_says_where_it_comes_from() -> None:
 
 
 def test_a_new_room_type_needs_two_files_and_no_python(edited: Edit) -> None:
-    """As README tells: two lines in a .lp file for the type and its furniture, two in a .pl file for the sizes."""
+    """As README tells: the type and its furniture in a .lp file, their sizes in a .pl file."""
     folder = edited("furniture.lp", "may(bedroom,bed,1,2).", "may(bedroom,bed,1,2).")
     for file, lines in (
         ("furniture.lp", "type(study).\nmay(study,lectern,1,1).      stands(lectern, (back; left)).\n"),
@@ -171,8 +171,8 @@ def test_too_many_of_a_type_is_proved_impossible() -> None:
 
 def test_a_room_too_small_for_its_furniture_is_proved_impossible(edited: Edit) -> None:
     """No bed of 1.9 m and no passage fit into 2 m: stage 2 refutes every layout, which stage 1 learns."""
-    small = "room_size(bedroom,  2.0, 2.0).\nroom_size(pantry,"
-    folder = edited("sizes.pl", "room_size(bedroom,", small)
+    large = "room_size(bedroom,  W, D) :- { W >= 3.2, W =< 5.2, D >= 3.2, D =< 5.2 }."
+    folder = edited("sizes.pl", large, "room_size(bedroom, 2.0, 2.0).")
     with pytest.raises(Unsatisfiable) as caught:
         next(generate(rooms=3, grammar=folder))
     texts = [reason.text for reason in caught.value.reasons]
