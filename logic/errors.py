@@ -66,18 +66,28 @@ class Unsatisfiable(VitruviusError):
     """Proved: no house satisfies the request.
 
     ``reasons`` are a least set of the user's own statements and choices that clash: take one away and the
-    others do not (but more may clash than this). ``advice`` says what would do, if known.
+    others do not (but more may clash than this). ``unfurnishable`` names the types of room that are part of
+    it because they cannot be furnished. ``advice`` says what would do, if known.
     """
 
     exit_code = 3
 
-    def __init__(self, grammar: str, request: str, reasons: tuple[Reason, ...], advice: str = "") -> None:
+    def __init__(
+        self,
+        grammar: str,
+        request: str,
+        reasons: tuple[Reason, ...],
+        advice: str = "",
+        unfurnishable: tuple[str, ...] = (),
+    ) -> None:
         """Keep what clashes."""
-        self.grammar, self.request, self.reasons, self.advice = grammar, request, reasons, advice
+        self.grammar, self.request, self.reasons = grammar, request, reasons
+        self.advice, self.unfurnishable = advice, unfurnishable
+        bare = "".join(f", since no {type_} can be furnished" for type_ in unfurnishable)
         listed = "".join(f"\n  {reason}" for reason in reasons)
         only = "this forbids it" if len(reasons) == 1 else "these clash, so one of them must go"
         hint = f"\n{advice}" if advice else ""
-        super().__init__(f"no house of {grammar} has {request}: {only}{listed}{hint}")
+        super().__init__(f"no house of {grammar} has {request}{bare}: {only}{listed}{hint}")
 
 
 class LimitReached(VitruviusError):
@@ -101,7 +111,7 @@ def to_record(error: VitruviusError) -> dict[str, Any]:
     if isinstance(error, Unsatisfiable):
         reasons = msgspec.to_builtins(error.reasons)
         record |= {"grammar": error.grammar, "request": error.request, "reasons": reasons}
-        record["advice"] = error.advice
+        record |= {"advice": error.advice, "unfurnishable": list(error.unfurnishable)}
     return record
 
 
@@ -112,5 +122,6 @@ def from_record(record: dict[str, Any]) -> VitruviusError:
         return GrammarError(record["message"], record["file"], record["line"], record["column"])
     if kind is Unsatisfiable:
         reasons = msgspec.convert(record["reasons"], tuple[Reason, ...])
-        return Unsatisfiable(record["grammar"], record["request"], reasons, record["advice"])
+        bare = tuple(record["unfurnishable"])
+        return Unsatisfiable(record["grammar"], record["request"], reasons, record["advice"], bare)
     return kind(record["message"])

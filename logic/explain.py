@@ -5,17 +5,19 @@
 Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
 is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
-something. The lengths of the ``.pl`` files enter in the same way, in both stages.
+something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
+is anything from nothing to very much.
 """
 
 import functools
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import clingo
-from clingo import Function, Number, Symbol, ast
+from clingo import Function, Number, Symbol, SymbolType, ast
 
 from logic.errors import Reason
 from logic.layout import CORE, Part
@@ -23,6 +25,9 @@ from logic.placement import Clash
 
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
+
+FAR = 1_000_000
+"""Millimetres, more than anything measures; small enough for clingo to add up."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,9 @@ class Relaxed:
                 if clause not in numbers:
                     numbers[clause] = len(found)
                     found.append((reason, clause))
-                builder.add(ast.Rule(HERE, _literal(_atom(fact)), [_literal(_stated(numbers[clause]))]))
+                stated = _stated(numbers[clause])
+                for head, sign in ((fact, ast.Sign.NoSign), (_unbound(fact), ast.Sign.Negation)):
+                    builder.add(ast.Rule(HERE, _literal(_atom(head)), [_literal(stated, sign)]))
             for number in range(len(found)):
                 free = ast.ConditionalLiteral(HERE, _literal(_stated(number)), [])
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
@@ -179,5 +186,12 @@ def _atom(symbol: Symbol) -> ast.AST:
     return ast.SymbolicAtom(ast.Function(HERE, symbol.name, terms, False))
 
 
-def _literal(atom: ast.AST) -> ast.AST:
-    return ast.Literal(HERE, ast.Sign.NoSign, atom)
+def _unbound(length: Symbol) -> Symbol:
+    """The fact of a length of which nothing is known: its numbers are least and greatest ones in turn."""
+    bounds = itertools.cycle([Number(0), Number(FAR)])
+    numbers = [a if a.type != SymbolType.Number else next(bounds) for a in length.arguments]
+    return Function(length.name, numbers)
+
+
+def _literal(atom: ast.AST, sign: ast.Sign = ast.Sign.NoSign) -> ast.AST:
+    return ast.Literal(HERE, sign, atom)

@@ -1,109 +1,178 @@
 """The proof that there is no house, in the user's own words: what clashes, where it stands, what would do."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import Reason, Unsatisfiable
+from logic.errors import Reason, Unsatisfiable, VitruviusError
 from logic.explain import Relaxed, Statement, least
 from logic.grammar import Grammar
-from logic.placement import Placer
-from logic.request import Request, as_option
+from logic.placement import Clash, Layout, Placer, Refuted, RoomLayout
+from logic.request import Range, Request, as_option
 
-NEAR = 24
-"""How many other numbers of rooms, the nearest ones, are tried."""
+NEAR = 8
+"""How far from a number of rooms others are tried."""
 
 MOST_ROOMS = 128
 
+INFERENCES = 100_000_000
+"""Most Prolog inferences for a room on a grid."""
 
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
 """For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
 
 
 class Prover:
-    """Finds least sets of reasons why a request has no house."""
+    """Finds least sets of reasons why a request has no house.
+
+    The cell of a grid is taken as given, never among the reasons.
+    """
 
     def __init__(self, grammar: Grammar, placer: Placer, lengths: Lengths) -> None:
         """Know a grammar and the lengths of each of its room types."""
         self._grammar, self._placer, self._lengths = grammar, placer, lengths
+        self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
 
     def unsatisfiable(self, request: Request, unfurnishable: Iterable[str]) -> Unsatisfiable:
         """Why a request has no house, where some types of room are proved to have no furniture."""
-        unfurnishable = sorted(unfurnishable)
-        relaxed, statements = self._house(request, request.rooms, unfurnishable)
+        relaxed, statements = self._house(request, unfurnishable)
         kept = least(statements, lambda some: relaxed.model(some) is not None, relaxed.core)
-        reasons, advice = self._number_of_rooms(request, unfurnishable, kept)
-        for statement in kept:
-            bare = [type_ for type_ in unfurnishable if statement.reason == _bare(type_)]
-            reasons += self._room(request, bare[0]) if bare else [statement.reason]
-        return Unsatisfiable(self._grammar.name, str(request), tuple(dict.fromkeys(reasons)), advice)
+        named, rooms = self._number_of_rooms(request, unfurnishable, {each.reason for each in kept})
+        bare = {_bare(type_): type_ for type_ in sorted(unfurnishable)}
+        types = tuple(bare[each.reason] for each in kept if each.reason in bare)
+        reasons = [Reason(f"--rooms {request.rooms}")] if named else []
+        reasons += [each.reason for each in kept if each.reason not in bare]
+        for type_ in types:
+            reasons += self._room(request, type_)
+        unique = tuple(dict.fromkeys(reasons))
+        ways = [f"with --rooms {rooms}"] if rooms else []
+        for choice, other in _without_each(request):
+            if choice in unique and self._has_house(other):
+                ways.append(f"without {choice}")
+        advice = f"There is a house {', or '.join(ways)}." if ways else ""
+        return Unsatisfiable(self._grammar.name, str(request), unique, advice, types)
 
-    def _house(
-        self, request: Request, rooms: int, unfurnishable: Iterable[str]
-    ) -> tuple[Relaxed, list[Statement]]:
+    def _house(self, request: Request, unfurnishable: Iterable[str] = ()) -> tuple[Relaxed, list[Statement]]:
         """The program of a house's rooms, and all that may be left out of it."""
         wishes = wishes_for("among", request.types)
         relaxed = Relaxed(
             self._grammar.asp,
-            {"rooms": rooms},
+            {"rooms": request.rooms},
             [("house", []), *((wish.name, wish.arguments) for wish in wishes.values())],
         )
         statements = list(relaxed.statements)
         for name, wish in wishes.items():
-            reason = Reason(f"--type {name}={as_option(request.types[name])}")
+            reason = _option("--type", name, request.types)
             statements.append(relaxed.choice(reason, [Function("granted", [wish])]))
-        for type_ in unfurnishable:
-            atoms = [Function("room", [Number(number), Function(type_)]) for number in range(rooms)]
-            statements.append(relaxed.choice(_bare(type_), fails=atoms))
+        for type_ in sorted(unfurnishable):
+            statements.append(relaxed.choice(_bare(type_), fails=_rooms_of(type_, request)))
         return relaxed, statements
 
     def _number_of_rooms(
-        self, request: Request, unfurnishable: Iterable[str], kept: Sequence[Statement]
-    ) -> tuple[list[Reason], str]:
-        """The number of rooms is a reason where another one would do for what clashes."""
-        clashing = {statement.reason for statement in kept}
+        self, request: Request, unfurnishable: Iterable[str], clashing: Collection[Reason]
+    ) -> tuple[bool, int | None]:
+        """Whether another number of rooms would do for what clashes, and one that does for everything."""
         named = False
-        for rooms in sorted(range(1, MOST_ROOMS + 1), key=lambda n: abs(n - request.rooms))[1 : NEAR + 1]:
-            relaxed, statements = self._house(request, rooms, unfurnishable)
-            if (
-                relaxed.model([statement for statement in statements if statement.reason in clashing])
-                is not None
-            ):
+        for rooms in _others(request):
+            other = replace(request, rooms=rooms)
+            relaxed, statements = self._house(other, unfurnishable)
+            if relaxed.model([each for each in statements if each.reason in clashing]) is not None:
                 named = True
-                if relaxed.model(statements) is not None:
-                    return [Reason(f"--rooms {request.rooms}")], f"With --rooms {rooms} there is one."
-        return ([Reason(f"--rooms {request.rooms}")] if named else []), ""
+                if self._has_house(other):
+                    return named, rooms
+        return named, None
+
+    def _has_house(self, request: Request) -> bool:
+        """Whether a request has a house: rooms, each of which can be furnished."""
+        relaxed, statements = self._house(request)
+        while (layout := relaxed.model(statements)) is not None:
+            types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
+            bare = [type_ for type_ in sorted(types) if not self._is_furnishable(request, type_)]
+            if not bare:
+                return True
+            for type_ in bare:
+                statements.append(relaxed.choice(_bare(type_), fails=_rooms_of(type_, request)))
+        return False
+
+    def _is_furnishable(self, request: Request, type_: str) -> bool:
+        """Whether a room of this type can have what is asked for."""
+        wishes = tuple(request.wishes(type_))
+        if (type_, wishes) not in self._furnishable:
+            _, statements, possible = self._furniture(request, type_)
+            self._furnishable[type_, wishes] = possible(statements)
+        return self._furnishable[type_, wishes]
 
     def _room(self, request: Request, type_: str) -> list[Reason]:
         """Why no room of this type can be furnished."""
-        wishes = wishes_for("has", request.wants(type_))
+        relaxed, statements, possible = self._furniture(request, type_)
+        # This learns all that stage 2 refutes, so that the core is one of both stages.
+        if possible(statements):
+            raise VitruviusError(f"a {type_} was refuted that can be furnished")
+        return [each.reason for each in least(statements, possible, relaxed.core)]
+
+    def _furniture(
+        self, request: Request, type_: str
+    ) -> tuple[Relaxed, list[Statement], Callable[[Sequence[Statement]], bool]]:
+        """The program of a room's furniture, all that may be left out of it, and a test of both stages."""
         facts = self._lengths[type_]
+        pieces = {fact.arguments[0].name for fact, _ in facts if fact.name == "extent"}
+        wishes = [
+            (_option("--piece", name, request.furniture), *wishes_for("has", {piece: wanted}).values())
+            for name, piece, wanted in request.wishes(type_)
+            if piece in pieces
+        ]
         origins = self._placer.origins({clause for _, clause in facts})
-        located = [(fact, clause, _located(*origins[clause])) for fact, clause in facts if clause in origins]
         relaxed = Relaxed(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), *((wish.name, wish.arguments) for wish in wishes.values())],
-            located,
+            [("room", []), *((wish.name, wish.arguments) for _, wish in wishes)],
+            [(fact, clause, _located(*origins[clause])) for fact, clause in facts if clause in origins],
         )
         statements = list(relaxed.statements)
-        for name, wish in wishes.items():
-            option = next(key for key in (f"{type_}.{name}", name) if key in request.furniture)
-            reason = Reason(f"--piece {option}={as_option(request.furniture[option])}")
-            statements.append(relaxed.choice(reason, [Function("granted", [wish])]))
+        statements += [relaxed.choice(reason, [Function("granted", [wish])]) for reason, wish in wishes]
 
         def possible(some: Sequence[Statement]) -> bool:
-            without = {s.clause for s in relaxed.statements if s.clause is not None and s not in some}
+            without = {each.clause for each in relaxed.statements if each.clause and each not in some}
             while (furniture := relaxed.model(some)) is not None:
-                clash = self._placer.clash(Function(type_), furniture, without)
+                clash = self._clash(request, type_, furniture, without)
                 if clash is None:
                     return True
                 relaxed.refute(clash)
             return False
 
-        possible(statements)  # Learns all that stage 2 refutes, so that the core is one of both stages.
-        return [statement.reason for statement in least(statements, possible, relaxed.core)]
+        return relaxed, statements, possible
+
+    def _clash(
+        self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]
+    ) -> Clash | None:
+        """What clashes in a room with this furniture, some clauses left out; None if it has places."""
+        kind = Function(type_)
+        clash = self._placer.clash(kind, furniture, without)
+        if clash is None and request.cell and not without:
+            # Lengths that only have to be linear may fit where whole numbers of cells do not.
+            alone = Layout([RoomLayout(0, kind, Function("north"), furniture)], ())
+            try:
+                self._placer.place(alone, np.random.default_rng(0), INFERENCES)
+            except Refuted as refuted:
+                clash = refuted.clashes[0]
+        return clash
+
+
+def _others(request: Request) -> list[int]:
+    """Other numbers of rooms, the nearest first: near ones, few, ever more, and what the wishes add up to."""
+    wanted = sum(least for least, _ in request.types.values())
+    some = {*range(1, NEAR), *(2**n for n in range(8))}
+    for number in (request.rooms, wanted):
+        some.update(range(number - NEAR, number + NEAR + 1))
+    numbers = sorted(some & set(range(1, MOST_ROOMS + 1)) - {request.rooms})
+    return sorted(numbers, key=lambda number: abs(number - request.rooms))
+
+
+def _rooms_of(type_: str, request: Request) -> list[Symbol]:
+    return [Function("room", [Number(number), Function(type_)]) for number in range(request.rooms)]
 
 
 def wishes_for(kind: str, ranges: Mapping[str, Any]) -> dict[str, Symbol]:
@@ -113,6 +182,21 @@ def wishes_for(kind: str, ranges: Mapping[str, Any]) -> dict[str, Symbol]:
         name: Function(kind, [Function(name), Number(a), Number(most if b is None else b)])
         for name, (a, b) in sorted(ranges.items())
     }
+
+
+def _option(option: str, name: str, ranges: Mapping[str, Range]) -> Reason:
+    """A choice of the request's as on the command line."""
+    return Reason(f"{option} {name}={as_option(ranges[name])}")
+
+
+def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
+    """Each choice of the request's, and the request without it."""
+    for name in request.types:
+        fewer = {other: wanted for other, wanted in request.types.items() if other != name}
+        yield _option("--type", name, request.types), replace(request, types=fewer)
+    for name in request.furniture:
+        fewer = {other: wanted for other, wanted in request.furniture.items() if other != name}
+        yield _option("--piece", name, request.furniture), replace(request, furniture=fewer)
 
 
 def _bare(type_: str) -> Reason:

@@ -21,7 +21,8 @@ class Request:
     """The number of secondary rooms, how many are of each type, and how much furniture they have.
 
     ``furniture`` counts pieces in each room that may have them (``bed``) or in rooms of one type
-    (``bedroom.bed``). ``cell`` is the side of a grid's cell in metres, 0 for none.
+    (``bedroom.bed``); both hold where both are given. ``cell`` is the side of a grid's cell in metres, 0
+    for none.
     """
 
     rooms: int
@@ -48,20 +49,34 @@ class Request:
             record["cell"] = self.cell
         return record
 
+    def wishes(self, type_: str) -> list[tuple[str, str, Range]]:
+        """What a room of this type must have: for each wish its name, the piece, and how many."""
+        wishes = []
+        for name, wanted in sorted(self.furniture.items()):
+            of, _, piece = name.rpartition(".")
+            if of in {"", type_}:
+                wishes.append((name, piece, wanted))
+        return wishes
+
     def wants(self, type_: str) -> dict[str, Range]:
-        """How many pieces of each kind a room of this type must have."""
-        return {
-            name.rpartition(".")[2]: wanted
-            for name, wanted in self.furniture.items()
-            if name.rpartition(".")[0] in {"", type_}
-        }
+        """How many pieces of each kind a room of this type must have, by all wishes together."""
+        wants: dict[str, Range] = {}
+        for _, piece, (least, most) in self.wishes(type_):
+            a, b = wants.get(piece, (0, None))
+            bounds = [bound for bound in (b, most) if bound is not None]
+            wants[piece] = max(a, least), min(bounds, default=None)
+        return wants
 
     def __str__(self) -> str:
         """In words, as in ``3 rooms, 2 of type bedroom``."""
         rooms = f"{self.rooms} room{'s' if self.rooms != 1 else ''}"
         types = [f"{in_words(wanted)} of type {name}" for name, wanted in self.types.items()]
-        pieces = [f"{in_words(wanted)} {name} in a room" for name, wanted in self.furniture.items()]
-        return ", ".join([rooms, *types, *pieces])
+        pieces = []
+        for name, wanted in self.furniture.items():
+            of, _, piece = name.rpartition(".")
+            pieces.append(f"{in_words(wanted)} of {piece} in each {of or 'room for it'}")
+        grid = [f"all on a grid of {self.cell:g} m"] if self.cell else []
+        return ", ".join([rooms, *types, *pieces, *grid])
 
 
 def as_range(name: str, count: Any) -> Range:
