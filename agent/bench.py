@@ -173,12 +173,13 @@ RESULTS = """# How hard is a house?
 
 ![Solve time against rooms](generator.png)
 
-Times of one core in milliseconds; 20 houses of each size, each with random numbers of its own. One-off costs
-are apart, below. `house` is both stages, with whatever stage 2 refutes on the way; `layout` is stage 1 (clingo),
-`place` stage 2 (CLP(R)) for layouts that it does not refute. `rejection` is the original's method written anew,
-for rooms without furniture: draw all numbers, test, begin again; a plan that is not done in 20 s is censored,
-and the fit leaves it out. `decide` asks CLP(R), and HiGHS through SciPy, whether the same linear systems, those
-of all rooms of a house with every size unknown, have a solution.
+Times of one core in milliseconds; 20 houses of each size, each with random numbers of its own. One-off
+costs are apart, below. `house` is both stages, with whatever stage 2 refutes on the way; `layout` is
+stage 1 (clingo), `place` stage 2 (CLP(R)) for layouts that it does not refute. `rejection` is the
+original's method written anew, for rooms without furniture: draw all numbers, test, begin again; a plan
+that is not done in 20 s is censored, and the fit leaves it out. `decide` asks CLP(R), and HiGHS through
+SciPy, whether the same linear systems, those of all rooms of a house with every size unknown, have a
+solution.
 
 | what | rooms | mean | median | p95 | p95/median | |
 |---|---|---|---|---|---|---|

@@ -62,6 +62,9 @@ class Generate:
     seconds: float = 60.0
     """Most seconds for a house."""
 
+    count_layouts: bool = False
+    """Make no houses, but count the layouts that they are drawn from."""
+
     out: Path | None = None
     """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
 
@@ -69,6 +72,8 @@ class Generate:
         """Write the houses; where a limit or Ctrl-C ends the work, those made so far, and a note of why."""
         from logic import generate, save
 
+        if self.count_layouts:
+            return self._count()
         _require_writable(self.out, self.count)
         houses: list[House] = []
         request = generate(
@@ -98,6 +103,21 @@ class Generate:
             save(houses, self.out)
             _say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
         return 0
+
+    def _count(self) -> int:
+        """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
+        from logic import count_layouts
+
+        counts = count_layouts(
+            self.rooms,
+            types=_counts("--type", self.type),
+            furniture=_counts("--piece", self.piece),
+            grammar=self.grammar,
+            seconds=self.seconds,
+        )
+        for name, number, whole in counts:
+            print(f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}")
+        return 0 if all(whole for _, _, whole in counts) else 4
 
 
 @dataclass(frozen=True)

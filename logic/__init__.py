@@ -11,7 +11,7 @@ from logic.errors import (
     VitruviusError,
 )
 from logic.files import load, save
-from logic.generate import Finding, generate, lint
+from logic.generate import Finding, count_layouts, generate, lint
 from logic.house import Door, House, Piece, Rect, Room
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "Unsatisfiable",
     "VitruviusError",
     "check",
+    "count_layouts",
     "generate",
     "lint",
     "load",

@@ -1,6 +1,6 @@
 """From a request to a house: the two stages, and what goes between them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
@@ -12,15 +12,18 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import LimitReached
+from logic.errors import LimitReached, Reason, Unsatisfiable
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
-from logic.layout import Program
+from logic.layout import EVERY, Program
 from logic.lint import Linter
 from logic.messages import placed_error
-from logic.placement import Layout, Refuted, RoomLayout
-from logic.proof import Prover, wishes_for
-from logic.request import Request, known
+from logic.placement import Cramped, Layout, Refuted, RoomLayout
+from logic.proof import Prover, stays_for, wishes_for
+from logic.request import Request, as_option, known
+
+MOST_CRAMPED = 200
+"""How often rooms that are drawn may fail to fit between those that stay, though others might."""
 
 
 class Builder:
@@ -60,7 +63,11 @@ class Builder:
             while True:
                 try:
                     plan = self.place(layout, rng, inferences, least=refuted.count > 1)
-                    return self._as_house(plan, request, seed, index)
+                    return self._as_house(plan, layout, request, seed, index)
+                except Cramped as proof:
+                    inferences -= proof.inferences
+                    self._note_cramped(proof, layout, request, refuted)
+                    layout = self.layout(request, rng, refuted)
                 except Refuted as proof:
                     inferences -= proof.inferences
                     if inferences <= 0:
@@ -93,6 +100,8 @@ class Builder:
         """The layout with new furniture in these rooms; None, learnt, where a type of room can have none."""
         rooms = list(layout.rooms)
         for number in numbers:
+            if rooms[number].kept:
+                continue
             type_ = rooms[number].type.name
             program, wishes = self._furnishing_for(type_, request)
             furniture = program.draw(rng, wishes, guard=refuted.guards.get(program))
@@ -111,19 +120,73 @@ class Builder:
     def _draw_rooms(self, request: Request, rng: np.random.Generator, refuted: "Refutations") -> Layout:
         """A layout without furniture, and without the types of room that cannot have any."""
         wishes = wishes_for("among", request.types)
+        wishes |= stays_for(request.keep)
         program = self._housing(request.rooms, tuple(wishes.values()))
-        atoms = program.draw(rng, map(_granted, wishes.values()), _rooms_of(refuted.unfurnishable, request))
+        granted, without = map(_granted, wishes.values()), _rooms_of(refuted.unfurnishable, request)
+        atoms = program.draw(rng, granted, without, refuted.guards.get(program))
+        if atoms is None and request.keep:
+            raise self._nothing_fits(request, refuted)
         if atoms is None:
             prover = Prover(self._grammar, self._placer, self._lengths)
             raise prover.unsatisfiable(request, refuted.unfurnishable)
         types = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "room"}
         sides = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "side"}
-        rooms = [RoomLayout(number, types[number], sides[number], ()) for number in sorted(types)]
+        kept = {a.arguments[1].number: request.keep[a.arguments[0].number] for a in atoms if a.name == "kept"}
+        rooms = [
+            RoomLayout(number, types[number], sides[number], (), kept=kept.get(number))
+            for number in sorted(types)
+        ]
         return Layout(rooms, [atom for atom in atoms if atom.name == "corner"])
+
+    def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool]]:
+        """How many layouts there are: of the rooms, and of the furniture of each type of room.
+
+        A name, the number, and whether it is all of them: False where the seconds for each ran out.
+        """
+        self._require_known(request)
+        wishes = tuple(wishes_for("among", request.types).values())
+        program = Program(*self._housing_parts(request.rooms, wishes), arguments=EVERY)
+        yield (str(request), *program.count(map(_granted, wishes), seconds))
+        for type_ in self.types:
+            granted = self._wants(type_, request)
+            program = Program(*self._furnishing_parts(type_, granted), arguments=EVERY)
+            yield (type_, *program.count(map(_granted, granted), seconds))
+
+    def _note_cramped(self, proof: Cramped, layout: Layout, request: Request, refuted: "Refutations") -> None:
+        """Exclude a hopeless order of the rooms; raises ``LimitReached`` after many that only did not fit."""
+        refuted.cramped += not proof.hopeless
+        if refuted.cramped == MOST_CRAMPED:
+            raise LimitReached(
+                f"{MOST_CRAMPED} times the rooms drawn did not fit between those that stay, though smaller "
+                "ones might: try another seed, fewer rooms or smaller types"
+            )
+        if proof.hopeless:
+            wishes = wishes_for("among", request.types) | stays_for(request.keep)
+            sides = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
+            stays = {
+                Function("kept", [Number(request.keep.index(room.kept)), Number(room.number)]): True
+                for room in layout.rooms
+                if room.kept
+            }
+            corners = dict.fromkeys(layout.corners, True)
+            refuted.add(self._housing(request.rooms, tuple(wishes.values())), sides | stays | corners)
+
+    def _nothing_fits(self, request: Request, refuted: "Refutations") -> Unsatisfiable:
+        """The proof where rooms stay: the choices that no order of the rooms satisfies."""
+        reasons = [Reason(f"--rooms {request.rooms}")]
+        reasons += [Reason(f"--type {name}={as_option(n)}") for name, n in request.types.items()]
+        reasons += [
+            Reason(f"keep: the {kept.room.type}, {kept.width:.2f} by {kept.depth:.2f} m, {kept.side} side")
+            for kept in request.keep
+        ]
+        reasons += [
+            Reason(f"no room of type {type_} can be furnished") for type_ in sorted(refuted.unfurnishable)
+        ]
+        return Unsatisfiable(self._grammar.name, str(request), tuple(reasons))
 
     def _require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
-        for type_ in request.types:
+        for type_ in (*request.types, *(kept.room.type for kept in request.keep)):
             known("room type", type_, self.types)
         for name in request.furniture:
             type_, _, piece = name.rpartition(".")
@@ -135,21 +198,31 @@ class Builder:
     @cache  # noqa: B019 (a builder lives as long as its process)
     def _housing(self, rooms: int, wishes: tuple[Symbol, ...]) -> Program:
         """The program of a house's rooms, with these wishes to be granted."""
+        return Program(*self._housing_parts(rooms, wishes))
+
+    def _housing_parts(self, rooms: int, wishes: tuple[Symbol, ...]) -> tuple[Any, ...]:
         parts = [("house", []), *((wish.name, wish.arguments) for wish in wishes)]
-        return Program(self._grammar.asp, {"rooms": rooms}, parts)
+        return self._grammar.asp, {"rooms": rooms}, parts
 
     def _furnishing_for(self, type_: str, request: Request) -> tuple[Program, list[Symbol]]:
         """The program that furnishes a room of this type, and what is to be granted in it."""
-        wants = {name: n for name, n in request.wants(type_).items() if name in self._pieces[type_]}
-        wishes = tuple(wishes_for("has", wants).values())
+        wishes = self._wants(type_, request)
         return self._furnishing(type_, wishes), [_granted(wish) for wish in wishes]
+
+    def _wants(self, type_: str, request: Request) -> tuple[Symbol, ...]:
+        """What a request wishes of the furniture in a room of this type."""
+        wants = {name: n for name, n in request.wants(type_).items() if name in self._pieces[type_]}
+        return tuple(wishes_for("has", wants).values())
 
     @cache  # noqa: B019
     def _furnishing(self, type_: str, wishes: tuple[Symbol, ...] = ()) -> Program:
         """The program of a room's furniture, with the extremes of its lengths as facts."""
+        return Program(*self._furnishing_parts(type_, wishes))
+
+    def _furnishing_parts(self, type_: str, wishes: tuple[Symbol, ...]) -> tuple[Any, ...]:
         facts = [(fact.name, fact.arguments) for fact, _ in self._lengths[type_]]
         parts = [("room", []), *facts, *((wish.name, wish.arguments) for wish in wishes)]
-        return Program(self._grammar.asp, {"this_room": type_}, parts)
+        return self._grammar.asp, {"this_room": type_}, parts
 
     def _lengths_by_type(self, lengths: dict[str, Any]) -> dict[str, list[tuple[Symbol, Symbol]]]:
         """For each room type what stage 1 knows of lengths, each fact with the clause that it comes from."""
@@ -181,7 +254,9 @@ class Builder:
             if own and "does not occur in any rule head" not in remark:
                 raise error
 
-    def _as_house(self, plan: dict[str, Any], request: Request, seed: int, index: int) -> House:
+    def _as_house(
+        self, plan: dict[str, Any], layout: Layout, request: Request, seed: int, index: int
+    ) -> House:
         provenance = Provenance(
             grammar=self._grammar.name,
             grammar_hash=self._grammar.hash,
@@ -190,8 +265,14 @@ class Builder:
             index=index,
             versions=self.versions,
         )
-        rooms = tuple(msgspec.convert(plan["rooms"], list[Room]))
-        return House(msgspec.convert(plan["floor"], Rect), rooms, provenance=provenance)
+        floor = msgspec.convert(plan["floor"], Rect)
+        planned = [msgspec.convert(room, Room | None) for room in plan["rooms"]]
+        if request.keep:
+            floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
+        rooms = tuple(
+            room.kept.room if room.kept else new for room, new in zip(layout.rooms, planned, strict=True)
+        )
+        return House(floor, rooms, provenance=provenance)
 
 
 class Refutations:
@@ -202,6 +283,7 @@ class Refutations:
         self.unfurnishable: set[str] = set()
         self.guards: dict[Program, int] = {}
         self.count = 0
+        self.cramped = 0
 
     def add(self, program: Program, atoms: Mapping[Symbol, bool]) -> None:
         """No layout of the program in which just these atoms hold, or fail, has a solution."""
@@ -218,6 +300,16 @@ class Refutations:
         """Forget all that is refuted."""
         for program, guard in self.guards.items():
             program.forget(guard)
+
+
+def _moved(rect: Any, x: float, y: float) -> Any:
+    """A rectangle moved, with all that it holds."""
+    changes: dict[str, Any] = {"x": rect.x + x, "y": rect.y + y}
+    if hasattr(rect, "children"):
+        changes["children"] = tuple(_moved(child, x, y) for child in rect.children)
+    if hasattr(rect, "door"):
+        changes["door"] = _moved(rect.door, x, y)
+    return msgspec.structs.replace(rect, **changes)
 
 
 def _granted(wish: Symbol) -> Symbol:

@@ -234,6 +234,8 @@ def _main_room(house: House, promises: Promises) -> Iterator[str]:
     short, long = sorted((house.floor.width, house.floor.height))
     if long > ELONGATION * short + TOLERANCE:
         yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
+    if house.provenance and "keep" in house.provenance.request:
+        return  # It reaches from one room that stays to the other, however far.
     if house.format != FORMAT or not house.rooms or any(side_of(house, room) is None for room in house.rooms):
         return
     least = least_area(house, math.inf if promises.room_gap is None else max(promises.room_gap, CLEARANCE))

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import msgspec
 from logic.errors import GrammarError, LimitReached, RequestError, VitruviusError, from_record
 from logic.grammar import find
 from logic.house import House
+from logic.keep import kept_rooms
 from logic.request import Count, Request
 
 MOST_ROOMS = 128
@@ -35,6 +37,7 @@ def generate(
     types: Mapping[str, Count] | None = None,
     furniture: Mapping[str, Count] | None = None,
     cell: float = 0.0,
+    keep: House | None = None,
     grammar: str | Path = "family",
     seed: int = 0,
     count: int = 1,
@@ -50,6 +53,8 @@ def generate(
     ``furniture`` counts in the same way the pieces in each room that may have them, or in rooms of one type:
     ``{"bed": 1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the body's 0.287) every edge
     of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
+    The rooms of ``keep`` (as in ``house.only("R0", "R2")``) stay where they are, with their doors and
+    furniture, and are among the ``rooms``; all else, the main room too, is generated anew around them.
     ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
     request, the seed and ``i``: the number of ``workers``, each a process of its own, changes nothing but the
     time. ``inferences`` (of Prolog) and ``seconds`` bound each house.
@@ -71,9 +76,40 @@ def generate(
     if cell and not BODY <= cell <= 2:
         raise RequestError(f"cell must be {BODY} m (the body's width) to 2 m, not {cell!r}")
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}, "cell": cell})
+    if keep is not None:
+        if cell:
+            raise RequestError("keep: rooms that stay need not lie on the grid: leave out cell or keep")
+        if not 0 < len(keep.rooms) <= rooms:
+            raise RequestError(f"keep: 1 to {rooms} of the {rooms} rooms can stay, not {len(keep.rooms)}")
+        wanted = replace(wanted, keep=tuple(kept_rooms(keep)))
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
     opening = {"grammar": str(find(grammar).directory), "cell": float(cell)}
     return _houses(opening, question, range(start, start + count), workers, seconds)
+
+
+def count_layouts(
+    rooms: int,
+    *,
+    types: Mapping[str, Count] | None = None,
+    furniture: Mapping[str, Count] | None = None,
+    grammar: str | Path = "family",
+    seconds: float = 60.0,
+) -> list[tuple[str, int, bool]]:
+    """Count the layouts that stage 1 draws from: of the rooms of a house, and of the furniture of each type.
+
+    Each is a name, a number, and whether that is exact: it is False where more than so many were found in
+    ``seconds``. Room layouts say types, sides, corners; furniture layouts all that ``rules/room.lp`` shows.
+    Raises as ``generate`` does.
+    """
+    wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
+    worker = _Worker({"grammar": str(find(grammar).directory), "cell": 0.0})
+    try:
+        worker.answer(START_UP, f"{grammar}: loading took {START_UP:g} s: do its rules recur without end?")
+        worker.ask({"count": seconds, "request": wanted.to_dict()})
+        patience = START_UP + 100 * seconds
+        return [(name, number, whole) for name, number, whole in worker.answer(patience, "late")["counts"]]
+    finally:
+        worker.end()
 
 
 class Finding(msgspec.Struct, frozen=True):

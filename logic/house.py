@@ -91,6 +91,17 @@ class House(msgspec.Struct, frozen=True):
     format: Literal["vitruvius-1", "original"] = FORMAT
     provenance: Provenance | None = None
 
+    def only(self, *names: str) -> House:
+        """The house with these rooms alone, by name (``"R0"``), to be kept: see ``generate``.
+
+        Raises ``ValueError`` for a name that no room has.
+        """
+        known = {f"R{index}": room for index, room in enumerate(self.rooms)}
+        for name in names:
+            if name not in known:
+                raise ValueError(f"there is no room {name}: the house has {', '.join(known)}")
+        return House(self.floor, tuple(room for name, room in known.items() if name in names), self.format)
+
     @classmethod
     def from_dict(cls, record: dict[str, Any]) -> House:
         """Read a house from its JSON form; lengths without ``unit`` are the original's pixels.

@@ -8,6 +8,7 @@ in just this order, so what it has to take back is refuted, and the first model 
 numbers alone, never on what was solved before.
 """
 
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,6 +22,9 @@ from logic.messages import clingo_error
 
 Part = tuple[str, Sequence[Symbol]]
 
+EVERY = ("--models=0", "--project=show")
+"""Arguments of a program that is to give every layout once."""
+
 CORE = Path(__file__).parent / "rules" / "core.lp"
 
 
@@ -32,6 +36,7 @@ class Program:
         files: Iterable[Path],
         constants: Mapping[str, object],
         parts: Iterable[Part],
+        arguments: Iterable[str] = (),
     ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
@@ -40,7 +45,7 @@ class Program:
         """
         self.remarks: list[str] = []
         self._control = clingo.Control(
-            [f"-c{name}={value}" for name, value in constants.items()],
+            [*arguments, *(f"-c{name}={value}" for name, value in constants.items())],
             logger=lambda _, text: self.remarks.append(text),
             message_limit=1000,
         )
@@ -105,6 +110,18 @@ class Program:
         ):
             model = handle.model()
             return None if model is None else sorted(model.symbols(shown=True))
+
+    def count(self, assumed: Iterable[Symbol], seconds: float) -> tuple[int, bool]:
+        """The number of layouts with all assumed atoms; False where there are more than were counted in time.
+
+        The program must have been made with the arguments ``EVERY``.
+        """
+        deadline, number = time.monotonic() + seconds, 0
+        with self._control.solve(assumptions=self._literals(assumed, ()), yield_=True) as handle:
+            for number, _ in enumerate(handle, start=1):
+                if time.monotonic() > deadline:
+                    return number, False
+        return number, True
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]

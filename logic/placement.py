@@ -15,6 +15,7 @@ from clingo import Function, Symbol, parse_term
 
 from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
 from logic.grammar import Grammar
+from logic.keep import Kept
 
 NAMES = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that every grammar states, each as a fact of this name."""
@@ -29,6 +30,7 @@ class RoomLayout:
     side: Symbol
     furniture: Sequence[Symbol]
     seed: int = 0
+    kept: Kept | None = None
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,15 @@ class Refuted(Exception):
         """Keep what clashes in each room, by number, and the Prolog inferences that the proof took."""
         super().__init__(f"rooms {list(clashes)} are refuted")
         self.clashes, self.inferences = clashes, inferences
+
+
+class Cramped(Exception):
+    """These rooms do not fit between those that stay; where it is hopeless, no other sizes do either."""
+
+    def __init__(self, hopeless: bool, inferences: int) -> None:
+        """Keep the Prolog inferences that it took."""
+        super().__init__("the rooms do not fit between those that stay")
+        self.hopeless, self.inferences = hopeless, inferences
 
 
 class Placer:
@@ -128,13 +139,17 @@ class Placer:
     ) -> dict[str, Any]:
         """Place a layout: ``{"floor": {}, "rooms": [{}], "inferences": n}``, metres, as in a house file.
 
+        Of rooms that stay the plan is None, and ``corner`` is where the main room's corner is.
+
         A refutation's clashes are ``least``, or else found five times as quickly.
 
         Raises ``Refuted`` where the constraints have no solution, ``LimitReached`` past so many inferences.
         """
         # Seeds for the rooms and the main room: numbers by the thousand cost more to pass than to draw.
         rooms = ",".join(
-            f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{room.seed})"
+            _stays(room.number, room.kept)
+            if room.kept
+            else f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{room.seed})"
             for room in layout.rooms
         )
         seed, proof = rng.integers(2**63), "least" if least else "quick"
@@ -142,6 +157,8 @@ class Placer:
         answer = self._json(goal)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
+        if "cramped" in answer:
+            raise Cramped(answer["cramped"], answer["inferences"])
         if "refuted" in answer:
             raise Refuted({room: _clash(why) for room, why in answer["refuted"]}, answer["inferences"])
         return answer
@@ -176,6 +193,11 @@ class Placer:
         if not answers:
             raise VitruviusError(f"SWI-Prolog has no answer to: {goal[:200]}")
         return answers[0]
+
+
+def _stays(number: int, kept: Kept) -> str:
+    measures = (kept.width, kept.depth, kept.door, kept.along, kept.wall)
+    return f"stays({number},{kept.side},{','.join(map(repr, measures))})"
 
 
 def _clash(reasons: Iterable[tuple[str, str]]) -> Clash:

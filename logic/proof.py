@@ -10,6 +10,7 @@ from clingo import Function, Number, Symbol
 from logic.errors import Reason, Unsatisfiable, VitruviusError
 from logic.explain import Relaxed, Statement, least
 from logic.grammar import Grammar
+from logic.keep import Kept
 from logic.placement import Clash, Layout, Placer, Refuted, RoomLayout
 from logic.request import Range, Request, as_option
 
@@ -197,6 +198,14 @@ def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
     for name in request.furniture:
         fewer = {other: wanted for other, wanted in request.furniture.items() if other != name}
         yield _option("--piece", name, request.furniture), replace(request, furniture=fewer)
+
+
+def stays_for(keep: Sequence[Kept]) -> dict[str, Symbol]:
+    """That rooms stay where they are, as terms, see ``rules/wishes.lp``."""
+    return {
+        f"keep {number}": Function("stays", [Number(number), Function(kept.room.type), Function(kept.side)])
+        for number, kept in enumerate(keep)
+    }
 
 
 def _bare(type_: str) -> Reason:

@@ -4,7 +4,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import msgspec
+
 from logic.errors import RequestError
+from logic.keep import Kept, from_records
 from logic.spelling import closest
 
 Range = tuple[int, int | None]
@@ -29,6 +32,8 @@ class Request:
     types: Mapping[str, Range] = field(default_factory=dict)
     furniture: Mapping[str, Range] = field(default_factory=dict)
     cell: float = 0.0
+    keep: tuple[Kept, ...] = ()
+    """Rooms of another house that stay where they are, clockwise."""
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
@@ -38,6 +43,7 @@ class Request:
             {name: as_range(f"type {name}", count) for name, count in record.get("types", {}).items()},
             {name: as_range(f"piece {name}", count) for name, count in record.get("furniture", {}).items()},
             record.get("cell", 0.0),
+            tuple(from_records(record.get("keep", ()))),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -47,6 +53,8 @@ class Request:
             record["furniture"] = _counts(self.furniture)
         if self.cell:
             record["cell"] = self.cell
+        if self.keep:
+            record["keep"] = [msgspec.to_builtins(kept.room) for kept in self.keep]
         return record
 
     def wishes(self, type_: str) -> list[tuple[str, str, Range]]:
@@ -76,7 +84,8 @@ class Request:
             of, _, piece = name.rpartition(".")
             pieces.append(f"{in_words(wanted)} of {piece} in each {of or 'room for it'}")
         grid = [f"all on a grid of {self.cell:g} m"] if self.cell else []
-        return ", ".join([rooms, *types, *pieces, *grid])
+        kept = [f"{kept.room.type} kept on the {kept.side} side" for kept in self.keep]
+        return ", ".join([rooms, *types, *pieces, *grid, *kept])
 
 
 def as_range(name: str, count: Any) -> Range:

@@ -42,6 +42,9 @@ def main() -> None:
             elif builder is None:
                 builder = Builder(find(request["grammar"]), request["cell"])
                 answer = {"versions": builder.versions}
+            elif "count" in request:
+                wanted = Request.read(request["request"])
+                answer = {"counts": list(builder.counts(wanted, request["count"]))}
             else:
                 wanted = Request.read(request["request"])
                 house = builder.house(wanted, request["seed"], request["index"], request["inferences"])

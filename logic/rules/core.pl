@@ -81,8 +81,7 @@ house(layout(Rooms,Corners,Seed,Proof), Answer) :-
     retractall(kept(_,_)),
     (   Refuted == []
     ->  maplist(rigid, Furnished, Rigid),
-        call(around(Rigid, Corners, Main, Starts), Seed, _),
-        plan(Main, Starts, Furnished, Answer)
+        placed_around(Rigid, Corners, Furnished, Seed, Answer)
     ;   maplist(keep, Rooms, Furnished),
         Answer = _{refuted:Refuted} ).
 
@@ -90,8 +89,10 @@ house(layout(Rooms,Corners,Seed,Proof), Answer) :-
 
 :- dynamic kept/2.
 
+keep(stays(_,_,_,_,_,_,_), _).
 keep(room(_,_,_,_,Seed), _-Room) :- ( var(Room) -> true ; assertz(kept(Seed, Room)) ).
 
+furnished_room(_, stays(_,Side,W,D,Door,Along,Wall), Side-kept(W,D,Door,stays(Along,Wall)), []) :- !.
 furnished_room(_, room(_,_,Side,_,Seed), Side-Room, []) :- kept(Seed, Room), !.
 furnished_room(Proof, room(R,Type,Side,Layout,Seed), Side-Room, Clashes) :-
     call(furnished(Type, Layout, Proof, Answer), Seed, _),
@@ -99,7 +100,28 @@ furnished_room(Proof, room(R,Type,Side,Layout,Seed), Side-Room, Clashes) :-
     ->  maplist(reason, Reasons, Told), Clashes = [[R,Told]]
     ;   Room = Answer, Clashes = [] ).
 
-rigid(Side-room(_,W,D,Door,_,_,_), r(Side,W,D,Door)).
+rigid(Side-room(_,W,D,Door,_,_,_), r(Side,W,D,Door,free)).
+rigid(Side-kept(W,D,Door,Place), r(Side,W,D,Door,Place)).
+
+%   Where rooms of another house stay, Answer has the corner of the main room too; or says that the rooms do not fit
+%   between them, and if that is so whatever their sizes.
+
+placed_around(Rigid, Corners, Furnished, Seed, Answer) :-
+    memberchk(r(_,_,_,_,stays(_,_)), Rigid), !,
+    (   call(around_kept(Rigid, Corners, Main, at(West,North), Starts), Seed, _)
+    ->  plan(Main, Starts, Furnished, Plan),
+        Answer = Plan.put(corner, [West,North])
+    ;   maplist(narrowest, Rigid, Narrow),
+        ( hopeless(Narrow, Corners) -> Hopeless = true ; Hopeless = false ),
+        Answer = _{cramped:Hopeless} ).
+placed_around(Rigid, Corners, Furnished, Seed, Answer) :-
+    call(around(Rigid, Corners, Main, Starts), Seed, _),
+    plan(Main, Starts, Furnished, Answer).
+
+narrowest(r(Side,_,D,Door,free), r(Side,Least,D,Door,free)) :- !,
+    findall(W, ( clause(grammar:room_size(Type,_,_), _), room_extent(Type, W, _, _, _) ), Ws),
+    min_list(Ws, Least).
+narrowest(Room, Room).
 
 reason(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
 reason(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).

@@ -19,6 +19,7 @@ plan(Main, Starts, Rooms, _{floor:Floor, rooms:Plans}) :-
     rectangle(frame(north,Main,0.0), box(0,-H,W,H), Floor),
     maplist(room_plan(Main), Rooms, Starts, Plans).
 
+room_plan(_, _-kept(_,_,_,_), _, null) :- !.
 room_plan(Main, Side-room(Type,W,D,Door,_,Stretches,islands(_,Islands)), Start, Plan) :-
     length_of(door_width, DoorWidth),
     Frame = frame(Side,Main,Start),

@@ -1,0 +1,74 @@
+"""Rooms of another house stay where they are, and the rest is generated anew around them."""
+
+import msgspec
+import pytest
+
+from logic import House, RequestError, Unsatisfiable, check, generate
+from logic.keep import kept_rooms
+
+
+@pytest.fixture(scope="module")
+def house() -> House:
+    return next(generate(rooms=5, seed=3))
+
+
+@pytest.mark.parametrize("names", [("R0",), ("R1", "R3"), ("R0", "R2", "R4"), ("R0", "R1", "R2", "R3", "R4")])
+@pytest.mark.parametrize("rooms", [5, 6])
+def test_what_is_kept_stays_and_the_rest_is_new(house: House, names: tuple[str, ...], rooms: int) -> None:
+    kept = house.only(*names)
+    for made in generate(rooms=rooms, keep=kept, seed=9, count=3):
+        assert check(made) == []
+        assert len(made.rooms) == rooms
+        assert all(room in made.rooms for room in kept.rooms)
+        assert not any(room in made.rooms for room in house.rooms if room not in kept.rooms)
+        assert made.floor != house.floor
+
+
+def test_a_house_with_kept_rooms_can_be_made_again(house: House) -> None:
+    made = list(generate(rooms=6, keep=house.only("R1"), seed=2, count=4, workers=2))
+    assert list(generate(rooms=6, keep=house.only("R1"), seed=2, count=2, start=2)) == made[2:]
+    assert House.from_dict(msgspec.json.decode(msgspec.json.encode(made[0].to_dict()))) == made[0]
+
+
+def test_kept_rooms_count_among_the_types(house: House) -> None:
+    kept = house.only("R0")
+    type_ = kept.rooms[0].type
+    (made,) = generate(rooms=4, keep=kept, types={type_: 1})
+    assert [room.type for room in made.rooms].count(type_) == 1
+    with pytest.raises(Unsatisfiable, match=f"{type_} kept on the"):
+        next(generate(rooms=4, keep=kept, types={type_: 0}))
+
+
+def test_rooms_that_no_main_room_joins_are_proved_impossible(house: House) -> None:
+    """Two rooms on one side, their walls with the doors half a metre apart: no straight wall holds both."""
+    one = kept_rooms(house)[0]
+    along, away = ("x", "y") if one.side in {"north", "south"} else ("y", "x")
+
+    def moved(rect):
+        changes = {along: getattr(rect, along) + 20, away: getattr(rect, away) + 0.5}
+        return msgspec.structs.replace(rect, **changes)
+
+    other = msgspec.structs.replace(moved(one.room), door=moved(one.room.door), children=())
+    both = msgspec.structs.replace(house, rooms=(one.room, other), provenance=None)
+    with pytest.raises(Unsatisfiable) as caught:
+        next(generate(rooms=4, keep=both))
+    assert sum("keep: the" in reason.text for reason in caught.value.reasons) == 2
+
+
+def test_what_cannot_be_kept_is_refused(house: House) -> None:
+    with pytest.raises(ValueError, match="no room R7"):
+        house.only("R7")
+    with pytest.raises(RequestError, match="1 to 2"):
+        generate(rooms=2, keep=house)
+    with pytest.raises(RequestError, match="grid"):
+        generate(rooms=6, keep=house, cell=0.3)
+    with pytest.raises(RequestError, match="overlap the main room"):
+        generate(rooms=6, keep=msgspec.structs.replace(house, format="original"))
+    with pytest.raises(RequestError, match="no room type"):
+        next(generate(rooms=6, keep=house, grammar="clinic"))
+
+
+def test_rooms_are_counted_clockwise(house: House) -> None:
+    sides = [kept.side for kept in kept_rooms(house)]
+    assert sides == sorted(sides, key=["north", "east", "south", "west"].index)
+    assert [kept.room for kept in kept_rooms(house)] == list(house.rooms)
