@@ -31,7 +31,7 @@ def shown(program: Program) -> list[Symbol]:
 
 @pytest.mark.parametrize("kind", ["bathroom", "bedroom", "hall", "kitchen"])
 def test_what_capacity_refuses_has_no_places(builder: Builder, kind: str) -> None:
-    strict = builder._furnishing[kind]
+    strict = builder._furnishing(kind)
     pieces = {
         str(symbol.arguments[1]) for symbol in strict.atoms("may", 4) if str(symbol.arguments[0]) == kind
     }
