@@ -94,7 +94,7 @@ def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
     """Houses differ in their work: a bound between the least and the most ends the series on its way."""
     file = tmp_path / "houses.jsonl"
     ended = vitruvius(
-        "generate", "--rooms", 8, "--start", 3, "--count", 60, "--inferences", 60_000, "--out", file
+        "generate", "--rooms", 8, "--start", 3, "--count", 60, "--inferences", 70_000, "--out", file
     )
     assert ended.returncode == 4
     kept = load(file)
