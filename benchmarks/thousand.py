@@ -1,6 +1,6 @@
 """A thousand houses of all sizes and grammars, on a grid too, each held to its promises.
 
-``python benchmarks/thousand.py`` prints a line for each grammar and what is wrong; it ends with 1 if anything is.
+``python benchmarks/thousand.py`` prints a line for each grammar and what is wrong; ends with 1 if so.
 """
 
 import sys
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from logic import House, check, generate
 from logic.grammar import shipped
 
-SIZES = {rooms: 19 for rooms in range(1, 17)} | {32: 4, 64: 2, 128: 1}
+SIZES = dict.fromkeys(range(1, 17), 19) | {32: 4, 64: 2, 128: 1}
 CELLS = (0.0, 0.3)
 
 

@@ -16,7 +16,7 @@ from logic.errors import LimitReached, Reason, Unsatisfiable
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
 from logic.layout import EVERY, Program
-from logic.lint import Linter
+from logic.linter import Linter
 from logic.messages import placed_error
 from logic.placement import Cramped, Layout, Refuted, RoomLayout
 from logic.proof import Prover, stays_for, wishes_for

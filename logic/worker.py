@@ -36,7 +36,7 @@ def main() -> None:
             from logic.request import Request
 
             if "lint" in request:
-                from logic.lint import findings
+                from logic.linter import findings
 
                 answer = {"findings": findings(find(request["grammar"]))}
             elif builder is None:

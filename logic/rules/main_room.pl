@@ -37,11 +37,18 @@ all_packed([], _, _)                  --> [].
 all_packed([Chain|Chains], Gap, Before) --> packed_constraints(Chain, Gap, Before), all_packed(Chains, Gap, Before).
 
 side_chain(Rooms, Corners, Gap, Origin, Side-Wall, Blocks) :-
-    findall(s(Width,Door,Place), member(r(Side,Width,_,Door,Place), Rooms), Standing),
+    standing(Rooms, Side, Standing),
     neighbours(Side, Before, After),
     ( memberchk(corner(Before,Side,Before), Corners) -> Near = [at_least(Gap)-[]] ; Near = [] ),
     ( memberchk(corner(Side,After,After), Corners)   -> Far = inside ; Far = free ),
     blocks(Standing, Near, Far, Gap, Wall, Side, Origin, Blocks).
+
+%   standing(+Rooms, +Side, -Standing): not by findall/3, which would copy what is unknown.
+
+standing([], _, []).
+standing([r(Side,Width,_,Door,Place)|Rooms], Side, [s(Width,Door,Place)|Standing]) :- !,
+    standing(Rooms, Side, Standing).
+standing([_|Rooms], Side, Standing) :- standing(Rooms, Side, Standing).
 
 %   Nothing stands near a door, not even behind the walls of the next room.
 
