@@ -11,7 +11,7 @@ is anything from nothing to very much.
 
 import functools
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -48,11 +48,11 @@ class Relaxed:
         files: Sequence[Path],
         constants: dict[str, Any],
         parts: Iterable[Part],
-        lengths: Iterable[tuple[Symbol, Symbol, Reason]] = (),
+        lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
     ) -> None:
         """Ground these parts of the core and the files.
 
-        ``lengths`` are facts for stage 1, with the clause that each comes from and where that stands.
+        ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
@@ -66,13 +66,16 @@ class Relaxed:
                 builder.add(rule)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
-            for fact, clause, reason in lengths:
-                if clause not in numbers:
-                    numbers[clause] = len(found)
-                    found.append((reason, clause))
-                stated = _stated(numbers[clause])
-                for head, sign in ((fact, ast.Sign.NoSign), (_unbound(fact), ast.Sign.Negation)):
-                    builder.add(ast.Rule(HERE, _literal(_atom(head)), [_literal(stated, sign)]))
+            for fact, clauses in lengths:
+                for clause, reason in clauses.items():
+                    if clause not in numbers:
+                        numbers[clause] = len(found)
+                        found.append((reason, clause))
+                stated = [_stated(numbers[clause]) for clause in clauses]
+                builder.add(ast.Rule(HERE, _literal(_atom(fact)), [_literal(atom) for atom in stated]))
+                for atom in stated:
+                    missing = _literal(atom, ast.Sign.Negation)
+                    builder.add(ast.Rule(HERE, _literal(_atom(_unbound(fact))), [missing]))
             for number in range(len(found)):
                 free = ast.ConditionalLiteral(HERE, _literal(_stated(number)), [])
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))

@@ -126,11 +126,18 @@ class Prover:
             if piece in pieces
         ]
         origins = self._placer.origins({clause for _, clause in facts})
+        located = {clause: _located(*origins[clause]) for _, clause in facts}
+        room = Function("size", [Function(type_)])
+        lengths = [
+            # How much of a wall a piece takes may depend on the wall, and so on the room.
+            (fact, {each: located[each] for each in ((clause, room) if fact.name == "extent" else (clause,))})
+            for fact, clause in facts
+        ]
         relaxed = Relaxed(
             self._grammar.asp,
             {"this_room": type_},
             [("room", []), *((wish.name, wish.arguments) for _, wish in wishes)],
-            [(fact, clause, _located(*origins[clause])) for fact, clause in facts if clause in origins],
+            lengths,
         )
         statements = list(relaxed.statements)
         statements += [relaxed.choice(reason, [Function("granted", [wish])]) for reason, wish in wishes]
