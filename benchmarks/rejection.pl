@@ -11,6 +11,7 @@ point, and compares numbers instead of posting constraints.
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(random)).
+:- use_module(library(time)).
 
 %!  tries_until_valid(+Count, +Seconds, -Tries) is det.
 %
@@ -29,18 +30,19 @@ until_valid(Count) :-
     !.
 
 %   drawn(+Count, -Main, -Rooms): rectangles box(X,Y,W,H); a room overlaps the main room, as in the original's files,
-%   and its door, at a drawn place of a drawn wall, must lie in the main room.
+%   and its door, at a drawn place of a drawn wall, must lie in the main room. The main room is drawn in a range that
+%   takes about as many tries as the original, which needs 7, 1,500, 4,350 and 54,000 for 2, 4, 5 and 6 rooms.
 
 drawn(Count, box(0,0,W,H), Rooms) :-
-    Most is 4 + 2*Count,
-    random(4.0, Most, W), random(4.0, Most, H),
+    Least is 2.0 + 2*Count, Most is 4.0 + 3*Count,
+    random(Least, Most, W), random(Least, Most, H),
     length(Rooms, Count),
     maplist(drawn_room(W, H), Rooms).
 
 drawn_room(W, H, room(box(X,Y,RW,RH),Wall,Door)) :-
     random_member(Low-High, [3.66-5.18,2.44-3.66,3.05-4.57,4.57-6.1]),
     random(Low, High, RW), random(Low, High, RH),
-    random(-6.1, W, X), random(-6.1, H, Y),
+    West is -RW, random(West, W, X), North is -RH, random(North, H, Y),
     random_member(Wall, [north,east,south,west]),
     random(0.0, 1.0, Door).
 

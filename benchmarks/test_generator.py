@@ -1,23 +1,26 @@
 """Solve time against room count, by stage, beside rejection sampling and another solver of the same systems.
 
-``vitruvius bench generator --grammar DIR`` runs it on a grammar of one's own (``VITRUVIUS_GRAMMAR``).
+``vitruvius bench generator --grammar DIR`` runs it on a grammar of one's own (``VITRUVIUS_GRAMMAR``). Times
+are CPU seconds, so that other work on the machine counts little; those of several processes are wall clock.
 """
 
 import itertools
 import json
 import os
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
-from scipy.sparse import coo_array
+from scipy.sparse import block_diag, coo_array, csr_array
 
-from logic import generate
+from logic import House, generate
 from logic.builder import Builder
 from logic.grammar import find
-from logic.placement import Layout, Refuted
+from logic.placement import Layout
 from logic.request import Request
 
 GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
@@ -25,145 +28,241 @@ ROOMS = [1, 2, 4, 8, 16, 32, 64, 128]
 ROUNDS = 20
 INFERENCES = 10**9
 LIMIT = 20.0
-"""Seconds for a plan by rejection; what takes longer is censored."""
+"""Seconds (wall clock) for a plan by rejection; what takes longer is censored."""
+REJECTIONS = {1: 20, 2: 20, 3: 20, 4: 20, 5: 20, 6: 12, 7: 5}
+"""How many plans of so many rooms are made by rejection."""
+SOLVERS = "the linear systems of its rooms"
+"""The panel of the plot that compares solvers."""
+
+
+def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
+    return pytest.mark.benchmark(group=group, timer=timer)
 
 
 @pytest.fixture(scope="module")
 def builder() -> Builder:
-    return Builder(find(GRAMMAR))
+    made = Builder(find(GRAMMAR))
+    made.house(Request(32), 0, 0, INFERENCES)  # What a program takes at its first search is paid once too.
+    return made
 
 
-def note(benchmark: Any, rooms: int, **more: Any) -> None:
-    """What the study reports beside the median."""
+def measure(
+    benchmark: Any,
+    builder: Builder,
+    rooms: int,
+    work: Callable[[int], Any],
+    rounds: int = ROUNDS,
+    **more: Any,
+) -> None:
+    """Time ``work(0)``, ``work(1)``, ... apart, after one that is not timed; count the inferences of each."""
+    numbers, counts = itertools.count(), []
+
+    def setup() -> Any:
+        counts.append(inferences(builder))
+        return (next(numbers),), {}
+
+    work(0)
+    asking = -inferences(builder) + inferences(builder)
+    benchmark.pedantic(work, setup=setup, rounds=rounds)
+    counts.append(inferences(builder))
     times = benchmark.stats.stats.data
-    p95 = float(np.percentile(times, 95))
-    benchmark.extra_info.update({"rooms": rooms, "p95": p95, "mean": float(np.mean(times)), **more})
-
-
-@pytest.mark.benchmark(group="one-off: a grammar is loaded and checked, its programs are grounded")
-def test_loading(benchmark) -> None:
-    benchmark.pedantic(lambda: Builder(find(GRAMMAR)), rounds=5)
-
-
-@pytest.mark.benchmark(group="stage 1: clingo draws a layout")
-@pytest.mark.parametrize("rooms", ROOMS)
-def test_layout(benchmark, builder: Builder, rooms: int) -> None:
-    builder.layout(Request(rooms), np.random.default_rng(0))
-    seeds = itertools.count()
-    benchmark.pedantic(
-        lambda: builder.layout(Request(rooms), np.random.default_rng(next(seeds))), rounds=ROUNDS
+    benchmark.extra_info.update(
+        rooms=rooms,
+        mean=float(np.mean(times)),
+        p95=float(np.percentile(times, 95)),
+        inferences=float(np.median(np.diff(counts))) - asking,
+        **more,
     )
-    note(benchmark, rooms)
 
 
-def placeable(builder: Builder, rooms: int, count: int) -> list[tuple[Layout, int]]:
-    """Layouts that stage 2 does not refute, and their inferences: refutations count in a house's time."""
-    found: list[tuple[Layout, int]] = []
-    for seed in itertools.count():
-        rng = np.random.default_rng([rooms, seed])
-        layout = builder.layout(Request(rooms), rng)
-        try:
-            plan = builder.place(layout, np.random.default_rng(0), INFERENCES)
-        except Refuted:
-            if seed > 50 * count:
-                pytest.skip("too many layouts of this size are refuted")
-            continue
-        found.append((layout, plan["inferences"]))
-        if len(found) == count:
-            return found
-    raise AssertionError
+def inferences(builder: Builder) -> int:
+    """Those that SWI-Prolog has made so far."""
+    return builder._placer._ask("statistics(inferences,Count)")["Count"]
 
 
-@pytest.mark.benchmark(group="stage 2: CLP(R) places a layout")
-@pytest.mark.parametrize("rooms", ROOMS[:7])
-def test_place(benchmark, builder: Builder, rooms: int) -> None:
-    layouts = placeable(builder, rooms, ROUNDS if rooms < 32 else 5)
-    turns = itertools.cycle(layouts)
-    benchmark.pedantic(
-        builder.place,
-        setup=lambda: ((next(turns)[0], np.random.default_rng(0), INFERENCES), {}),
-        rounds=ROUNDS,
-    )
-    note(benchmark, rooms, inferences=float(np.median([inferences for _, inferences in layouts])))
+# - the generator ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.benchmark(group="both stages: a furnished house")
+@study("one-off: a grammar is loaded and checked, its programs are grounded", time.perf_counter)
+def test_loading(benchmark: Any) -> None:
+    builders = []
+    benchmark.pedantic(lambda: builders.append(Builder(find(GRAMMAR))), rounds=5)
+    benchmark.extra_info["versions"] = builders[0].versions
+
+
+@study("both stages: a furnished house")
 @pytest.mark.parametrize("rooms", ROOMS)
-def test_house(benchmark, builder: Builder, rooms: int) -> None:
-    builder.house(Request(rooms), 0, 0, INFERENCES)
-    indices = itertools.count()
-    benchmark.pedantic(lambda: builder.house(Request(rooms), 0, next(indices), INFERENCES), rounds=ROUNDS)
-    note(benchmark, rooms)
+def test_house(benchmark: Any, builder: Builder, rooms: int) -> None:
+    measure(benchmark, builder, rooms, lambda index: builder.house(Request(rooms), 0, index, INFERENCES))
 
 
-@pytest.mark.benchmark(group="baseline: the original's method, rooms only, drawn and rejected")
-@pytest.mark.parametrize("rooms", [1, 2, 3, 4, 5, 6, 7])
-def test_rejection(benchmark, builder: Builder, rooms: int) -> None:
-    from pyswip import Prolog
+@study("stage 1: clingo draws a layout")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
+    request = Request(rooms)
+    measure(
+        benchmark, builder, rooms, lambda index: builder.layout(request, np.random.default_rng([0, index]))
+    )
 
-    list(Prolog.query(f"use_module('{Path(__file__).with_name('rejection.pl')}'), set_random(seed({rooms}))"))
+
+@study("stage 2: CLP(R) places a layout")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_place(benchmark: Any, builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    layouts = placeable(builder, rooms, ROUNDS, monkeypatch)
+    rng = np.random.default_rng(0)
+    measure(benchmark, builder, rooms, lambda index: builder.place(layouts[index], rng, INFERENCES))
+
+
+def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Layout]:
+    """The layouts of the first houses: those that stage 2 does not refute."""
+    placed: list[Layout] = []
+    place = builder.place
+
+    def observed(layout: Layout, *arguments: Any, **options: Any) -> dict[str, Any]:
+        plan = place(layout, *arguments, **options)
+        placed.append(layout)
+        return plan
+
+    with monkeypatch.context() as patch:
+        patch.setattr(builder, "place", observed)
+        for index in range(count):
+            builder.house(Request(rooms), 0, index, INFERENCES)
+    return placed
+
+
+@study("processes: houses of 8 rooms", time.perf_counter)
+@pytest.mark.parametrize("workers", [1, 2])
+def test_workers(benchmark: Any, workers: int) -> None:
+    count = 400
+
+    def begun() -> Any:
+        houses = generate(rooms=8, grammar=GRAMMAR, count=count + 1, workers=workers)
+        next(houses)  # Then all that is done once is done.
+        return (houses,), {}
+
+    def rest(houses: Iterator[House]) -> list[str]:
+        return [json.dumps(house.to_dict()) for house in houses]
+
+    benchmark.pedantic(rest, setup=begun, rounds=3)
+    benchmark.extra_info.update(workers=workers, houses_per_second=count / benchmark.stats.stats.median)
+
+
+# - the original's method ----------------------------------------------------------------------------------
+
+
+@study("baseline: the original's method, rooms only, drawn and rejected")
+@pytest.mark.parametrize("rooms", REJECTIONS)
+def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
+    consult(builder, "rejection.pl")
+    builder._placer._ask(f"set_random(seed({rooms}))")
     tries: list[int] = []
 
-    def plan() -> None:
-        goal = f"rejection:tries_until_valid({rooms},{LIMIT},Tries)"
-        tries.append(next(iter(Prolog.query(goal, maxresult=1)))["Tries"])
+    def plan(_: int) -> None:
+        tries.append(builder._placer._ask(f"rejection:tries_until_valid({rooms},{LIMIT},Tries)")["Tries"])
 
-    benchmark.pedantic(plan, rounds=9 if rooms < 6 else 3)
-    censored = tries.count(0)
-    note(benchmark, rooms, censored=censored, tries=float(np.median(tries)))
-
-
-def systems(builder: Builder, rooms: int) -> list[tuple[str, list[Any]]]:
-    """The linear systems of a house's rooms: goal for CLP(R), and the rows of numbers (rules/linear.pl)."""
-    ((layout, _),) = placeable(builder, rooms, 1)
-    terms = [f"{r.type},[{','.join(map(str, r.furniture))}]" for r in layout.rooms]
-    return [(term, builder._placer._json(f"room_system({term},Json)")) for term in terms]
+    rounds = REJECTIONS[rooms]
+    measure(benchmark, builder, rooms, plan, rounds)
+    made = tries[-rounds:]
+    benchmark.extra_info.update(censored=made.count(0), limit=LIMIT, tries=float(np.median(made)))
 
 
-@pytest.mark.benchmark(group="the same linear systems: is there a solution?")
+def consult(builder: Builder, name: str) -> None:
+    builder._placer._ask(f"use_module('{Path(__file__).with_name(name)}')")
+
+
+# - other solvers of the same systems ----------------------------------------------------------------------
+
+System = tuple[csr_array, np.ndarray, csr_array, np.ndarray]
+"""Rows and right-hand sides of what is at most, and of what is equal."""
+
+
+@pytest.fixture
+def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> list[System]:
+    """The linear systems of a house's rooms with all sizes unknown; SWI-Prolog keeps them too."""
+    consult(builder, "systems.pl")
+    (layout,) = placeable(builder, rooms, 1, monkeypatch)
+    terms = [f"{room.type},[{','.join(map(str, room.furniture))}]" for room in layout.rooms]
+    builder._placer._ask(f"systems:stated([{','.join(f'room({term})' for term in terms)}])")
+    return [matrices(builder._placer._json(f"room_system({term},Json)")) for term in terms]
+
+
+@study("the same linear systems: is there a solution?")
 @pytest.mark.parametrize("rooms", ROOMS[:6])
-def test_decide_with_clpr(benchmark, builder: Builder, rooms: int) -> None:
-    goals = [f"room_clash({term},[],Json)" for term, _ in systems(builder, rooms)]
-    assert (
-        benchmark.pedantic(lambda: [builder._placer._json(goal) for goal in goals], rounds=5)
-        == [None] * rooms
+@pytest.mark.usefixtures("systems")
+def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
+    measure(benchmark, builder, rooms, lambda _: builder._placer._ask("systems:decided"), panel=SOLVERS)
+
+
+@study("the same linear systems: is there a solution?")
+@pytest.mark.parametrize("rooms", ROOMS[:6])
+def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[System]) -> None:
+    def decide(_: int) -> None:
+        assert all(extreme(system, np.zeros(system[0].shape[1])) is not None for system in systems)
+
+    measure(benchmark, builder, rooms, decide, panel=SOLVERS)
+
+
+@study("the same linear systems: is there a solution?")
+@pytest.mark.parametrize("rooms", ROOMS[:6])
+def test_decide_with_highs_at_once(
+    benchmark: Any, builder: Builder, rooms: int, systems: list[System]
+) -> None:
+    """All rooms as one program, which spares HiGHS what each call of SciPy costs."""
+    upper, most, equal, value = zip(*systems, strict=True)
+    whole = (
+        csr_array(block_diag(upper)), np.concatenate(most), csr_array(block_diag(equal)), np.concatenate(value)
+    )  # fmt: skip
+    nothing = np.zeros(whole[0].shape[1])
+
+    def decide(_: int) -> None:
+        assert extreme(whole, nothing) is not None
+
+    measure(benchmark, builder, rooms, decide, panel=SOLVERS)
+
+
+@study("the same linear systems: a solution is drawn")
+@pytest.mark.parametrize("rooms", ROOMS[:6])
+@pytest.mark.usefixtures("systems")
+def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
+    measure(
+        benchmark, builder, rooms, lambda seed: builder._placer._ask(f"systems:drawn({seed})"), panel=SOLVERS
     )
-    note(benchmark, rooms)
 
 
-@pytest.mark.benchmark(group="the same linear systems: is there a solution?")
-@pytest.mark.parametrize("rooms", ROOMS[:6])
-def test_decide_with_highs(benchmark, builder: Builder, rooms: int) -> None:
-    rows = [rows for _, rows in systems(builder, rooms)]
-    done = benchmark.pedantic(lambda: [feasible(each) for each in rows], rounds=5)
-    assert all(done)
-    note(benchmark, rooms)
+@study("the same linear systems: a solution is drawn")
+@pytest.mark.parametrize("rooms", ROOMS[:4])
+def test_draw_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[System]) -> None:
+    """Each unknown in turn, between its least and greatest value: two programs for each."""
+
+    def draw(seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        for system in systems:
+            count = system[0].shape[1]
+            bounds = np.full((count, 2), (-np.inf, np.inf))
+            for unknown, share in enumerate(rng.random(count)):
+                objective = np.eye(1, count, unknown)[0]
+                low, high = extreme(system, objective, bounds), extreme(system, -objective, bounds)
+                assert low is not None and high is not None
+                bounds[unknown] = low + share * (-high - low)
+
+    measure(benchmark, builder, rooms, draw, rounds=5, panel=SOLVERS)
 
 
-def feasible(rows: list[Any]) -> bool:
-    """Whether HiGHS finds a solution of these rows."""
-    matrices = {}
-    count = 1 + max((v for pairs, _, _ in rows for v, _ in pairs), default=0)
+def matrices(rows: list[Any]) -> System:
+    """Rows as rules/linear.pl tells them: pairs of an unknown and its factor, a constant, a relation."""
+    count = 1 + max((unknown for pairs, _, _ in rows for unknown, _ in pairs), default=0)
+    parts: list[Any] = []
     for relation in ("=<", "="):
         chosen = [(pairs, constant) for pairs, constant, kind in rows if kind == relation]
-        cells = [(f, (i, v)) for i, (pairs, _) in enumerate(chosen) for v, f in pairs]
-        if chosen:
-            values, places = [f for f, _ in cells], np.array([p for _, p in cells]).reshape(-1, 2).T
-            matrices[relation] = (
-                coo_array((values, places), shape=(len(chosen), count)).tocsr(),
-                [-constant for _, constant in chosen],
-            )
-    upper, equal = matrices.get("=<", (None, None)), matrices.get("=", (None, None))
-    solved = linprog(np.zeros(count), *upper, *equal, bounds=(None, None), method="highs")
-    return solved.status == 0
+        cells = [(row, unknown, f) for row, (pairs, _) in enumerate(chosen) for unknown, f in pairs]
+        places = np.array([cell[:2] for cell in cells], dtype=int).reshape(-1, 2).T
+        table = coo_array(([cell[2] for cell in cells], tuple(places)), shape=(len(chosen), count))
+        parts += [table.tocsr(), np.array([-constant for _, constant in chosen])]
+    return tuple(parts)
 
 
-@pytest.mark.benchmark(group="processes: 400 houses of 8 rooms")
-@pytest.mark.parametrize("workers", [1, 2])
-def test_workers(benchmark, workers: int) -> None:
-    def houses() -> list[str]:
-        made = generate(rooms=8, grammar=GRAMMAR, count=400, workers=workers)
-        return [json.dumps(house.to_dict()) for house in made]
-
-    benchmark.pedantic(houses, rounds=3)
-    benchmark.extra_info["workers"] = workers
+def extreme(system: System, objective: np.ndarray, bounds: Any = (None, None)) -> float | None:
+    """The objective's least value that HiGHS finds; None if there is no solution."""
+    upper, most, equal, value = system
+    solved = linprog(objective, upper, most, equal, value, bounds=bounds, method="highs")
+    return solved.fun if solved.status == 0 else None
