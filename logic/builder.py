@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import LimitReached, Reason, Unsatisfiable
+from logic.errors import LimitReached
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
 from logic.layout import EVERY, Program
@@ -20,7 +20,7 @@ from logic.linter import Linter
 from logic.messages import placed_error
 from logic.placement import Cramped, Layout, Refuted, RoomLayout
 from logic.proof import Prover, stays_for, wishes_for
-from logic.request import Request, as_option, known
+from logic.request import Request, known
 
 MOST_CRAMPED = 200
 """How often rooms that are drawn may fail to fit between those that stay, though others might."""
@@ -124,11 +124,9 @@ class Builder:
         program = self._housing(request.rooms, tuple(wishes.values()))
         granted, without = map(_granted, wishes.values()), _rooms_of(refuted.unfurnishable, request)
         atoms = program.draw(rng, granted, without, refuted.guards.get(program))
-        if atoms is None and request.keep:
-            raise self._nothing_fits(request, refuted)
         if atoms is None:
             prover = Prover(self._grammar, self._placer, self._lengths)
-            raise prover.unsatisfiable(request, refuted.unfurnishable)
+            raise prover.unsatisfiable(request, refuted.unfurnishable, refuted.hopeless)
         types = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "room"}
         sides = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "side"}
         kept = {a.arguments[1].number: request.keep[a.arguments[0].number] for a in atoms if a.name == "kept"}
@@ -168,21 +166,9 @@ class Builder:
                 for room in layout.rooms
                 if room.kept
             }
-            corners = dict.fromkeys(layout.corners, True)
-            refuted.add(self._housing(request.rooms, tuple(wishes.values())), sides | stays | corners)
-
-    def _nothing_fits(self, request: Request, refuted: "Refutations") -> Unsatisfiable:
-        """The proof where rooms stay: the choices that no order of the rooms satisfies."""
-        reasons = [Reason(f"--rooms {request.rooms}")]
-        reasons += [Reason(f"--type {name}={as_option(n)}") for name, n in request.types.items()]
-        reasons += [
-            Reason(f"keep: the {kept.room.type}, {kept.width:.2f} by {kept.depth:.2f} m, {kept.side} side")
-            for kept in request.keep
-        ]
-        reasons += [
-            Reason(f"no room of type {type_} can be furnished") for type_ in sorted(refuted.unfurnishable)
-        ]
-        return Unsatisfiable(self._grammar.name, str(request), tuple(reasons))
+            order = sides | stays | dict.fromkeys(layout.corners, True)
+            refuted.hopeless.append(order)
+            refuted.add(self._housing(request.rooms, tuple(wishes.values())), order)
 
     def _require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
@@ -281,6 +267,7 @@ class Refutations:
     def __init__(self) -> None:
         """Begin with nothing refuted."""
         self.unfurnishable: set[str] = set()
+        self.hopeless: list[Mapping[Symbol, bool]] = []
         self.guards: dict[Program, int] = {}
         self.count = 0
         self.cramped = 0
@@ -317,9 +304,9 @@ def _granted(wish: Symbol) -> Symbol:
 
 
 def _rooms_of(types: Iterable[str], request: Request) -> list[Symbol]:
-    """The atoms that say that some room is of one of these types."""
+    """The atoms that say that some room of one of these types is to be furnished."""
     return [
-        Function("room", [Number(number), Function(type_)])
+        Function("bare", [Number(number), Function(type_)])
         for type_ in sorted(types)
         for number in range(request.rooms)
     ]

@@ -29,7 +29,8 @@ Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
 class Prover:
     """Finds least sets of reasons why a request has no house.
 
-    The cell of a grid is taken as given, never among the reasons.
+    The cell of a grid is taken as given, never among the reasons; so are the sizes of rooms that do not fit
+    between those that stay.
     """
 
     def __init__(self, grammar: Grammar, placer: Placer, lengths: Lengths) -> None:
@@ -37,11 +38,25 @@ class Prover:
         self._grammar, self._placer, self._lengths = grammar, placer, lengths
         self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
 
-    def unsatisfiable(self, request: Request, unfurnishable: Iterable[str]) -> Unsatisfiable:
-        """Why a request has no house, where some types of room are proved to have no furniture."""
+    def unsatisfiable(
+        self,
+        request: Request,
+        unfurnishable: Iterable[str],
+        hopeless: Sequence[Mapping[Symbol, bool]] = (),
+    ) -> Unsatisfiable:
+        """Why a request has no house, where some types of room are proved to have no furniture.
+
+        And where these orders of the rooms are proved not to fit between those that stay.
+        """
         relaxed, statements = self._house(request, unfurnishable)
+        stays = {Function("granted", [wish]): True for wish in stays_for(request.keep).values()}
+        for order in hopeless:
+            relaxed.refute(Clash({**order, **stays}, ()))
         kept = least(statements, lambda some: relaxed.model(some) is not None, relaxed.core)
-        named, rooms = self._number_of_rooms(request, unfurnishable, {each.reason for each in kept})
+        # An order is refuted for one number of rooms, and so the number is part of the proof.
+        named, rooms = True, None
+        if not hopeless:
+            named, rooms = self._number_of_rooms(request, unfurnishable, {each.reason for each in kept})
         bare = {_bare(type_): type_ for type_ in sorted(unfurnishable)}
         types = tuple(bare[each.reason] for each in kept if each.reason in bare)
         reasons = [Reason(f"--rooms {request.rooms}")] if named else []
@@ -51,22 +66,25 @@ class Prover:
         unique = tuple(dict.fromkeys(reasons))
         ways = [f"with --rooms {rooms}"] if rooms else []
         for choice, other in _without_each(request):
-            if choice in unique and self._has_house(other):
+            if choice in unique and not request.keep and self._has_house(other):
                 ways.append(f"without {choice}")
         advice = f"There is a house {', or '.join(ways)}." if ways else ""
         return Unsatisfiable(self._grammar.name, str(request), unique, advice, types)
 
     def _house(self, request: Request, unfurnishable: Iterable[str] = ()) -> tuple[Relaxed, list[Statement]]:
         """The program of a house's rooms, and all that may be left out of it."""
-        wishes = wishes_for("among", request.types)
+        wishes = [
+            (_option("--type", name, request.types), wish)
+            for name, wish in wishes_for("among", request.types).items()
+        ]
+        wishes += zip(map(_stay, request.keep), stays_for(request.keep).values(), strict=True)
         relaxed = Relaxed(
             self._grammar.asp,
             {"rooms": request.rooms},
-            [("house", []), *((wish.name, wish.arguments) for wish in wishes.values())],
+            [("house", []), *((wish.name, wish.arguments) for _, wish in wishes)],
         )
         statements = list(relaxed.statements)
-        for name, wish in wishes.items():
-            reason = _option("--type", name, request.types)
+        for reason, wish in wishes:
             statements.append(relaxed.choice(reason, [Function("granted", [wish])]))
         for type_ in sorted(unfurnishable):
             statements.append(relaxed.choice(_bare(type_), fails=_rooms_of(type_, request)))
@@ -82,6 +100,8 @@ class Prover:
             relaxed, statements = self._house(other, unfurnishable)
             if relaxed.model([each for each in statements if each.reason in clashing]) is not None:
                 named = True
+                if request.keep:  # Whether it fits between the rooms that stay is not known.
+                    return named, None
                 if self._has_house(other):
                     return named, rooms
         return named, None
@@ -180,7 +200,7 @@ def _others(request: Request) -> list[int]:
 
 
 def _rooms_of(type_: str, request: Request) -> list[Symbol]:
-    return [Function("room", [Number(number), Function(type_)]) for number in range(request.rooms)]
+    return [Function("bare", [Number(number), Function(type_)]) for number in range(request.rooms)]
 
 
 def wishes_for(kind: str, ranges: Mapping[str, Any]) -> dict[str, Symbol]:
@@ -213,6 +233,12 @@ def stays_for(keep: Sequence[Kept]) -> dict[str, Symbol]:
         f"keep {number}": Function("stays", [Number(number), Function(kept.room.type), Function(kept.side)])
         for number, kept in enumerate(keep)
     }
+
+
+def _stay(kept: Kept) -> Reason:
+    """That a room stays, in words."""
+    room = kept.room
+    return Reason(f"keep: the {room.type} at x {room.x:.2f}, y {room.y:.2f} m, {kept.side} side")
 
 
 def _bare(type_: str) -> Reason:

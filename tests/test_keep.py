@@ -72,3 +72,19 @@ def test_rooms_are_counted_clockwise(house: House) -> None:
     sides = [kept.side for kept in kept_rooms(house)]
     assert sides == sorted(sides, key=["north", "east", "south", "west"].index)
     assert [kept.room for kept in kept_rooms(house)] == list(house.rooms)
+
+
+def test_a_kept_room_need_not_have_what_others_cannot(house: House) -> None:
+    """Wishes of furniture bind rooms that are furnished anew: what is proved of those says nothing of it."""
+    kept = house.only(*(f"R{n}" for n, room in enumerate(house.rooms) if room.type == "bedroom"))
+    for made in generate(rooms=4 + len(kept.rooms), keep=kept, furniture={"bed": 0}, count=6):
+        assert [room for room in made.rooms if room.type == "bedroom"] == list(kept.rooms)
+
+
+def test_a_kept_room_is_named_where_it_clashes() -> None:
+    kept = next(generate(rooms=1, types={"hall": 1}))
+    with pytest.raises(Unsatisfiable) as caught:
+        next(generate(rooms=5, keep=kept, types={"hall": 0, "bedroom": (1, None)}))
+    wish, stay = (reason.text for reason in caught.value.reasons)
+    assert wish == "--type hall=0"
+    assert stay.startswith(f"keep: the hall at x {kept.rooms[0].x:.2f}")
