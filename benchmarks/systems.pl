@@ -1,37 +1,39 @@
-:- module(systems, [stated/1, decided/0, drawn/1]).
+:- module(systems, [stated/2, decided/1, drawn/2]).
 
-/** <module> The linear systems of a house's rooms, every size unknown, kept so that their solution alone is timed */
+/** <module> The linear systems of houses' rooms, every size unknown, kept so that their solution alone is timed */
 
 :- use_module(library(apply)).
 :- use_module('../logic/rules/draw').
 :- use_module('../logic/rules/furnish').
 :- use_module('../logic/rules/linear').
 
-:- dynamic system/1.
+%   system(?House, ?System): constraints as in linear.pl, of one room.
 
-%!  stated(+Rooms) is det.
+:- dynamic system/2.
+
+%!  stated(+House, +Rooms) is det.
 %
-%   The systems of these rooms, room(Type,Layout), take the place of those before.
+%   The systems of these rooms, room(Type,Layout), take the place of those that House, a number, had before.
 
-stated(Rooms) :-
-    retractall(system(_)),
-    maplist(state, Rooms).
+stated(House, Rooms) :-
+    retractall(system(House, _)),
+    maplist(state(House), Rooms).
 
-state(room(Type,Layout)) :-
+state(House, room(Type,Layout)) :-
     furnish:whole_system(Type, Layout, _, System),
-    assertz(system(System)).
+    assertz(system(House, System)).
 
-%!  decided is semidet.
+%!  decided(+House) is semidet.
 %
 %   CLP(R) finds that each of the systems has a solution.
 
-decided :- forall(system(System), posted(System)).
+decided(House) :- forall(system(House, System), posted(System)).
 
-%!  drawn(+Seed) is semidet.
+%!  drawn(+House, +Seed) is semidet.
 %
 %   Every unknown of each system is drawn, one by one, in what those before leave it.
 
-drawn(Seed) :- forall(system(System), solution(System, Seed)).
+drawn(House, Seed) :- forall(system(House, System), solution(System, Seed)).
 
 solution(System, Seed) :-
     posted(System),

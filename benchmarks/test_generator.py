@@ -10,7 +10,7 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -31,6 +31,8 @@ LIMIT = 20.0
 """Seconds (wall clock) for a plan by rejection; what takes longer is censored."""
 REJECTIONS = {1: 20, 2: 20, 3: 20, 4: 20, 5: 20, 6: 12, 7: 5}
 """How many plans of so many rooms are made by rejection."""
+HOUSES = 5
+"""How many houses' linear systems are compared."""
 SOLVERS = "the linear systems of its rooms"
 """The panel of the plot that compares solvers."""
 
@@ -172,32 +174,46 @@ def consult(builder: Builder, name: str) -> None:
 
 # - other solvers of the same systems ----------------------------------------------------------------------
 
-System = tuple[csr_array, np.ndarray, csr_array, np.ndarray]
-"""Rows and right-hand sides of what is at most, and of what is equal."""
+
+class System(NamedTuple):
+    """Rows and right-hand sides of what is at most, and of what is equal; how many unknowns there are."""
+
+    upper: csr_array
+    most: np.ndarray
+    equal: csr_array
+    value: np.ndarray
+    unknowns: int
 
 
 @pytest.fixture
-def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> list[System]:
-    """The linear systems of a house's rooms with all sizes unknown; SWI-Prolog keeps them too."""
+def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> list[list[System]]:
+    """The linear systems of some houses' rooms with all sizes unknown; SWI-Prolog keeps them too."""
     consult(builder, "systems.pl")
-    (layout,) = placeable(builder, rooms, 1, monkeypatch)
-    terms = [f"{room.type},[{','.join(map(str, room.furniture))}]" for room in layout.rooms]
-    builder._placer._ask(f"systems:stated([{','.join(f'room({term})' for term in terms)}])")
-    return [matrices(builder._placer._json(f"room_system({term},Json)")) for term in terms]
+    found = []
+    for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
+        terms = [f"{room.type},[{','.join(map(str, room.furniture))}]" for room in layout.rooms]
+        builder._placer._ask(f"systems:stated({number},[{','.join(f'room({term})' for term in terms)}])")
+        found.append([matrices(builder._placer._json(f"room_system({term},Json)")) for term in terms])
+    return found
 
 
 @study("the same linear systems: is there a solution?")
 @pytest.mark.parametrize("rooms", ROOMS[:6])
 @pytest.mark.usefixtures("systems")
 def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
-    measure(benchmark, builder, rooms, lambda _: builder._placer._ask("systems:decided"), panel=SOLVERS)
+    def decide(turn: int) -> None:
+        builder._placer._ask(f"systems:decided({turn % HOUSES})")
+
+    measure(benchmark, builder, rooms, decide, panel=SOLVERS)
 
 
 @study("the same linear systems: is there a solution?")
 @pytest.mark.parametrize("rooms", ROOMS[:6])
-def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[System]) -> None:
-    def decide(_: int) -> None:
-        assert all(extreme(system, np.zeros(system[0].shape[1])) is not None for system in systems)
+def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
+    def decide(turn: int) -> None:
+        assert all(
+            extreme(system, np.zeros(system.unknowns)) is not None for system in systems[turn % HOUSES]
+        )
 
     measure(benchmark, builder, rooms, decide, panel=SOLVERS)
 
@@ -205,17 +221,14 @@ def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems
 @study("the same linear systems: is there a solution?")
 @pytest.mark.parametrize("rooms", ROOMS[:6])
 def test_decide_with_highs_at_once(
-    benchmark: Any, builder: Builder, rooms: int, systems: list[System]
+    benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]
 ) -> None:
     """All rooms as one program, which spares HiGHS what each call of SciPy costs."""
-    upper, most, equal, value = zip(*systems, strict=True)
-    whole = (
-        csr_array(block_diag(upper)), np.concatenate(most), csr_array(block_diag(equal)), np.concatenate(value)
-    )  # fmt: skip
-    nothing = np.zeros(whole[0].shape[1])
+    houses = [joined(house) for house in systems]
 
-    def decide(_: int) -> None:
-        assert extreme(whole, nothing) is not None
+    def decide(turn: int) -> None:
+        house = houses[turn % HOUSES]
+        assert extreme(house, np.zeros(house.unknowns)) is not None
 
     measure(benchmark, builder, rooms, decide, panel=SOLVERS)
 
@@ -224,28 +237,30 @@ def test_decide_with_highs_at_once(
 @pytest.mark.parametrize("rooms", ROOMS[:6])
 @pytest.mark.usefixtures("systems")
 def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
-    measure(
-        benchmark, builder, rooms, lambda seed: builder._placer._ask(f"systems:drawn({seed})"), panel=SOLVERS
-    )
+    def draw(turn: int) -> None:
+        builder._placer._ask(f"systems:drawn({turn % HOUSES},{turn})")
+
+    measure(benchmark, builder, rooms, draw, panel=SOLVERS)
 
 
 @study("the same linear systems: a solution is drawn")
 @pytest.mark.parametrize("rooms", ROOMS[:4])
-def test_draw_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[System]) -> None:
+def test_draw_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
     """Each unknown in turn, between its least and greatest value: two programs for each."""
 
-    def draw(seed: int) -> None:
-        rng = np.random.default_rng(seed)
-        for system in systems:
-            count = system[0].shape[1]
+    def draw(turn: int) -> None:
+        rng = np.random.default_rng(turn)
+        for system in systems[turn % HOUSES]:
+            count = system.unknowns
             bounds = np.full((count, 2), (-np.inf, np.inf))
             for unknown, share in enumerate(rng.random(count)):
                 objective = np.eye(1, count, unknown)[0]
                 low, high = extreme(system, objective, bounds), extreme(system, -objective, bounds)
-                assert low is not None and high is not None
+                assert low is not None
+                assert high is not None
                 bounds[unknown] = low + share * (-high - low)
 
-    measure(benchmark, builder, rooms, draw, rounds=5, panel=SOLVERS)
+    measure(benchmark, builder, rooms, draw, rounds=HOUSES, panel=SOLVERS)
 
 
 def matrices(rows: list[Any]) -> System:
@@ -258,11 +273,18 @@ def matrices(rows: list[Any]) -> System:
         places = np.array([cell[:2] for cell in cells], dtype=int).reshape(-1, 2).T
         table = coo_array(([cell[2] for cell in cells], tuple(places)), shape=(len(chosen), count))
         parts += [table.tocsr(), np.array([-constant for _, constant in chosen])]
-    return tuple(parts)
+    return System(*parts, count)
+
+
+def joined(systems: list[System]) -> System:
+    """Systems that share no unknown, as one."""
+    upper, most, equal, value, unknowns = zip(*systems, strict=True)
+    tables = csr_array(block_diag(upper)), csr_array(block_diag(equal))
+    return System(tables[0], np.concatenate(most), tables[1], np.concatenate(value), sum(unknowns))
 
 
 def extreme(system: System, objective: np.ndarray, bounds: Any = (None, None)) -> float | None:
     """The objective's least value that HiGHS finds; None if there is no solution."""
-    upper, most, equal, value = system
+    upper, most, equal, value, _ = system
     solved = linprog(objective, upper, most, equal, value, bounds=bounds, method="highs")
     return solved.fun if solved.status == 0 else None
