@@ -273,7 +273,8 @@ def matrices(rows: list[Any]) -> System:
         places = np.array([cell[:2] for cell in cells], dtype=int).reshape(-1, 2).T
         table = coo_array(([cell[2] for cell in cells], tuple(places)), shape=(len(chosen), count))
         parts += [table.tocsr(), np.array([-constant for _, constant in chosen])]
-    return System(*parts, count)
+    upper, most, equal, value = parts
+    return System(upper, most, equal, value, count)
 
 
 def joined(systems: list[System]) -> System:

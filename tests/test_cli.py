@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from agent.bench import fitted_exponent
 from agent.cli import COMMANDS
 from logic import load
 
@@ -121,9 +120,3 @@ def test_help_names_every_command_and_comes_without_torch() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
     shown = vitruvius("--help").stdout
     assert all(name in shown for name in COMMANDS)
-
-
-def test_a_power_law_is_fitted() -> None:
-    exponent, error = fitted_exponent([4, 8, 16, 32], [3 * n**1.25 for n in (4, 8, 16, 32)])
-    assert exponent == pytest.approx(1.25)
-    assert error == pytest.approx(0, abs=1e-6)
