@@ -1,4 +1,4 @@
-"""What the studies found: fitted laws, and the page of the results of the generator."""
+"""What the studies found: laws fitted to reports of pytest-benchmark, the page of results."""
 
 from collections.abc import Iterable
 from importlib.metadata import version
