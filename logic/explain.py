@@ -6,7 +6,8 @@ Every rule and fact of the grammar's files gets one more condition, ``stated(N)`
 is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
 something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
-is anything from nothing to very much.
+is anything from nothing to very much. And without its fact there may be any number of what a request asks for
+too many of: so the fact that bounds it is among the reasons.
 """
 
 import functools
@@ -25,6 +26,9 @@ from logic.placement import Clash
 
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
+
+COUNTS = {("may", 4), ("beside", 4), ("around", 4)}
+"""Facts that bound how many there are of their second argument: by the third and the fourth."""
 
 FAR = 1_000_000
 """Millimetres, more than anything measures; small enough for clingo to add up."""
@@ -49,10 +53,12 @@ class Relaxed:
         constants: dict[str, Any],
         parts: Iterable[Part],
         lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
+        more: bool = False,
     ) -> None:
         """Ground these parts of the core and the files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
+        With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/wishes.lp``.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
@@ -62,7 +68,7 @@ class Relaxed:
         self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
-            for rule in _conditional(files, found):
+            for rule in _conditional(files, found, more):
                 builder.add(rule)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
@@ -153,8 +159,13 @@ def _assumed(statements: Iterable[Statement]) -> list[int]:
     return [literal for statement in statements for literal in statement.literals]
 
 
-def _conditional(files: Sequence[Path], found: list[tuple[Reason, Symbol | None]]) -> list[ast.AST]:
-    """The files' statements, each rule with its condition; ``found`` gets a reason for each."""
+def _conditional(
+    files: Sequence[Path], found: list[tuple[Reason, Symbol | None]], more: bool
+) -> list[ast.AST]:
+    """The files' statements, each rule with its condition; ``found`` gets a reason for each.
+
+    With ``more``, what bounds a number is followed by a rule with wider bounds for where it is left out.
+    """
     rules = [ast.Program(HERE, "base", [])]
     lines = functools.cache(lambda file: Path(file).read_text(encoding="utf-8").split("\n"))
 
@@ -162,7 +173,10 @@ def _conditional(files: Sequence[Path], found: list[tuple[Reason, Symbol | None]
         if statement.ast_type == ast.ASTType.Rule:
             begin, end = statement.location.begin, statement.location.end
             text = _excerpt(lines(begin.filename), begin.line, begin.column, end.line, end.column)
-            condition = _literal(_stated(len(found)))
+            stated = _stated(len(found))
+            if more and _signature(statement.head) in COUNTS:
+                rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))
+            condition = _literal(stated)
             found.append((Reason(text, begin.filename, begin.line, begin.column), None))
             statement = statement.update(body=[*statement.body, condition])
         rules.append(statement)
@@ -170,6 +184,28 @@ def _conditional(files: Sequence[Path], found: list[tuple[Reason, Symbol | None]
     for file in files:
         ast.parse_files([str(file)], take)
     return rules
+
+
+def _signature(head: ast.AST) -> tuple[str, int] | None:
+    if head.ast_type != ast.ASTType.Literal or head.atom.ast_type != ast.ASTType.SymbolicAtom:
+        return None
+    symbol = head.atom.symbol
+    return (symbol.name, len(symbol.arguments)) if symbol.ast_type == ast.ASTType.Function else None
+
+
+def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
+    """The rule under another condition, with wider bounds: from none to some more of the piece."""
+    symbol = rule.head.atom.symbol
+    what, piece, _, most = symbol.arguments
+    extra = ast.Variable(HERE, "_More")
+    bounds = [
+        ast.SymbolicTerm(HERE, Number(0)),
+        ast.BinaryOperation(HERE, ast.BinaryOperator.Plus, most, extra),
+    ]
+    wider = symbol.update(arguments=[what, piece, *bounds])
+    known = _literal(ast.SymbolicAtom(ast.Function(HERE, "more", [piece, extra], False)))
+    head = rule.head.update(atom=rule.head.atom.update(symbol=wider))
+    return rule.update(head=head, body=[*rule.body, condition, known])
 
 
 def _excerpt(lines: list[str], line: int, column: int, last_line: int, last_column: int) -> str:

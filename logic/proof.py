@@ -22,6 +22,9 @@ MOST_ROOMS = 128
 INFERENCES = 100_000_000
 """Most Prolog inferences for a room on a grid."""
 
+MORE = 8
+"""How many more of a piece are tried than its fact allows."""
+
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
 """For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
 
@@ -145,6 +148,11 @@ class Prover:
             for name, piece, wanted in request.wishes(type_)
             if piece in pieces
         ]
+        more = [
+            ("more", [Function(piece), Number(min(least, MORE))])
+            for _, piece, (least, _) in request.wishes(type_)
+            if piece in pieces and least
+        ]
         origins = self._placer.origins({clause for _, clause in facts})
         located = {clause: _located(*origins[clause]) for _, clause in facts}
         room = Function("size", [Function(type_)])
@@ -156,8 +164,9 @@ class Prover:
         relaxed = Relaxed(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), *((wish.name, wish.arguments) for _, wish in wishes)],
+            [("room", []), *((wish.name, wish.arguments) for _, wish in wishes), *more],
             lengths,
+            more=True,
         )
         statements = list(relaxed.statements)
         statements += [relaxed.choice(reason, [Function("granted", [wish])]) for reason, wish in wishes]

@@ -56,7 +56,12 @@ CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
     "more beds than a room may have": (
         {},
         {"rooms": 3, "furniture": {"bedroom.bed": (3, None)}},
-        ["--rooms 3", BASIC, EACH, "--piece bedroom.bed=3.."],
+        ["--rooms 3", BASIC, EACH, BED, "--piece bedroom.bed=3.."],
+    ),
+    "more chairs than a table has": (
+        {},
+        {"rooms": 1, "types": {"kitchen": 1}, "furniture": {"chair": 5}},
+        ["--type kitchen=1", "furniture.lp: may(kitchen,table,0,1).", "--piece chair=5"],
     ),
     "no bed in a bedroom": (
         {},

@@ -47,10 +47,11 @@ def test_a_power_law_has_its_exponent_and_interval() -> None:
     assert law(points, False) == f"time ~ size^1.25 ± {margin:.2f} from 4 to 32"
 
 
-def test_what_is_censored_is_not_fitted() -> None:
+def test_what_runs_into_its_limit_is_fitted_by_its_growth_without_what_is_censored() -> None:
     points = series_of(report())["rejection"]
     assert points[:, 4].tolist() == [0, 0, 0, 1]
-    assert law(points, False).endswith("from 4 to 6")
+    assert points[3, 1] == 20
+    assert law(points, False) == "each room more takes 10.0 times [10.0, 10.0] as long, from 4 to 6"
 
 
 def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> None:
@@ -61,7 +62,7 @@ def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> 
 
 def test_the_page_names_machine_versions_grammar_and_what_is_measured() -> None:
     page = results_page(report(), "mine")
-    for words in ("--grammar mine", "x86_64", "Python 3.12", "clingo 5.8", "1.50 s", "| 2 | 100 |"):
+    for words in ("--grammar mine", "x86_64", "Python 3.12", "clingo 5.8", "1.50 s", "| 1 | 50 |", "| 2 | 100 |"):
         assert words in page
     assert "| 32 | 64.0 | 64.0 | 100.0 | 64.0 | 200.0 | 3.12 | 50,000 | 50,000 |" in page
 
