@@ -123,5 +123,5 @@ def _draw(axes: Any, name: str, points: np.ndarray, rate: bool) -> None:
     colour = line.get_color()
     axes.fill_between(size[seen], low[seen], high[seen], color=colour, alpha=0.2, lw=0)
     if not seen.all():
-        label = f"{name}: most not done by then"
+        label = f"{name}: most not done in {median[~seen].max():g} s"
         axes.plot(size[~seen], median[~seen], "^", ms=7, mfc="none", mec=colour, label=label)

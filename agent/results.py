@@ -40,6 +40,7 @@ def series_of(report: dict[str, Any]) -> dict[str, np.ndarray]:
             times = [stats["median"], stats["q1"], stats["q3"]]
             values = [work / time for time in times] if work else times
             censored = 2 * extra.get("censored", 0) >= stats["rounds"]
+            values = [extra["limit"]] * 3 if censored else values
             rows.setdefault(name_of(entry), []).append([sizes[0], *values, censored])
     return {name: np.array(sorted(points)) for name, points in rows.items()}
 
@@ -60,15 +61,24 @@ def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]
 
 
 def law(points: np.ndarray, rate: bool) -> str:
-    """The fitted power law with a 95 % interval, from size 4: below it fixed costs rule. Or the best rate."""
+    """What least squares on logarithms finds, with a 95 % interval: the exponent of a power law.
+
+    From size 4 on: below it fixed costs rule. A series that runs into its limit grows faster than any power:
+    of that the factor for each further room, from 2 on. Of rates, the best.
+    """
     if rate:
         return f"{points[:, 1].max():,.0f} a second at best"
-    tail = points[(points[:, 0] >= 4) & (points[:, 4] == 0)]
+    late, first = points[:, 4].any(), 2 if points[:, 4].any() else 4
+    tail = points[(points[:, 0] >= first) & (points[:, 4] == 0)]
     if len(tail) < 3:
         return "too few sizes for a fit"
-    exponent, error = fitted_exponent(tail[:, 0], tail[:, 1])
+    exponent, error = fitted_exponent(np.exp(tail[:, 0]) if late else tail[:, 0], tail[:, 1])
     margin = stdtrit(len(tail) - 2, 0.975) * error
-    return f"time ~ size^{exponent:.2f} ± {margin:.2f} from {tail[0, 0]:.0f} to {tail[-1, 0]:.0f}"
+    span = f"from {tail[0, 0]:.0f} to {tail[-1, 0]:.0f}"
+    if late:
+        low, factor, high = np.exp([exponent - margin, exponent, exponent + margin])
+        return f"each room more takes {factor:.1f} times [{low:.1f}, {high:.1f}] as long, {span}"
+    return f"time ~ size^{exponent:.2f} ± {margin:.2f} {span}"
 
 
 def results_page(report: dict[str, Any], grammar: str) -> str:
@@ -79,7 +89,7 @@ def results_page(report: dict[str, Any], grammar: str) -> str:
     versions = {"Python": report["machine_info"]["python_version"], **loading["extra_info"]["versions"]}
     versions |= {name: version(name) for name in ("pyswip", "scipy")}
     solvers = {name for name, rooms in entries if rooms and name.startswith(("decide", "draw"))}
-    workers = [entry["extra_info"] for (name, _), entry in entries.items() if name.startswith("workers")]
+    infos = [entry["extra_info"] for entry in report["benchmarks"]]
     laws = {name: law(points, False) for name, points in series_of(report).items()}
     return PAGE.format(
         grammar=grammar,
@@ -88,8 +98,7 @@ def results_page(report: dict[str, Any], grammar: str) -> str:
         versions=", ".join(f"{name} {number}" for name, number in versions.items()),
         loading=f"{loading['stats']['median']:.2f}",
         workers="\n".join(
-            f"| {each['workers']} | {each['houses_per_second']:.0f} |"
-            for each in sorted(workers, key=lambda each: each["workers"])
+            f"| {each['workers']} | {each['houses_per_second']:.0f} |" for each in infos if "workers" in each
         ),
         laws="\n".join(f"| {name} | {words} |" for name, words in laws.items()),
         houses=_rows(_of_house(entries, rooms) for rooms in sizes if ("house", rooms) in entries),
@@ -184,7 +193,8 @@ each. HiGHS is called through SciPy: a program for each room, or one for all roo
 The generator itself solves less: it draws sizes first and asks CLP(R) whether all can stand so.
 
 ## Fitted laws
-Least squares on the logarithms of the medians from 4 rooms on, with 95 % intervals.
+Least squares on the logarithms of the medians from 4 rooms on, with 95 % intervals; a method that does not
+end in time is no power law, so of that the growth with each room.
 
 | | |
 |---|---|

@@ -33,8 +33,8 @@ REJECTIONS = {1: 20, 2: 20, 3: 20, 4: 20, 5: 20, 6: 12, 7: 5}
 """How many plans of so many rooms are made by rejection."""
 HOUSES = 5
 """How many houses' linear systems are compared."""
-SOLVERS = "the linear systems of its rooms"
-"""The panel of the plot that compares solvers."""
+HOUSE, SOLVERS = "a house", "the linear systems of its rooms"
+"""The panels of the plot."""
 
 
 def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
@@ -53,8 +53,9 @@ def measure(
     builder: Builder,
     rooms: int,
     work: Callable[[int], Any],
+    *,
     rounds: int = ROUNDS,
-    **more: Any,
+    panel: str = HOUSE,
 ) -> None:
     """Time ``work(0)``, ``work(1)``, ... apart, after one that is not timed; count the inferences of each."""
     numbers, counts = itertools.count(), []
@@ -73,7 +74,7 @@ def measure(
         mean=float(np.mean(times)),
         p95=float(np.percentile(times, 95)),
         inferences=float(np.median(np.diff(counts))) - asking,
-        **more,
+        panel=panel,
     )
 
 
@@ -163,7 +164,7 @@ def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
         tries.append(builder._placer._ask(f"rejection:tries_until_valid({rooms},{LIMIT},Tries)")["Tries"])
 
     rounds = REJECTIONS[rooms]
-    measure(benchmark, builder, rooms, plan, rounds)
+    measure(benchmark, builder, rooms, plan, rounds=rounds)
     made = tries[-rounds:]
     benchmark.extra_info.update(censored=made.count(0), limit=LIMIT, tries=float(np.median(made)))
 
@@ -198,7 +199,7 @@ def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> li
 
 
 @study("the same linear systems: is there a solution?")
-@pytest.mark.parametrize("rooms", ROOMS[:6])
+@pytest.mark.parametrize("rooms", ROOMS)
 @pytest.mark.usefixtures("systems")
 def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def decide(turn: int) -> None:
@@ -208,7 +209,7 @@ def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
 
 
 @study("the same linear systems: is there a solution?")
-@pytest.mark.parametrize("rooms", ROOMS[:6])
+@pytest.mark.parametrize("rooms", ROOMS)
 def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
     def decide(turn: int) -> None:
         assert all(
@@ -219,7 +220,7 @@ def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems
 
 
 @study("the same linear systems: is there a solution?")
-@pytest.mark.parametrize("rooms", ROOMS[:6])
+@pytest.mark.parametrize("rooms", ROOMS)
 def test_decide_with_highs_at_once(
     benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]
 ) -> None:
@@ -234,7 +235,7 @@ def test_decide_with_highs_at_once(
 
 
 @study("the same linear systems: a solution is drawn")
-@pytest.mark.parametrize("rooms", ROOMS[:6])
+@pytest.mark.parametrize("rooms", ROOMS)
 @pytest.mark.usefixtures("systems")
 def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def draw(turn: int) -> None:
@@ -244,7 +245,7 @@ def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
 
 
 @study("the same linear systems: a solution is drawn")
-@pytest.mark.parametrize("rooms", ROOMS[:4])
+@pytest.mark.parametrize("rooms", ROOMS[:5])
 def test_draw_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
     """Each unknown in turn, between its least and greatest value: two programs for each."""
 

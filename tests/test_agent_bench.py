@@ -62,7 +62,15 @@ def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> 
 
 def test_the_page_names_machine_versions_grammar_and_what_is_measured() -> None:
     page = results_page(report(), "mine")
-    for words in ("--grammar mine", "x86_64", "Python 3.12", "clingo 5.8", "1.50 s", "| 1 | 50 |", "| 2 | 100 |"):
+    for words in (
+        "--grammar mine",
+        "x86_64",
+        "Python 3.12",
+        "clingo 5.8",
+        "1.50 s",
+        "| 1 | 50 |",
+        "| 2 | 100 |",
+    ):
         assert words in page
     assert "| 32 | 64.0 | 64.0 | 100.0 | 64.0 | 200.0 | 3.12 | 50,000 | 50,000 |" in page
 
