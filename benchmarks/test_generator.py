@@ -44,7 +44,8 @@ def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
 @pytest.fixture(scope="module")
 def builder() -> Builder:
     made = Builder(find(GRAMMAR))
-    made.house(Request(32), 0, 0, INFERENCES)  # What a program takes at its first search is paid once too.
+    for index in range(8):  # What programs take at their first search and refutation is paid once too.
+        made.house(Request(32), 1, index, INFERENCES)
     return made
 
 
@@ -53,6 +54,7 @@ def measure(
     builder: Builder,
     rooms: int,
     work: Callable[[int], Any],
+    *,
     *,
     rounds: int = ROUNDS,
     panel: str = HOUSE,
