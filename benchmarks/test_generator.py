@@ -55,7 +55,6 @@ def measure(
     rooms: int,
     work: Callable[[int], Any],
     *,
-    *,
     rounds: int = ROUNDS,
     panel: str = HOUSE,
 ) -> None:
