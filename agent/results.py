@@ -154,7 +154,8 @@ PAGE = """# How hard is a house?
 ![Solve time against rooms](generator.png)
 
 CPU time of one core, in milliseconds. House `i` of each size has the random numbers of seed 0 and index `i`.
-What is done once is apart: a grammar is loaded, checked and grounded in {loading} s.
+What is done once is apart: a grammar is loaded, checked and grounded in {loading} s, and some houses are made
+before any is timed, as the first searches and refutations of each program take up to 30 ms more.
 
 ## A furnished house
 | rooms | layout | place | both, mean | median | p95 | p95/median | inferences, place | inferences, both |
