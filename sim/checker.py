@@ -1,0 +1,215 @@
+"""Whether a vector environment keeps Gymnasium's promises, in each of the three autoreset modes.
+
+Gymnasium's own ``check_env`` is for single environments. What is asked here is what ``SyncVectorEnv`` of
+Gymnasium 1.4 does, what the documentation says of vector environments, and what wrappers rely on.
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from copy import deepcopy
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from sim.modes import autoreset
+from sim.trial import FAR, Step, Trial, brief, difference, fingerprint, hold, leaves, shared
+
+CALLS = 10
+"""As many steps in a row are looked at for shared memory."""
+
+
+def check_vector_env(
+    envs: VectorEnv,
+    *,
+    steps: int = 1000,
+    seed: int = 0,
+    options: dict[str, Any] | None = None,
+    skip: Collection[str] = (),
+) -> None:
+    """Raise ``BrokenPromise`` (an ``AssertionError``) for the first of these claims that does not hold.
+
+    | claim | says |
+    |---|---|
+    | attributes | sizes, spaces, render mode and metadata are there and agree |
+    | spec | can be set, as ``make_vec`` does, and comes back from JSON as it was |
+    | returns | what ``reset`` and ``step`` return has the promised types, shapes, dtypes and bounds |
+    | determinism | the same seed and actions give the same observations, rewards and flags |
+    | infos | and the same infos |
+    | distinct | environments, seeds and successive resets differ |
+    | seeds | a list gives each environment its seed; ``seed=s`` means ``s + i`` for environment i |
+    | options | ``reset`` leaves the dict of options as it was |
+    | memory | what is returned is the caller's: later calls leave it alone, writing on it changes nothing |
+    | autoreset | an end is followed by what ``metadata["autoreset_mode"]`` says |
+    | render | if ``rgb_array``: a picture (height, width, 3) uint8 for each environment, all of one size |
+    | close | can be called twice; the environment is of no use afterwards |
+
+    ``steps`` of random actions are made to look for ends of episodes; finding none is a failure, so give more
+    where episodes are longer. ``options``: what to pass to ``reset`` under the claim of that name. ``skip``:
+    claims not to make, such as ``distinct`` where nothing is random. Environments of JAX or torch are checked
+    under Gymnasium's wrappers to NumPy. ``ValueError`` if there is no claim of a name in ``skip``.
+    """
+    unknown = set(skip) - set(CLAIMS)
+    if unknown:
+        raise ValueError(f"no claim is named {min(unknown)!r}: there are {', '.join(CLAIMS)}")
+    trial = Trial(envs, steps, seed, options)
+    for name, claim in CLAIMS.items():
+        if name not in skip:
+            hold(name, trial, claim)
+
+
+def _attributes(trial: Trial) -> None:
+    envs = trial.envs
+    if not isinstance(envs.num_envs, int | np.integer) or envs.num_envs < 1:
+        trial.fail(f"num_envs is {envs.num_envs!r}: expected a positive number")
+    for name in ("observation", "action"):
+        single, batch = getattr(envs, f"single_{name}_space"), getattr(envs, f"{name}_space")
+        if batch != batch_space(single, envs.num_envs):
+            trial.fail(f"{name}_space is {batch}: expected batch_space(single_{name}_space, num_envs)")
+    metadata = envs.metadata
+    missing = {"render_modes", "render_fps", "autoreset_mode"} - set(metadata)
+    if missing:
+        trial.fail(f"metadata has no {min(missing)!r}")
+    if not isinstance(trial.mode, AutoresetMode):
+        trial.fail(f"metadata['autoreset_mode'] is {trial.mode!r}: expected an AutoresetMode")
+    # TorchRL reads this attribute; Gymnasium's own environments need not have it.
+    if getattr(envs, "autoreset_mode", trial.mode) != trial.mode:
+        trial.fail(f"autoreset_mode is not that of the metadata: expected {trial.mode}")
+    if envs.render_mode not in (None, *metadata["render_modes"]):
+        trial.fail(f"render_mode is {envs.render_mode!r}: expected one of {metadata['render_modes']}")
+
+
+def _spec(trial: Trial) -> None:
+    bare, trial.where = trial.envs.unwrapped, "spec"
+    bare.spec = bare.spec
+    if bare.spec is not None and EnvSpec.from_json(bare.spec.to_json()) != bare.spec:
+        trial.fail("another one comes back from to_json: expected arguments that JSON keeps")
+
+
+def _returns(trial: Trial) -> None:
+    trial.reset()
+    for _ in trial.play(trial.steps):
+        pass
+
+
+def _determinism(trial: Trial) -> None:
+    _same_twice(trial, "observation", "reward", "terminated", "truncated")
+
+
+def _infos(trial: Trial) -> None:
+    _same_twice(trial, "info")
+
+
+def _same_twice(trial: Trial, *parts: str) -> None:
+    def prints(now: Step) -> dict[str, Any]:
+        return fingerprint({part: vars(now)[part] for part in parts})
+
+    first = [prints(now) for now in trial.play(trial.steps)]
+    for before, now in zip(first, trial.play(trial.steps), strict=False):
+        if prints(now) != before:
+            what = next(path for path in before | prints(now) if before.get(path) != prints(now).get(path))
+            trial.fail(f"{what} is another the second time: expected the same for seed and actions")
+
+
+def _distinct(trial: Trial) -> None:
+    size = trial.envs.num_envs
+
+    def run(seed: int | None) -> Iterator[list[Any]]:
+        """Each environment's fingerprints until one ends, with the same action in all of them."""
+        now = trial.reset(seed)
+        yield [fingerprint(one) for one in trial.each(now.observation)]
+        for k in range(trial.steps):
+            if now.ended.any():
+                return
+            now = trial.step(trial.batch(trial.split(trial.action(k))[:1] * size))
+            yield [fingerprint(one) for one in trial.each(now.observation)]
+
+    first = list(run(trial.seed))
+    if size > 1 and all(other == batch[0] for batch in first for other in batch[1:]):
+        trial.fail("all environments are the same: expected each to have its own random numbers")
+    if list(run(trial.seed + FAR)) == first:
+        trial.fail(f"the same as with seed={trial.seed}: expected another seed to make a difference")
+    trial.reset(trial.seed)
+    if list(run(None)) == first:
+        trial.fail(f"the same as with seed={trial.seed}: expected the random numbers to go on")
+
+
+def _seeds(trial: Trial) -> None:
+    listed = [trial.seed + i for i in range(trial.envs.num_envs)]
+    first = [fingerprint(now.observation) for now in trial.play(CALLS)]
+    if [fingerprint(now.observation) for now in trial.play(CALLS, listed)] != first:
+        trial.fail(f"not the same as with seed={trial.seed}: expected seed + i for environment i")
+    forth = trial.each(trial.reset(listed).observation)
+    if difference(forth[::-1], trial.each(trial.reset(listed[::-1]).observation)):
+        trial.fail("the environments did not follow their seeds to other places")
+    trial.refused("a list of too many seeds", lambda: trial.envs.reset(seed=[*listed, 0]))  # pyright: ignore[reportArgumentType]
+
+
+def _options(trial: Trial) -> None:
+    trial.reset(trial.seed)
+    given = dict(trial.options)
+    if trial.mode is AutoresetMode.DISABLED:
+        given["reset_mask"] = np.arange(trial.envs.num_envs) == 0
+    trial.where, before = f"reset(options={given})", deepcopy(given)
+    trial.envs.reset(options=given)
+    if difference(before, given):
+        trial.fail(f"left them as {given}: expected them untouched, as wrappers read them afterwards")
+
+
+def _memory(trial: Trial) -> None:
+    calls = [(trial.where, now, deepcopy(now)) for now in trial.play(CALLS)]
+    for (where, one, before), (trial.where, other, _) in combinations(calls, 2):
+        if what := shared(vars(one), vars(other)):
+            trial.fail(f"{what} is the same memory as in {where}: expected a fresh array")
+        if what := difference(vars(before), vars(one)):
+            trial.fail(f"{what} of {where} has changed since: expected it to be left alone")
+    for now, (_, _, before) in zip(trial.play(CALLS), calls, strict=True):
+        if what := difference(vars(before), vars(now)):
+            trial.fail(f"{what} depends on what a caller wrote on arrays returned earlier")
+        for _, leaf in leaves(vars(now)):
+            if isinstance(leaf, np.ndarray) and leaf.flags.writeable and leaf.dtype.kind in "biuf":
+                leaf.fill(1)
+
+
+def _render(trial: Trial) -> None:
+    if trial.envs.render_mode != "rgb_array":
+        return
+    trial.reset(trial.seed)
+    shown = []
+    for k in range(2):
+        trial.step(trial.action(k))
+        trial.where, frames = "render()", trial.envs.render()
+        if not isinstance(frames, tuple | list) or len(frames) != trial.envs.num_envs:
+            trial.fail(f"returned {brief(frames)}: expected a tuple, a picture for each environment")
+        for frame in frames:
+            if not isinstance(frame, np.ndarray) or frame.dtype != np.uint8 or frame.shape[2:] != (3,):
+                trial.fail(f"a picture is {brief(frame)}: expected (height, width, 3) uint8")
+        shown.append(frames)
+    if shared(*shown):
+        trial.fail("pictures share memory with earlier ones: a film would show the last one throughout")
+    sizes = {frame.shape for frames in shown for frame in frames}
+    if len(sizes) > 1:
+        trial.fail(f"pictures have sizes {sizes}: expected one, as RecordVideo tiles them")
+
+
+def _close(trial: Trial) -> None:
+    for trial.where in ("close()", "the second close()"):
+        trial.envs.close()
+
+
+CLAIMS: dict[str, Callable[[Trial], None]] = {
+    "attributes": _attributes,
+    "spec": _spec,
+    "returns": _returns,
+    "determinism": _determinism,
+    "infos": _infos,
+    "distinct": _distinct,
+    "seeds": _seeds,
+    "options": _options,
+    "memory": _memory,
+    "autoreset": autoreset,
+    "render": _render,
+    "close": _close,
+}
