@@ -1,0 +1,75 @@
+# /// script
+# requires-python = ">=3.11,<3.14"
+# dependencies = ["jaxmarl==0.2.0", "jax==0.10.2", "jaxlib==0.10.2", "numpy==2.4.6"]
+# ///
+# pyright: reportMissingImports=false
+"""JaxNav, robot navigation in JAX, of JaxMARL: ``uv run --no-project benchmarks/peers/jaxnav.py``.
+
+Set as JaxMARL's own training is: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled,
+all observations, rewards and ends kept. Its ``step`` resets what has ended, and to do so makes a new map for
+every environment at every step; ``reset_state`` spares it that, by start states made beforehand.
+"""
+
+from functools import partial
+
+import house
+import jax
+import jax.numpy as jnp
+from jaxmarl.environments.jaxnav.jaxnav_env import JaxNav
+from rounds import Case, Play, measure
+
+ENV = JaxNav(num_agents=1, lidar_num_beams=house.RAYS, lidar_angle_factor=house.FIELD / 360)
+
+
+def build(reset: str):
+    """Steps with resets to ``new`` maps, to ``kept`` start states, or with ``none``."""
+
+    @partial(jax.jit, donate_argnums=1)
+    def roll(key, states, starts, actions):
+        def step(carry, action):
+            key, states = carry
+            key, *keys = jax.random.split(key, len(action) + 1)
+            robots = {"agent_0": action}
+            if reset == "new":
+                result = jax.vmap(ENV.step)(jnp.stack(keys), states, robots)
+            elif reset == "kept":
+                result = jax.vmap(ENV.step)(jnp.stack(keys), states, robots, starts)
+            else:
+                result = jax.vmap(ENV.step_env)(jnp.stack(keys), states, robots)
+            seen, states, rewards, dones, _ = result
+            return (key, states), (seen["agent_0"], rewards["agent_0"], dones["__all__"])
+
+        return jax.lax.scan(step, (key, states), actions)
+
+    def make(environments: int) -> Play:
+        steps = max(8, 512 // environments)
+        key, *keys = jax.random.split(jax.random.key(0), environments + 1)
+        starts = jax.jit(jax.vmap(ENV.reset))(jnp.stack(keys))[1]
+        actions = jax.random.uniform(key, (steps, environments, 2), minval=-1.0, maxval=1.0)
+        carry = (key, jax.tree.map(jnp.array, starts))
+
+        def play() -> int:
+            nonlocal carry
+            carry, kept = roll(*carry, starts, actions)
+            jax.block_until_ready((carry, kept))
+            return steps * environments
+
+        return play
+
+    return make
+
+
+NOTE = (
+    "A robot with limits on speed and acceleration among cells of 1 m; rays sampled every 5 cm up to 6 m, "
+    "distances alone; episodes end at a wall or a goal or after 500 steps"
+)
+WHAT = "11 by 11 cells, one robot with a lidar of 40 beams, collisions, reward"
+SIZES = (1, 256, 2048)
+CASES = (
+    Case(f"{WHAT}, reset to a new map", f"{NOTE}; as shipped", SIZES, build("new")),
+    Case(f"{WHAT}, reset to a kept start", f"{NOTE}; nearest to a bank of houses", SIZES, build("kept")),
+    Case(f"{WHAT}, no reset", f"{NOTE}; ended robots stand still", SIZES, build("none")),
+)
+
+if __name__ == "__main__":
+    measure("JaxNav", "jaxmarl", CASES, libraries=["jax", "jaxlib"])
