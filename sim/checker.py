@@ -38,10 +38,10 @@ def check_vector_env(
     | returns | what ``reset`` and ``step`` return has the promised types, shapes, dtypes and bounds |
     | determinism | the same seed and actions give the same observations, rewards and flags |
     | infos | and the same infos |
+    | memory | what is returned is the caller's: later calls leave it alone, writing on it changes nothing |
     | distinct | environments, seeds and successive resets differ |
     | seeds | a list gives each environment its seed; ``seed=s`` means ``s + i`` for environment i |
     | options | ``reset`` leaves the dict of options as it was |
-    | memory | what is returned is the caller's: later calls leave it alone, writing on it changes nothing |
     | autoreset | an end is followed by what ``metadata["autoreset_mode"]`` says |
     | render | if ``rgb_array``: a picture (height, width, 3) uint8 for each environment, all of one size |
     | close | can be called twice; the environment is of no use afterwards |
@@ -113,6 +113,21 @@ def _same_twice(trial: Trial, *parts: str) -> None:
             trial.fail(f"{what} is another the second time: expected the same for seed and actions")
 
 
+def _memory(trial: Trial) -> None:
+    calls = [(trial.where, now, deepcopy(now)) for now in trial.play(CALLS)]
+    for (where, one, before), (trial.where, other, _) in combinations(calls, 2):
+        if what := shared(vars(one), vars(other)):
+            trial.fail(f"{what} is the same memory as in {where}: expected a fresh array")
+        if what := difference(vars(before), vars(one)):
+            trial.fail(f"{what} of {where} has changed since: expected it to be left alone")
+    for now, (_, _, before) in zip(trial.play(CALLS), calls, strict=True):
+        if what := difference(vars(before), vars(now)):
+            trial.fail(f"{what} depends on what a caller wrote on arrays returned earlier")
+        for _, leaf in leaves(vars(now)):
+            if isinstance(leaf, np.ndarray) and leaf.flags.writeable and leaf.dtype.kind in "biuf":
+                leaf.fill(1)
+
+
 def _distinct(trial: Trial) -> None:
     size = trial.envs.num_envs
 
@@ -141,8 +156,11 @@ def _seeds(trial: Trial) -> None:
     first = [fingerprint(now.observation) for now in trial.play(CALLS)]
     if [fingerprint(now.observation) for now in trial.play(CALLS, listed)] != first:
         trial.fail(f"not the same as with seed={trial.seed}: expected seed + i for environment i")
-    forth = trial.each(trial.reset(listed).observation)
-    if difference(forth[::-1], trial.each(trial.reset(listed[::-1]).observation)):
+    forth, back = (
+        [fingerprint(one) for one in trial.each(trial.reset(seeds).observation)]
+        for seeds in (listed, listed[::-1])
+    )
+    if forth[::-1] != back:
         trial.fail("the environments did not follow their seeds to other places")
     trial.refused("a list of too many seeds", lambda: trial.envs.reset(seed=[*listed, 0]))  # pyright: ignore[reportArgumentType]
 
@@ -156,21 +174,6 @@ def _options(trial: Trial) -> None:
     trial.envs.reset(options=given)
     if difference(before, given):
         trial.fail(f"left them as {given}: expected them untouched, as wrappers read them afterwards")
-
-
-def _memory(trial: Trial) -> None:
-    calls = [(trial.where, now, deepcopy(now)) for now in trial.play(CALLS)]
-    for (where, one, before), (trial.where, other, _) in combinations(calls, 2):
-        if what := shared(vars(one), vars(other)):
-            trial.fail(f"{what} is the same memory as in {where}: expected a fresh array")
-        if what := difference(vars(before), vars(one)):
-            trial.fail(f"{what} of {where} has changed since: expected it to be left alone")
-    for now, (_, _, before) in zip(trial.play(CALLS), calls, strict=True):
-        if what := difference(vars(before), vars(now)):
-            trial.fail(f"{what} depends on what a caller wrote on arrays returned earlier")
-        for _, leaf in leaves(vars(now)):
-            if isinstance(leaf, np.ndarray) and leaf.flags.writeable and leaf.dtype.kind in "biuf":
-                leaf.fill(1)
 
 
 def _render(trial: Trial) -> None:
@@ -205,10 +208,10 @@ CLAIMS: dict[str, Callable[[Trial], None]] = {
     "returns": _returns,
     "determinism": _determinism,
     "infos": _infos,
+    "memory": _memory,
     "distinct": _distinct,
     "seeds": _seeds,
     "options": _options,
-    "memory": _memory,
     "autoreset": autoreset,
     "render": _render,
     "close": _close,
