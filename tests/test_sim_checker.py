@@ -218,16 +218,11 @@ def cast(self, options):
     return np.asarray(options.get("reset_mask", np.ones(self.num_envs)), bool)
 
 
-def careless(self, options):
+def longer(self, options):
+    """A mask may be too long."""
     mask = options.get("reset_mask", np.ones(self.num_envs, bool))
-    return mask[: self.num_envs].reshape(self.num_envs, -1)[:, 0]
-
-
-def exact(self, options):
-    """A mask must have the right dtype, but no shape is refused."""
-    mask = careless(self, options)
     assert mask.dtype == np.bool_
-    return mask
+    return mask[: self.num_envs]
 
 
 def masked(change):
@@ -272,14 +267,10 @@ def counted(self):
     return {"calls": np.full(self.num_envs, self.calls)}
 
 
-def again(reward):
-    """The step after an end with its reward, a function of state and action."""
-
-    def broken(self, index, action):
-        Walk.begin(self, index)
-        return reward(self, index, action)
-
-    return broken
+def paid(self, index, action):
+    """The step after an end is rewarded."""
+    Walk.begin(self, index)
+    return 1.0
 
 
 def led(self, index, action):
@@ -301,11 +292,6 @@ def ending(**changes):
         return given
 
     return final
-
-
-def aliased(self, over):
-    self.last = self.see()
-    return Walk.final(self, over) | {"final_obs": self.last}
 
 
 def alias(self, given):
@@ -381,7 +367,7 @@ BROKEN = {
         changed(lambda self, given: setattr(self, "over", given[3])),
     ),
     "no episode ended in 30 steps": (NEXT, "move", lambda self, index, action: 0.0),
-    "expected 0 in the step after an end": (NEXT, "again", again(lambda self, index, action: 1.0)),
+    "expected 0 in the step after an end": (NEXT, "again", paid),
     "expected none in the step after an end": (NEXT, "stopped", lambda self, over: over.copy()),
     "no step after an end changed the observation": (NEXT, "begin", lasting),
     "expected it to be ignored after an end": (NEXT, "again", led),
@@ -399,7 +385,7 @@ BROKEN = {
     "changed an observation outside its mask": (DISABLED, "reset", masked(shift)),
     "no reset by mask changed an observation": (DISABLED, "begin", lasting),
     "a step of ended environments: was accepted": (DISABLED, "refuse", lambda self: None),
-    "a reset_mask (4,) of bool: was accepted": (DISABLED, "mask", exact),
+    "a reset_mask (4,) of bool: was accepted": (DISABLED, "mask", longer),
     "a reset_mask (3,) of int64: was accepted": (DISABLED, "mask", cast),
     "environment 0 is not as this seed has it": (DISABLED, "reset", deaf),
     "other environments went on differently": (DISABLED, "reset", masked(stir)),
