@@ -42,7 +42,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
     """Print a row of JSON for each case and number of environments: steps a second of the median round.
 
     ``low`` and ``high`` are of the slowest and the quickest round. ``libraries`` are what the peer's speed
-    hangs on, told by version. A first, untimed call compiles.
+    hangs on, told by version. Two calls before the rounds are not timed.
     """
     parser = ArgumentParser(description=f"Environment steps a second of {peer}.")
     parser.add_argument("--rounds", type=int, default=7, help="timed rounds of a row")
@@ -55,6 +55,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
                 continue
             play = case.build(environments)
             play()
+            play()  # JAX compiles once more for what the first call gave back
             speeds = [speed(play, args.seconds) for _ in range(args.rounds)]
             row = {
                 "peer": peer,
