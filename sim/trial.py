@@ -37,9 +37,7 @@ class Step:
 class Trial:
     """Plays the same random actions again and again, with ``seed`` and for at most ``steps`` steps."""
 
-    def __init__(
-        self, envs: VectorEnv, steps: int, seed: int, options: dict[str, Any] | None = None
-    ) -> None:
+    def __init__(self, envs: VectorEnv, steps: int, seed: int, options: dict[str, Any] | None = None) -> None:
         """``where`` names the latest call, for messages."""
         self.envs, self.steps, self.seed, self.options = envs, steps, seed, options or {}
         self.where = str(envs)
