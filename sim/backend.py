@@ -5,6 +5,9 @@ A pose is a place on a lattice through the body's first position, so that where 
 steps it made and not on their order, and poses can be counted: ``origin`` (x, y) in metres, and ``cell``
 (i, j, heading): i and j steps east and south of the origin, heading times 45 degrees counter-clockwise
 from east. Rewards, resets, targets and random numbers belong to the world.
+
+A backend is made once for a configuration and holds no house: those are in banks, whose arrays its functions
+are given. So banks come and go, and nothing is compiled anew.
 """
 
 from collections.abc import Sequence
@@ -15,10 +18,23 @@ import numpy as np
 
 from logic import House
 from sim.body import Body
+from sim.config import Config
 from sim.geometry import Geometry
+from sim.runtime import Array
 
-STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
-"""Bits of a survey: the body can be at this place with a heading along an axis, on a diagonal."""
+WALL, PIECE, TARGET = 1, 2, 3
+"""What a ray hits; 0 is nothing."""
+
+
+@dataclass(frozen=True)
+class Bank:
+    """H houses as a backend has packed them: what is in the two arrays is its own affair."""
+
+    geometries: list[Geometry]
+    numbers: Array
+    """(n,) float32."""
+    indices: Array
+    """(m,) int32."""
 
 
 @dataclass(frozen=True)
@@ -36,39 +52,51 @@ class Lattice:
 
 
 class Backend(Protocol):
-    """Motion and sight in a bank of houses; ``move`` and ``see`` are ``ti.func``s."""
+    """Motion and sight: ``stands``, ``move`` and ``see`` are ``ti.func``s, which get a bank's ``numbers`` and
+    ``indices`` and the number of a house in it.
+    """
 
+    config: Config
+    """The configuration as this backend has it: the lengths of body and step may be those of its houses."""
     body: Body
     """The body that it moves."""
 
-    def pack(self, houses: Sequence[House]) -> list[Geometry]:
-        """Take in a bank of houses, H of them."""
+    def __init__(self, config: Config, lanes: int) -> None:
+        """For a configuration from ``fit``, with ``lanes`` rays in a look."""
         ...
 
-    def lattice(self, house: int, origin: np.ndarray | None = None) -> Lattice:
+    @staticmethod
+    def fit(config: Config, houses: Sequence[House]) -> Config:
+        """The configuration for these houses; ``ValueError`` where the backend cannot have them."""
+        ...
+
+    def pack(self, houses: Sequence[House]) -> Bank:
+        """Bring houses to the device."""
+        ...
+
+    def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
         """A lattice over a house, through ``origin`` or where the house's starts and targets lie."""
         ...
 
-    def survey(self, house: int, lattice: Lattice) -> np.ndarray:
-        """What the body can do at each place: (X, Y) uint16, by the very arithmetic of ``move``.
-
-        Bit h: ``forward`` at heading h is not blocked; bits 8 and 9: ``STRAIGHT`` and ``DIAGONAL``.
-        """
-        ...
-
-    def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Poses (E, 3) (x, y, heading in radians) as origins (E, 2) float32 and cells (E, 3) int32.
 
-        Raises ``ValueError`` for a pose where the body cannot be, or that the backend does not have.
+        Raises ``ValueError`` for a pose that the backend does not have.
         """
         ...
 
-    def move(self, house: Any, origin: Any, cell: Any, action: Any) -> Any:
+    def stands(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
+        """Whether a body can be at a cell (i32)."""
+        ...
+
+    def move(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any, action: Any) -> Any:
         """The cell that an action leads to, and whether something is in the way (i32)."""
         ...
 
-    def see(self, house: Any, origin: Any, cell: Any, target: Any) -> Any:
-        """For each ray the distance of the nearest hit (metres, the range if none), and 1 where it is the
-        target at (x, y), else 0.
+    def see(
+        self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any, target: Any, ray: Any
+    ) -> Any:
+        """For ``lanes`` rays from number ``ray`` on, the distances (metres, the range where nothing is hit)
+        and what they hit (u32), with the target at (x, y).
         """
         ...

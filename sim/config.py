@@ -43,6 +43,15 @@ class Config:
     sees_angle: bool = False
     """Whether an observation begins with each ray's absolute direction."""
 
+    sees_kind: bool = False
+    """Whether an observation says for each ray if it ends on a wall and if on a piece, before the target."""
+
+    noise: float = 0.0
+    """Standard deviation of each distance, metres: normal, cut to 0 and the range."""
+
+    dropout: float = 0.0
+    """How often a ray comes back with nothing: as if there were nothing in its range."""
+
     target: float = 15 * PIXEL
     """Side of the square target, metres."""
 
@@ -62,13 +71,15 @@ class Config:
             raise ValueError(f"{self.rays} rays and {self.steps} steps: at least one of each")
         if self.ray_spacing < 1 or 45 % self.ray_spacing:
             raise ValueError(f"ray_spacing is {self.ray_spacing} degrees: it must divide 45")
+        if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1):
+            raise ValueError(f"noise {self.noise} m and dropout {self.dropout}: not negative, at most 1")
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
 
     @property
     def channels(self) -> int:
         """Numbers in an observation for each ray."""
-        return 3 if self.sees_angle else 2
+        return 2 + self.sees_angle + 2 * self.sees_kind
 
 
 DEFAULT = Config()

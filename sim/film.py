@@ -40,6 +40,10 @@ MARGIN, CAPTION = 16, 30
 """Pixels around the house, and for the line of text below it."""
 
 
+WIDTH = 720
+"""Pixels of a picture's longer side."""
+
+
 @dataclass(frozen=True)
 class Scene:
     """All that a picture shows. Metres and radians."""
@@ -62,9 +66,13 @@ class Scene:
 class Camera:
     """Looks at one environment: each ``shoot`` draws it as it is, and the way it has come since the first."""
 
-    def __init__(self, envs: VectorEnv, index: int = 0, width: int = 720) -> None:
-        """Look at a ``HouseVectorEnv``. Pictures are ``width`` pixels wide, those of high houses as high."""
-        self.envs, self.index, self.width = envs, index, width
+    def __init__(
+        self, envs: VectorEnv, index: int = 0, width: int = WIDTH, frame: tuple[int, int] | None = None
+    ) -> None:
+        """Look at a ``HouseVectorEnv``. Pictures are ``width`` pixels wide, those of high houses as high; a
+        ``frame`` (width, height) in pixels holds them all, with the house in its middle.
+        """
+        self.envs, self.index, self.width, self.frame = envs, index, width, frame
         self.trail: list[tuple[float, float]] = []
         self._plan: tuple[House, Image.Image] | None = None
 
@@ -76,7 +84,8 @@ class Camera:
         self.trail.append((float(scene.pose[0]), float(scene.pose[1])))
         if self._plan is None or self._plan[0] is not scene.house:
             self._plan = scene.house, plan(scene.house, self.width)
-        return picture(scene, self.trail, self._plan[1])
+        shot = picture(scene, self.trail, self._plan[1])
+        return shot if self.frame is None else framed(shot, self.frame)
 
 
 def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Image.Image) -> Image.Image:
@@ -114,6 +123,28 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     below = SHARP * MARGIN, image.height - SHARP * (MARGIN + CAPTION) // 2
     draw.text(below, text, INK, ImageFont.load_default(SHARP * 16), anchor="lm")
     return image.reduce(SHARP)
+
+
+def largest(houses: Sequence[House], width: int = WIDTH) -> tuple[int, int]:
+    """Width and height in pixels of a frame that holds the pictures of all these houses."""
+    across, along = np.max([View(geometry(house), width).size for house in houses], axis=0) // SHARP
+    return int(across), int(along)
+
+
+def framed(image: Image.Image, size: tuple[int, int]) -> Image.Image:
+    """A picture in the middle of a larger one of ``size`` (width, height)."""
+    whole = Image.new("RGB", size, PAPER)
+    whole.paste(image, ((size[0] - image.width) // 2, (size[1] - image.height) // 2))
+    return whole
+
+
+def mosaic(frames: Sequence[np.ndarray], columns: int | None = None) -> np.ndarray:
+    """Pictures of one size side by side in rows, (height, width, 3) uint8; about as many rows as columns."""
+    columns = columns or int(np.ceil(np.sqrt(len(frames))))
+    rows = -(-len(frames) // columns)
+    whole = np.full((rows, columns, *frames[0].shape), PAPER, np.uint8)
+    whole.reshape(-1, *frames[0].shape)[: len(frames)] = frames
+    return whole.swapaxes(1, 2).reshape(rows * frames[0].shape[0], -1, 3)
 
 
 def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:

@@ -9,8 +9,9 @@ stopped when it is asked about a pose further away. It moves as ``step`` does, b
 
 import numpy as np
 
-from sim.backend import DIAGONAL, STRAIGHT
+from sim.episodes import Indices, Numbers, Reals, Wholes, loaded, store
 from sim.runtime import ti
+from sim.survey import DIAGONAL, STRAIGHT, survey
 from sim.vector import HouseVectorEnv
 
 FAR = 1 << 15
@@ -28,11 +29,13 @@ class Oracle:
     def __init__(self, envs: HouseVectorEnv) -> None:
         """Make room for searches; each house is surveyed when an environment is first found in it."""
         self.world, count = envs.unwrapped.world, envs.num_envs
+        self.config, self.episodes = self.world.config, self.world.kernels.episodes
+        self.body = self.episodes.body
         # A lattice through another origin may have one place more along each axis.
         columns, rows = np.array([lattice.shape for lattice in self.world.lattices]).max(axis=0) + 1
         self.columns, self.rows = int(columns), int(rows)
         # Places to look at around a target for poses that pick it up: more than any body's reach.
-        config = self.world.config
+        config = self.config
         self.near = int((config.target / 2 + max(config.body)) / config.step) + 1
         self.house = np.full(count, -1)
         self.origin = np.full((count, 2), np.nan)
@@ -57,7 +60,7 @@ class Oracle:
         """
         self._survey()
         action = np.zeros(len(self.house), np.int64)
-        self._act(action)
+        self._act(self.world.arrays["reals"].ndarray, self.world.arrays["wholes"].ndarray, action)
         return action
 
     def play(self) -> np.ndarray:
@@ -67,7 +70,8 @@ class Oracle:
         """
         self._survey()
         count = np.zeros(len(self.house), np.int32)
-        self._play(count)
+        names = ("numbers", "indices", "places", "reals", "wholes")
+        self._play(*(self.world.arrays[name].ndarray for name in names), count)
         return count
 
     def close(self) -> None:
@@ -76,10 +80,14 @@ class Oracle:
 
     def _survey(self) -> None:
         """Survey the houses of the environments whose house or lattice has changed; their searches lapse."""
-        house, origin = self.world.house.to_numpy(), self.world.origin.to_numpy()
-        for e in np.flatnonzero((house != self.house) | (origin != self.origin).any(axis=1)).tolist():
-            lattice = self.world.backend.lattice(house[e], origin[e])
-            self._learn(e, *lattice.first, self.world.backend.survey(house[e], lattice))
+        world, state = self.world, self.world.state
+        house, origin = state["wholes"][:, 3], state["reals"][:, :2]
+        new = np.flatnonzero((house != self.house) | (origin != self.origin).any(axis=1)).tolist()
+        lattices = [world.backend.lattice(world.bank.geometries[house[e]], origin[e]) for e in new]
+        if new:
+            tables = survey(world.backend, world.bank, house[new].tolist(), lattices)
+            for e, lattice, table in zip(new, lattices, tables, strict=True):
+                self._learn(e, *lattice.first, table)
         self.house, self.origin = house, origin
 
     @ti.kernel
@@ -96,24 +104,35 @@ class Oracle:
         self.head[e], self.tail[e] = 0, 0
 
     @ti.kernel
-    def _act(self, action: ti.types.ndarray(ti.i64, 1)):
-        for e in range(self.world.num_envs):
-            action[e] = self.choose(e)
+    def _act(self, reals: Reals, wholes: Wholes, action: ti.types.ndarray(ti.i64, 1)):
+        for e in range(action.shape[0]):
+            action[e] = self.choose(e, loaded(reals, wholes, e))
 
     @ti.kernel
-    def _play(self, count: ti.types.ndarray(ti.i32, 1)):
-        for e in range(self.world.num_envs):
-            while not self.world.over[e]:
-                picked, _, _, _ = self.world.advance(e, self.choose(e))
+    def _play(
+        self,
+        numbers: Numbers,
+        indices: Indices,
+        places: Indices,
+        reals: Reals,
+        wholes: Wholes,
+        count: ti.types.ndarray(ti.i32, 1),
+    ):
+        for e in range(count.shape[0]):
+            state = loaded(reals, wholes, e)
+            while not state.over:
+                action = self.choose(e, state)
+                state, picked, _, _, _ = self.episodes.advance(numbers, indices, places, state, action)
                 count[e] += picked
+            store(reals, wholes, e, state)
 
     @ti.func
-    def choose(self, e):
+    def choose(self, e, state):
         """Search until a pose that an action leads to is known to lead to the target; say which action."""
-        if not (self.target[e] == self.world.target[e]).all():  # NaN, at first, equals nothing
-            self.target[e] = self.world.target[e]
-            self.begin(e)
-        here = self.world.cell[e]
+        if not (self.target[e] == state.target).all():  # NaN, at first, equals nothing
+            self.target[e] = state.target
+            self.begin(e, state)
+        here = state.cell
         column, row = here[0] - self.first[e][0], here[1] - self.first[e][1]
         nearest, action, searching = FAR, 0, 1
         while searching:
@@ -129,7 +148,7 @@ class Oracle:
         return action
 
     @ti.func
-    def begin(self, e):
+    def begin(self, e, state):
         """Begin a search: forget what was found and queue the poses that pick the target up.
 
         Where a body is larger on the diagonal, only poses where it can turn: it could not leave others.
@@ -138,7 +157,7 @@ class Oracle:
             column, row, heading = self.unpacked(self.queue[e, k])
             self.distance[e, column, row, heading] = -1
         self.head[e], self.tail[e] = 0, 0
-        middle = (self.target[e] - self.world.origin[e]) / ti.static(self.world.config.step)
+        middle = (state.target - state.origin) / ti.static(self.config.step)
         place = ti.cast(ti.floor(middle), ti.i32) - self.first[e]
         for column in range(place[0] - self.near, place[0] + self.near + 2):
             for row in range(place[1] - self.near, place[1] + self.near + 2):
@@ -146,7 +165,7 @@ class Oracle:
                     turns = self.stands(e, column, row, 0) and self.stands(e, column, row, 1)
                     for heading in range(8):
                         cell = ti.Vector([column + self.first[e][0], row + self.first[e][1], heading])
-                        if turns and self.world.overlaps(self.world.origin[e], cell, self.target[e]) != 0:
+                        if turns and self.episodes.overlaps(state.origin, cell, state.target) != 0:
                             self.found(e, column, row, heading, 0)
 
     @ti.func
@@ -157,7 +176,7 @@ class Oracle:
         further = self.distance[e, column, row, heading] + 1
         self.found(e, column, row, (heading + 1) % 8, further)
         self.found(e, column, row, (heading + 7) % 8, further)
-        way = self.world.body.headings[heading]
+        way = self.body.headings[heading]
         column, row = column - way[0], row - way[1]
         if self.open(e, column, row, heading):
             self.found(e, column, row, heading, further)
@@ -182,7 +201,7 @@ class Oracle:
         known, free = FAR, True
         if action == 2:
             free = self.open(e, column, row, heading)
-            way = self.world.body.headings[heading]
+            way = self.body.headings[heading]
             column, row = column + way[0], row + way[1]
         else:
             heading = (heading + ti.select(action == 0, 1, 7)) % 8

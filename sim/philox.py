@@ -30,3 +30,9 @@ def philox(key, counter: Words) -> Words:
 def below(word, bound):
     """A number in 0..bound-1 from a random 32-bit word, uniform but for less than bound / 2^32."""
     return ti.cast((word * ti.cast(bound, ti.u64)) >> ti.u64(32), ti.i32)
+
+
+@ti.func
+def uniform(word):
+    """A float32 in [0, 1) from a random 32-bit word: its upper 24 bits."""
+    return ti.cast(word >> ti.u64(8), ti.f32) * ti.static(2.0**-24)

@@ -9,10 +9,11 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from sim.backend import DIAGONAL, STRAIGHT, Lattice
+from sim.backend import Lattice
 from sim.body import HEADINGS
 from sim.config import Config
 from sim.geometry import TOLERANCE, Geometry
+from sim.survey import DIAGONAL, STRAIGHT
 
 TARGETS = ("main", "secondary", "mixed")
 """Where targets lie: wholly in the main room, wholly in one of the others, or in either."""

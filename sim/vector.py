@@ -1,5 +1,6 @@
 """Many houses at once: a Gymnasium ``VectorEnv``."""
 
+import importlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,11 +13,21 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from logic import House, load
+from sim.backend import Backend
 from sim.config import PRESETS, Config
-from sim.continuous import Continuous
 from sim.places import TARGETS
 from sim.runtime import start
-from sim.world import BLOCKED, TERMINATED, TRUNCATED, World
+from sim.world import (
+    BLOCKED,
+    DISABLED,
+    DRAW,
+    KEEP,
+    NEXT_STEP,
+    SAME_STEP,
+    TERMINATED,
+    TRUNCATED,
+    World,
+)
 
 if TYPE_CHECKING:
     import torch
@@ -25,7 +36,13 @@ if TYPE_CHECKING:
 
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
-BACKENDS = {"continuous": Continuous}
+BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
+DEVICES = ("cpu", "cuda")
+MODES = {
+    AutoresetMode.NEXT_STEP: NEXT_STEP,
+    AutoresetMode.SAME_STEP: SAME_STEP,
+    AutoresetMode.DISABLED: DISABLED,
+}
 
 ACTIONS = 3
 """Turn left, turn right, forward."""
@@ -97,12 +114,14 @@ class HouseVectorEnv(VectorEnv):
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        device: str = "cpu",
+        by_ray: bool | None = None,
     ) -> None:
         """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}: at least one environment")
-        _require("backend", backend, BACKENDS)
         _require("targets", targets, TARGETS)
+        _require("device", device, DEVICES)
         if not isinstance(preset, Config):
             _require("preset", preset, PRESETS)
             preset = PRESETS[preset]
@@ -112,30 +131,56 @@ class HouseVectorEnv(VectorEnv):
             preset = replace(preset, steps=max_episode_steps)
         if render_mode not in (None, *METADATA["render_modes"]):
             raise ValueError(f"unknown render_mode {render_mode!r}: try {METADATA['render_modes'][0]!r}")
-        if AutoresetMode(autoreset_mode) is not AutoresetMode.NEXT_STEP:
-            raise ValueError(f"autoreset_mode {autoreset_mode} is not there yet: use AutoresetMode.NEXT_STEP")
-        self.autoreset_mode = AutoresetMode.NEXT_STEP
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = METADATA | {"autoreset_mode": self.autoreset_mode}
-        self.render_mode, self.num_envs, self.config = render_mode, num_envs, preset
-        self.houses = _bank(houses)
+        self.render_mode, self.num_envs, self.device = render_mode, num_envs, device
 
-        start()
-        self.world = World(preset, BACKENDS[backend](preset), self.houses, targets, num_envs)
+        make = _backend(backend)
+        start(device)
+        self.world = World(
+            preset,
+            make,
+            _bank(houses),
+            targets,
+            num_envs,
+            mode=MODES[self.autoreset_mode],
+            by_ray=device != "cpu" if by_ray is None else by_ray,
+        )
+        self.config = config = self.world.config
 
         self.single_action_space = spaces.Discrete(ACTIONS)
-        shape = (preset.rays, preset.channels)
+        shape = (config.rays, config.channels)
         # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
-        high = np.broadcast_to(np.array([360 / 359, 1, 1][-preset.channels :], np.float32), shape)
+        high = np.ones(shape, np.float32)
+        if config.sees_angle:
+            high[:, 0] = 360 / 359
         self.single_observation_space = spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
         self._seed, self._ready = seed, False
-        self._observation = np.zeros((num_envs, *shape), np.float32)
-        self._reward = np.zeros(num_envs, np.float32)
-        self._flags = np.zeros((3, num_envs), np.uint8)
         self._tensors: tuple[Any, ...] | None = None
         self._cameras: list[Camera] | None = None
+        views = {
+            name: self.world.view(name) for name in ("observation", "final", "flags", "reward", "action")
+        }
+        self._observation = views["observation"].view(np.float32).reshape(num_envs, *shape)
+        self._final = views["final"].view(np.float32)
+        self._flags = views["flags"].reshape(3, num_envs)
+        self._reward, self._action = views["reward"], views["action"]
+
+    @property
+    def houses(self) -> list[House]:
+        """The bank that episodes draw from."""
+        return self.world.houses
+
+    def set_houses(self, houses: Houses) -> None:
+        """Take another bank in place of this one; then ``reset``. Nothing is compiled anew.
+
+        Raises ``ValueError``, and changes nothing, where a house cannot be had.
+        """
+        self.world.load(_bank(houses))
+        self._ready, self._cameras = False, None
 
     def reset(
         self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
@@ -143,9 +188,11 @@ class HouseVectorEnv(VectorEnv):
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
-        ``target`` (E, 2) in metres and radians, in place of those drawn. ``ValueError`` for wrong ones.
+        ``target`` (E, 2) in metres and radians, in place of those drawn; ``reset_mask`` (E,) bool, those
+        environments that begin a new episode, all but the first time. ``ValueError`` for wrong ones, before
+        anything is changed.
         """
-        house, origin, cell, target = self._read(options or {})
+        mask, wish, wish_at = self._read(options or {})
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
@@ -154,25 +201,30 @@ class HouseVectorEnv(VectorEnv):
             if len(seed) != self.num_envs:
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} environments")
             super().reset(seed=int(seed[0]))
-            self.world.sow(np.array([one % 2**64 for one in seed], np.uint64))
-        self.world.reset(house, origin, cell, target, self._observation)
-        self._flags[:] = 0
+            self.world.sow(np.array([one % 2**64 for one in seed], np.uint64), mask)
+        self.world.reset(wish, wish_at)
+        self._flags[:, mask] = 0
         self._ready = True
         return self._observation.copy(), self._info()
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One action (E,) for each environment; fresh arrays come back.
 
-        The step after an episode's end ignores its action and begins the next episode: reward 0, no flags.
+        What follows an episode's end is the ``autoreset_mode``'s: by default the step after it ignores its
+        action and begins the next episode, with reward 0 and no flags. In ``SAME_STEP`` the info has
+        ``final_obs`` (E, R, C) and ``final_info``, valid where ``_final_obs`` is True. In ``DISABLED`` it is
+        an error to step an environment that has ended.
         Raises ``ValueError``, before anything is changed, for actions of another shape, kind or range.
         """
         actions = np.asarray(actions)
         if not np.issubdtype(actions.dtype, np.integer):
             raise ValueError(f"actions must be integers 0, 1 or 2, not {actions.dtype}")
-        self._advance(np.ascontiguousarray(actions, np.int64))
+        self._advance(actions)
         flags = self._flags.view(bool).copy()
-        observation, reward = self._observation.copy(), self._reward.copy()
-        return observation, reward, flags[TERMINATED], flags[TRUNCATED], self._info()
+        observation, reward, info = self._observation.copy(), self._reward.copy(), self._info()
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            self._tell_finals(flags[TERMINATED] | flags[TRUNCATED], info)
+        return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
 
     def step_torch(
         self, actions: "torch.Tensor"
@@ -180,7 +232,8 @@ class HouseVectorEnv(VectorEnv):
         """``step`` with tensors and without copies: the batched path.
 
         ``actions`` is (E,) int64 on the CPU. What comes back (observations, rewards, terminated, truncated,
-        and of the info ``blocked``) is the same memory at each call: clone what must outlive the next one.
+        and of the info ``blocked``, and ``final_obs`` where the mode is ``SAME_STEP``) is the same memory at
+        each call: clone what must outlive the next one.
         """
         import torch
 
@@ -190,35 +243,61 @@ class HouseVectorEnv(VectorEnv):
         if self._tensors is None:
             flags = torch.from_numpy(self._flags.view(bool))
             views = torch.from_numpy(self._observation), torch.from_numpy(self._reward)
-            self._tensors = (*views, flags[TERMINATED], flags[TRUNCATED], {"blocked": flags[BLOCKED]})
+            info = {"blocked": flags[BLOCKED]}
+            if self.autoreset_mode is AutoresetMode.SAME_STEP:
+                info["final_obs"] = torch.from_numpy(self._final.reshape(self._observation.shape))
+            self._tensors = (*views, flags[TERMINATED], flags[TRUNCATED], info)
         return self._tensors
 
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that the next steps depend on, but for the houses: copies, to be given back another time.
+
+        With them every environment goes on bit for bit, in this or another environment of the same
+        arguments.
+        """
+        return self.world.state | {"flags": self._flags.copy(), "observation": self._observation.copy()}
+
+    @state.setter
+    def state(self, state: dict[str, np.ndarray]) -> None:
+        shapes = {name: array.shape for name, array in self.state.items()}
+        if {name: array.shape for name, array in state.items()} != shapes:
+            raise ValueError(f"a state of other shapes: here they are {shapes}")
+        self.world.state = state
+        self._flags[:], self._observation[:] = state["flags"], state["observation"]
+        self._ready = True
+
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """A picture of each environment, (height, width, 3) uint8, where ``render_mode`` is ``rgb_array``."""
+        """A picture of each environment, (height, width, 3) uint8, all as large as the largest house's.
+
+        ``None`` where ``render_mode`` is. ``sim.film.mosaic`` makes one picture of them.
+        """
         if self.render_mode is None:
             return None
         if not self._ready:
             raise ResetNeeded("call reset() before render()")
         if self._cameras is None:
-            from sim.film import Camera
+            from sim.film import Camera, largest
 
-            self._cameras = [Camera(self, index) for index in range(self.num_envs)]
+            frame = largest(self.houses)
+            self._cameras = [Camera(self, index, frame=frame) for index in range(self.num_envs)]
         return tuple(np.asarray(camera.shoot()) for camera in self._cameras)
 
     def scene(self, index: int) -> "Scene":
         """What there is to see of one environment, for ``sim.film``."""
         from sim.film import Scene
 
-        info, seen = self._info(), self._observation[index, :, -2:]
+        info, column = self._info(), int(self.config.sees_angle)
+        seen, state = self._observation[index], self.world.environment(index)
         return Scene(
             house=self.houses[info["house"][index]],
             config=self.config,
             pose=info["pose"][index],
             target=info["target"][index],
-            distance=seen[:, 0] * self.config.range,
-            is_target=seen[:, 1] > 0,
-            step=int(self.world.time.to_numpy()[index]),
-            found=int(self.world.count.to_numpy()[index]) - 1,
+            distance=seen[:, column] * self.config.range,
+            is_target=seen[:, -1] > 0,
+            step=state["time"],
+            found=state["found"] - 1,
         )
 
     def _advance(self, actions: np.ndarray) -> None:
@@ -230,38 +309,77 @@ class HouseVectorEnv(VectorEnv):
             )
         if actions.min() < 0 or actions.max() >= ACTIONS:
             raise ValueError(f"actions go from 0 to 2, found {actions.min()} to {actions.max()}")
-        self.world.step(actions, self._observation, self._reward, self._flags)
+        if self.autoreset_mode is AutoresetMode.DISABLED:
+            over = self._flags[TERMINATED] | self._flags[TRUNCATED]
+            if over.any():
+                raise ResetNeeded(
+                    f"the episode of environment {int(over.argmax())} has ended: reset it by "
+                    'reset(options={"reset_mask": ...})'
+                )
+        self._action[:] = actions
+        self.world.run("step")
 
     def _info(self) -> dict[str, np.ndarray]:
-        pose = np.empty((self.num_envs, 3), np.float32)
-        target = np.empty((self.num_envs, 2), np.float32)
-        house = np.empty(self.num_envs, np.int32)
-        self.world.describe(pose, target, house)
+        pose, target, house = self.world.describe()
         blocked = self._flags[BLOCKED].astype(bool)
         return {"pose": pose, "blocked": blocked, "house": house, "target": target}
 
-    def _read(self, options: dict[str, Any]) -> tuple[np.ndarray, ...]:
-        """Options as ``World.reset`` takes them: -1 and NaN where it should draw."""
-        unknown = set(options) - {"house", "pose", "target"}
+    def _tell_finals(self, ended: np.ndarray, info: dict[str, Any]) -> None:
+        """Add to an info what was seen last in the episodes that ended in this step."""
+        if not ended.any():
+            return
+        final = np.zeros_like(self._observation)
+        final[ended] = self._final.reshape(final.shape)[ended]
+        info |= {"final_obs": final, "_final_obs": ended, "_final_info": ended.copy()}
+        info["final_info"] = {"blocked": info["blocked"].copy(), "_blocked": ended.copy()}
+
+    def _read(self, options: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Options as ``World.reset`` takes them, and who begins an episode: (E,) bool."""
+        known = ("house", "pose", "target", "reset_mask")
+        unknown = set(options) - set(known)
         if unknown:
-            raise ValueError(f"unknown reset option {min(unknown)!r}: there are house, pose and target")
+            raise ValueError(f"unknown reset option {min(unknown)!r}: there are {', '.join(known)}")
         count = self.num_envs
-        house, cell = np.full(count, -1, np.int32), np.zeros((count, 3), np.int32)
-        origin, target = np.full((2, count, 2), np.nan, np.float32)
+        mask = np.ones(count, bool)
+        wish, wish_at = np.full((count, 4), DRAW, np.int32), np.full((count, 4), np.nan, np.float32)
+        if options.get("reset_mask") is not None:
+            mask = np.asarray(options["reset_mask"])
+            if mask.shape != (count,) or mask.dtype != bool:
+                raise ValueError(f"option reset_mask: {count} bools, found {mask.dtype} {mask.shape}")
+            if not mask.any():
+                raise ValueError("option reset_mask: it is False everywhere, so there is nothing to reset")
+            if not self._ready and not mask.all():
+                raise ResetNeeded("the first reset is everywhere's: leave out reset_mask")
         if options.get("house") is not None:
             given = np.asarray(options["house"])
             if given.shape != (count,) or not np.issubdtype(given.dtype, np.integer):
                 raise ValueError(f"option house: {count} integers, found {given.dtype} {given.shape}")
             if given.min() < 0 or given.max() >= len(self.houses):
                 raise ValueError(f"option house: the bank has houses 0 to {len(self.houses) - 1}")
-            house = given.astype(np.int32)
+            wish[:, 0] = given
         if options.get("pose") is not None:
             if options.get("house") is None:
                 raise ValueError("option pose: say in which houses, by option house")
-            origin, cell = self.world.backend.place(house, _floats("pose", options["pose"], (count, 3)))
+            poses = _floats("pose", options["pose"], (count, 3))
+            wish_at[:, :2], wish[:, 1:] = self.world.place(wish[:, 0], poses)
         if options.get("target") is not None:
-            target = _floats("target", options["target"], (count, 2)).astype(np.float32)
-        return house, origin, cell, target
+            wish_at[:, 2:] = _floats("target", options["target"], (count, 2))
+        wish[~mask, 0] = KEEP
+        return mask, wish, wish_at
+
+
+def _backend(name: str) -> type[Backend]:
+    """A backend of ours by name, or another's as ``module:Class``."""
+    if name in BACKENDS:
+        module, _, attribute = BACKENDS[name].partition(":")
+    else:
+        module, colon, attribute = name.partition(":")
+        if not colon:
+            raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"backend {name!r} cannot be had: {error}") from None
 
 
 def _bank(houses: Houses) -> list[House]:

@@ -1,245 +1,324 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
-"""The state of E environments over a bank of houses: episodes, targets, rewards and random numbers.
+"""The state of E environments over a bank of houses, and the kernels that step them all.
 
-How bodies move and what they see is the backend's. Every draw is Philox's word for (seed of the
-environment, episode, counter): counter 0 is the episode's house and start, counter k its k-th target, so no
-draw depends on how many environments there are, on how often others reset, or, for targets, on the agent.
+A kernel knows the configuration and the backend; houses and states are arrays that it is given. So what is
+compiled once serves every world of a configuration, and banks are swapped at no cost but their packing.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from logic import House
-from sim.backend import Backend
-from sim.body import SKIN
+from sim.backend import Backend, Bank, Lattice
 from sim.config import Config
-from sim.philox import below, philox
-from sim.places import places
-from sim.runtime import ti
-
-TRIES = 32
-"""Draws until a place that should lie apart from another is taken as it comes."""
-
-NORTH = 2
-"""The heading of fixed starts."""
+from sim.episodes import HEADER, Episodes, Indices, Numbers, Reals, Wholes, loaded, store
+from sim.places import Places, places
+from sim.runtime import Array, Launch, start, ti
+from sim.survey import survey
 
 TERMINATED, TRUNCATED, BLOCKED = range(3)
 """Rows of ``step``'s flags."""
 
+NEXT_STEP, SAME_STEP, DISABLED = range(3)
+"""What follows an episode's end: the next step begins another episode, or the same one does, or none."""
 
-@ti.data_oriented
+DRAW, KEEP = -1, -2
+"""In place of a wished house: draw one; do not begin an episode."""
+
+BATCH = 256
+"""Houses that are surveyed at a time: it bounds the memory that packing takes."""
+
+
 class World:
-    """E environments. Arrays that ``reset`` and ``step`` fill are the caller's: contiguous."""
+    """E environments over H houses, with everything that their steps read and write."""
 
     def __init__(
-        self, config: Config, backend: Backend, houses: Sequence[House], targets: str, num_envs: int
-    ):
-        """Pack the houses into the backend and find their starts and targets (``ValueError`` if none)."""
-        self.config, self.backend, self.num_envs = config, backend, num_envs
-        self.body = backend.body
-        # Apart by more than this, a target is not picked up from where the one before it was.
-        self.apart = config.target + max(config.body)
-        self._pack(houses, targets)
-        self.seed = ti.field(ti.u64, shape=num_envs)
-        self.episode = ti.field(ti.i32, shape=num_envs)
-        self.house = ti.field(ti.i32, shape=num_envs)
-        self.origin = ti.Vector.field(2, ti.f32, shape=num_envs)
-        self.cell = ti.Vector.field(3, ti.i32, shape=num_envs)
-        self.target = ti.Vector.field(2, ti.f32, shape=num_envs)
-        self.count = ti.field(ti.i32, shape=num_envs)
-        self.time = ti.field(ti.i32, shape=num_envs)
-        self.over = ti.field(ti.i32, shape=num_envs)
+        self,
+        config: Config,
+        backend: type[Backend],
+        houses: Sequence[House],
+        targets: str,
+        num_envs: int,
+        mode: int = NEXT_STEP,
+        by_ray: bool = False,
+    ) -> None:
+        """Pack the houses and find their starts and targets (``ValueError`` if there are none).
 
-    def _pack(self, houses: Sequence[House], targets: str) -> None:
+        ``by_ray``: one task for each environment and ray in place of one for each environment, the loop for
+        a GPU; the results are the same, bit for bit.
+        """
+        self.targets, self.num_envs = targets, num_envs
+        self.config = backend.fit(config, houses)
+        self.kernels = _kernels(start(), self.config, backend, mode, by_ray, False)
+        self.backend: Backend = self.kernels.backend
+        self._make_arrays(mode)
+        self.load(houses)
+
+    def _make_arrays(self, mode: int) -> None:
+        count, config = self.num_envs, self.config
+        pairs = config.channels == 2
+        numbers = count * config.rays * (1 if pairs else config.channels)
+        observation = ti.u64 if pairs else ti.f32
+        ended = numbers if mode == SAME_STEP else 1
+        self.arrays = {
+            "reals": Array(ti.f32, count, 4),
+            "wholes": Array(ti.i32, count, 10),
+            "action": Array(ti.i64, count),
+            "observation": Array(observation, numbers),
+            "final": Array(observation, ended),
+            "reward": Array(ti.f32, count),
+            "flags": Array(ti.u8, 3 * count),
+            "wish": Array(ti.i32, count, 4),
+            "wish_at": Array(ti.f32, count, 4),
+            "pose": Array(ti.f32, 3 * count),
+            "target": Array(ti.f32, 2 * count),
+            "house": Array(ti.i32, count),
+        }
+        self.launches: dict[str, Launch] = {}
+
+    def load(self, houses: Sequence[House]) -> None:
+        """Take in another bank; nothing is compiled. Reset all environments before they are stepped again.
+
+        Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
+        """
+        if self.backend.fit(self.config, houses) != self.config:
+            raise ValueError("these houses need another body and step: make a new environment for them")
         bank = self.backend.pack(houses)
-        self.lattices, found = [], []
-        for index, shape in enumerate(bank):
-            try:
-                lattice = self.backend.lattice(index)
-                survey = self.backend.survey(index, lattice)
-                found.append(places(shape, lattice, survey, self.config, targets))
-                self.lattices.append(lattice)
-            except ValueError as error:
-                raise ValueError(f"house {index} of {len(bank)}: {error}") from None
-        self.num_houses = len(bank)
-        self.corner = ti.Vector.field(2, ti.f32, shape=len(bank))
-        self.corner.from_numpy(np.stack([lattice.origin for lattice in self.lattices]))
-        self.start_end, self.starts = _ragged([here.starts for here in found])
-        self.target_end, self.targets = _ragged([here.targets for here in found])
+        self.lattices, self.places = self._places(bank)
+        self.houses, self.bank = list(houses), bank
+        self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
+        for launch in self.launches.values():
+            launch.bind(self.arrays)
 
-    @ti.kernel
-    def sow(self, seeds: ti.types.ndarray(ti.u64, 1)):
-        """Give each environment its seed (E,) uint64; its next episode is number 0."""
-        for e in self.seed:
-            self.seed[e] = seeds[e]
-            self.episode[e] = -1
+    def _places(self, bank: Bank) -> tuple[list[Lattice], list[Places]]:
+        lattices: list[Lattice] = []
+        found: list[Places] = []
+        count = index = len(bank.geometries)
+        try:
+            for index, shape in enumerate(bank.geometries):  # noqa: B007
+                lattices.append(self.backend.lattice(shape))
+            for first in range(0, count, BATCH):
+                some = list(range(first, min(first + BATCH, count)))
+                tables = survey(self.backend, bank, some, lattices[first : first + BATCH])
+                for index, table in zip(some, tables, strict=True):
+                    shape, lattice = bank.geometries[index], lattices[index]
+                    found.append(places(shape, lattice, table, self.config, self.targets))
+        except ValueError as error:
+            raise ValueError(f"house {index} of {count}: {error}") from None
+        return lattices, found
+
+    def _table(self) -> Array:
+        """Places as kernels read them: the number of houses, a header for each, then steps east and south."""
+        count = len(self.places)
+        header = np.zeros((count, HEADER), np.int32)
+        at, rows = 1 + header.size, [np.array([count], np.int32), header.reshape(-1)]
+        for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
+            starts, targets = len(here.starts), len(here.targets)
+            origin = np.asarray(lattice.origin, np.float32).view(np.int32)
+            header[k] = (*origin, at, starts, at + 2 * starts, targets)
+            at += 2 * (starts + targets)
+            rows += [here.starts.ravel(), here.targets.ravel()]
+        return Array.of(np.concatenate(rows))
+
+    def view(self, name: str) -> np.ndarray:
+        """An array's memory, on the CPU."""
+        return self.arrays[name].view()
+
+    def run(self, name: str) -> None:
+        """Run a kernel, ``reset``, ``step`` or ``describe``, on the world's arrays."""
+        if name not in self.launches:
+            self.launches[name] = Launch(getattr(self.kernels, name), self.arrays)
+        self.launches[name]()
+
+    def sow(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
+        """Give the chosen (E,) bool environments their seeds (E,) uint64; their next episode is number 0."""
+        wholes = self.arrays["wholes"].numpy()
+        wholes[chosen, 7] = -1
+        wholes[chosen, 8:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
+        self.arrays["wholes"].fill(wholes)
+
+    def reset(self, wish: np.ndarray, wish_at: np.ndarray) -> None:
+        """Begin episodes: see the kernel ``reset``."""
+        self.arrays["wish"].fill(wish)
+        self.arrays["wish_at"].fill(wish_at)
+        self.run("reset")
+
+    def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Poses (E, 3) in houses (E,) as origins (E, 2) float32 and cells (E, 3) int32.
+
+        Raises ``ValueError`` for a pose where the body cannot be.
+        """
+        origin, cell = self.backend.place(self.bank, house, pose)
+        bounds = np.array([shape.bounds for shape in self.bank.geometries])[house]
+        inside = (bounds[:, :2] < pose[:, :2]).all(axis=1) & (pose[:, :2] < bounds[:, 2:]).all(axis=1)
+        arrays = self.arrays | {
+            "cells": Array.of(np.column_stack([house, cell]).astype(np.int32).ravel()),
+            "origins": Array.of(origin.astype(np.float32).ravel()),
+            "free": Array(ti.i32, len(pose)),
+        }
+        Launch(self.kernels.stand, arrays)()
+        free = inside & (arrays["free"].numpy() != 0)
+        if not free.all():
+            e = int((~free).argmax())
+            x, y = pose[e, :2]
+            raise ValueError(f"pose {e}: the body cannot be at ({x:.3f}, {y:.3f}) m in house {house[e]}")
+        return origin, cell
+
+    def describe(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,): copies."""
+        self.run("describe")
+        pose, target, house = (self.arrays[name].numpy() for name in ("pose", "target", "house"))
+        return pose.reshape(-1, 3), target.reshape(-1, 2), house
+
+    def environment(self, e: int) -> dict[str, int]:
+        """One environment's counts: steps and targets drawn in its episode, if it is over, its number."""
+        whole = self.view("wholes")[e]
+        return {
+            "time": int(whole[4]),
+            "found": int(whole[5]),
+            "over": int(whole[6]),
+            "episode": int(whole[7]),
+        }
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that a step depends on, but for the bank: copies (E, 4) float32 and (E, 10) int32."""
+        return {name: self.arrays[name].numpy() for name in ("reals", "wholes")}
+
+    @state.setter
+    def state(self, state: dict[str, np.ndarray]) -> None:
+        for name in ("reals", "wholes"):
+            self.arrays[name].fill(state[name])
+
+
+class Kernels(NamedTuple):
+    """What is compiled for a configuration."""
+
+    backend: Backend
+    episodes: Episodes
+    reset: Any
+    step: Any
+    describe: Any
+    stand: Any
+
+
+@cache
+def _kernels(
+    program: Any, config: Config, make: type[Backend], mode: int, by_ray: bool, ends_on_pick_up: bool
+) -> Kernels:
+    """Kernels for a running Taichi. Arguments are named for the world's arrays."""
+    lanes = 1 if by_ray else config.rays
+    backend = make(config, lanes)
+    episodes = Episodes(config, backend, ends_on_pick_up)
+    rays, all_rays = config.rays, not by_ray
+    Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
+    Bytes, Longs = ti.types.ndarray(ti.u8, 1), ti.types.ndarray(ti.i64, 1)
+    Wishes = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
+
+    @ti.func
+    def flag(flags: ti.template(), e, count, terminated, truncated, blocked):
+        flags[ti.static(TERMINATED) * count + e] = ti.cast(terminated, ti.u8)
+        flags[ti.static(TRUNCATED) * count + e] = ti.cast(truncated, ti.u8)
+        flags[ti.static(BLOCKED) * count + e] = ti.cast(blocked, ti.u8)
 
     @ti.kernel
     def reset(
-        self,
-        house: ti.types.ndarray(ti.i32, 1),
-        origin: ti.types.ndarray(ti.f32, 2),
-        cell: ti.types.ndarray(ti.i32, 2),
-        target: ti.types.ndarray(ti.f32, 2),
-        observation: ti.types.ndarray(ti.f32, 3),
+        numbers: Numbers,
+        indices: Indices,
+        places: Indices,
+        reals: Reals,
+        wholes: Wholes,
+        wish: Wishes,
+        wish_at: Reals,
+        observation: Observation,
     ):
-        """Begin every environment's next episode, in ``house`` (E,) where that is not negative; an ``origin``
-        (E, 2) with its ``cell`` (E, 3) and a ``target`` (E, 2) replace what is drawn where they are not NaN.
+        """Begin the next episode where the house that is wished, the first of ``wish`` (E, 4), is not
+        ``KEEP``; ``wish_at`` (E, 4): origin, with the cell of ``wish``, and target where they are not NaN.
         """
-        for e in range(self.num_envs):
-            self.enter(e, house[e])
-            self.draw_target(e, -1.0)
-            self.draw_start(e)
-            if origin[e, 0] == origin[e, 0]:
-                self.origin[e] = ti.Vector([origin[e, 0], origin[e, 1]])
-                self.cell[e] = ti.Vector([cell[e, 0], cell[e, 1], cell[e, 2]])
-            if target[e, 0] == target[e, 0]:
-                self.target[e] = ti.Vector([target[e, 0], target[e, 1]])
-            self.look(e, observation)
+        for e in range(reals.shape[0]):
+            if wish[e][0] != ti.static(KEEP):
+                state = episodes.begin(places, loaded(reals, wholes, e), wish[e][0])
+                at = wish_at[e]
+                if at[0] == at[0]:
+                    state.origin = ti.Vector([at[0], at[1]])
+                    state.cell = ti.Vector([wish[e][1], wish[e][2], wish[e][3]])
+                if at[2] == at[2]:
+                    state.target = ti.Vector([at[2], at[3]])
+                store(reals, wholes, e, state)
+                if ti.static(all_rays):
+                    episodes.look(numbers, indices, state, 0, rays, observation, e)
+        if ti.static(by_ray):
+            for e, r in ti.ndrange(reals.shape[0], rays):
+                if wish[e][0] != ti.static(KEEP):
+                    episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
 
     @ti.kernel
     def step(
-        self,
-        action: ti.types.ndarray(ti.i64, 1),
-        observation: ti.types.ndarray(ti.f32, 3),
+        numbers: Numbers,
+        indices: Indices,
+        places: Indices,
+        reals: Reals,
+        wholes: Wholes,
+        action: Longs,
+        observation: Observation,
+        final: Observation,
         reward: ti.types.ndarray(ti.f32, 1),
-        flags: ti.types.ndarray(ti.u8, 2),
+        flags: Bytes,
     ):
-        """One step of every environment; the step after an episode's end begins the next one instead.
-
-        ``action`` (E,) int64; fills ``observation`` (E, R, C) and ``reward`` (E,) float32, and ``flags``
-        (3, E) uint8: terminated, truncated, blocked.
+        """One step of every environment. ``action`` (E,); fills ``observation``, ``reward`` (E,), ``flags``
+        (3, E): terminated, truncated, blocked; and ``final`` where the same step begins the next episode.
         """
-        for e in range(self.num_envs):
-            picked, terminated, truncated, blocked = self.advance(e, ti.cast(action[e], ti.i32))
-            reward[e] = ti.cast(picked, ti.f32)
-            flags[ti.static(TERMINATED), e] = ti.cast(terminated, ti.u8)
-            flags[ti.static(TRUNCATED), e] = ti.cast(truncated, ti.u8)
-            flags[ti.static(BLOCKED), e] = ti.cast(blocked, ti.u8)
-            self.look(e, observation)
+        for e in range(reals.shape[0]):
+            state = loaded(reals, wholes, e)
+            if ti.static(mode == NEXT_STEP) and state.over:
+                state = episodes.begin(places, state, -1)
+                reward[e] = 0.0
+                flag(flags, e, reals.shape[0], 0, 0, 0)
+            else:
+                state, picked, terminated, truncated, blocked = episodes.advance(
+                    numbers, indices, places, state, ti.cast(action[e], ti.i32)
+                )
+                reward[e] = ti.cast(picked, ti.f32)
+                flag(flags, e, reals.shape[0], terminated, truncated, blocked)
+            if ti.static(mode == SAME_STEP and all_rays) and state.over:
+                episodes.look(numbers, indices, state, 0, rays, final, e)
+                state = episodes.begin(places, state, -1)
+            store(reals, wholes, e, state)
+            if ti.static(all_rays):
+                episodes.look(numbers, indices, state, 0, rays, observation, e)
+        if ti.static(by_ray):
+            if ti.static(mode == SAME_STEP):
+                for e, r in ti.ndrange(reals.shape[0], rays):
+                    if wholes[e][6]:
+                        episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, final, e)
+                for e in range(reals.shape[0]):
+                    if wholes[e][6]:
+                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), -1))
+            for e, r in ti.ndrange(reals.shape[0], rays):
+                episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
 
     @ti.kernel
-    def describe(
-        self,
-        pose: ti.types.ndarray(ti.f32, 2),
-        target: ti.types.ndarray(ti.f32, 2),
-        house: ti.types.ndarray(ti.i32, 1),
-    ):
+    def describe(reals: Reals, wholes: Wholes, pose: Numbers, target: Numbers, house: Indices):
         """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), the targets' centres (E, 2), metres,
         and the houses (E,).
         """
-        for e in range(self.num_envs):
-            eye = self.body.eye(self.origin[e], self.cell[e])
-            pose[e, 0], pose[e, 1] = eye[0], eye[1]
-            pose[e, 2] = ti.cast(self.cell[e][2], ti.f32) * ti.static(np.pi / 4)
-            target[e, 0], target[e, 1] = self.target[e][0], self.target[e][1]
-            house[e] = self.house[e]
+        for e in range(reals.shape[0]):
+            state = loaded(reals, wholes, e)
+            eye = backend.body.eye(state.origin, state.cell)
+            pose[3 * e], pose[3 * e + 1] = eye[0], eye[1]
+            pose[3 * e + 2] = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
+            target[2 * e], target[2 * e + 1] = state.target[0], state.target[1]
+            house[e] = state.house
 
-    @ti.func
-    def advance(self, e, action):
-        """One step of an environment but for sight: picked up, terminated, truncated, blocked (i32)."""
-        fresh = self.over[e]
-        picked, terminated, truncated, blocked = 0, 0, 0, 0
-        if fresh:
-            self.enter(e, -1)
-        else:
-            cell, blocked_ = self.backend.move(self.house[e], self.origin[e], self.cell[e], action)
-            blocked = blocked_
-            if ti.static(self.config.ends_on_collision):
-                terminated = blocked
-            elif blocked:
-                cell = self.cell[e]
-            self.cell[e] = cell
-            picked = self.overlaps(self.origin[e], cell, self.target[e])
-            self.time[e] += 1
-            truncated = ti.cast(self.time[e] >= ti.static(self.config.steps), ti.i32)
-            self.over[e] = terminated | truncated
-        if fresh | picked:
-            self.draw_target(e, ti.select(fresh, -1.0, ti.static(self.apart)))
-        if fresh:
-            self.draw_start(e)
-        return picked, terminated, truncated, blocked
+    @ti.kernel
+    def stand(numbers: Numbers, indices: Indices, origins: Numbers, cells: Indices, free: Indices):
+        """Whether bodies can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
+        for k in range(free.shape[0]):
+            origin = ti.Vector([origins[2 * k], origins[2 * k + 1]])
+            cell = ti.Vector([cells[4 * k + 1], cells[4 * k + 2], cells[4 * k + 3]])
+            free[k] = backend.stands(numbers, indices, cells[4 * k], origin, cell)
 
-    @ti.func
-    def enter(self, e, wanted):
-        """Begin an environment's next episode in the wanted house, or a drawn one if that is negative."""
-        self.episode[e] += 1
-        house = ti.select(wanted >= 0, wanted, below(self.draw(e, 0, 0)[0], self.num_houses))
-        self.house[e], self.origin[e] = house, self.corner[house]
-        self.time[e], self.count[e], self.over[e] = 0, 0, 0
-
-    @ti.func
-    def draw_start(self, e):
-        """Draw where an environment's episode starts, not on its first target."""
-        first, last = span(self.start_end, self.house[e])
-        turn, searching = 0, 1
-        while searching:
-            turn += 1
-            words = self.draw(e, 0, turn)
-            place = self.starts[first + below(words[0], last - first)]
-            heading = ti.select(ti.static(self.config.random_start), below(words[1], 8), NORTH)
-            self.cell[e] = ti.Vector([place[0], place[1], heading])
-            on_target = self.overlaps(self.origin[e], self.cell[e], self.target[e])
-            searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
-
-    @ti.func
-    def draw_target(self, e, apart):
-        """Draw an environment's next target, not within ``apart`` metres of the last along both axes."""
-        self.count[e] += 1
-        corner, last_target = self.corner[self.house[e]], self.target[e]
-        first, last = span(self.target_end, self.house[e])
-        turn, searching = 0, 1
-        while searching:
-            turn += 1
-            place = self.targets[first + below(self.draw(e, self.count[e], turn)[0], last - first)]
-            self.target[e] = corner + ti.cast(place, ti.f32) * ti.static(self.config.step)
-            near = ti.cast(ti.abs(self.target[e] - last_target).max() < apart, ti.i32)
-            searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
-
-    @ti.func
-    def draw(self, e, counter, turn):
-        """The random words of this environment's episode for a counter, at a turn of drawing again."""
-        words = ti.Vector([self.episode[e], counter, turn, 0])
-        return philox(self.seed[e], ti.cast(words, ti.u64))
-
-    @ti.func
-    def overlaps(self, origin, cell, target):
-        """Whether the body overlaps a target's square (i32); touching is not overlapping."""
-        reach = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
-        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
-
-    @ti.func
-    def look(self, e, observation: ti.template()):
-        """Write what an environment's rays see: (angle / 359 degrees,) distance / range, is target."""
-        cell = self.cell[e]
-        distance, seen = self.backend.see(self.house[e], self.origin[e], cell, self.target[e])
-        at = ti.static(self.config.channels - 2)
-        for r in range(ti.static(self.config.rays)):
-            observation[e, r, at] = distance[r] * ti.static(1 / self.config.range)
-            observation[e, r, at + 1] = seen[r]
-        if ti.static(self.config.sees_angle):
-            for r in range(ti.static(self.config.rays)):
-                angle = (
-                    45.0 * cell[2] + ti.static(self.config.first_ray) - ti.static(self.config.ray_spacing) * r
-                )
-                observation[e, r, 0] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
-
-
-@ti.func
-def span(ends: ti.template(), house):
-    """Where a house's rows begin and end in a ragged field."""
-    first = 0
-    if house > 0:
-        first = ends[house - 1]
-    return first, ends[house]
-
-
-def _ragged(rows: list[np.ndarray]) -> tuple[Any, Any]:
-    """Lists of (n, 2) int32 rows end to end, as a field of ends (H,) and one of 2-vectors."""
-    ends = ti.field(ti.i32, shape=len(rows))
-    ends.from_numpy(np.cumsum([len(r) for r in rows]).astype(np.int32))
-    flat = ti.Vector.field(2, ti.i32, shape=sum(len(r) for r in rows))
-    flat.from_numpy(np.concatenate(rows))
-    return ends, flat
+    return Kernels(backend, episodes, reset, step, describe, stand)

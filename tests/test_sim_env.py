@@ -154,13 +154,14 @@ CRAMPED = worlds.drawn("a+\n..", cell=0.5)
 WRONG_ARGUMENTS = {
     "the bank is empty": {"houses": []},
     "a list of House, not of str": {"houses": ["house"]},
-    "unknown backend 'grid'": {"backend": "grid"},
+    "unknown backend 'grids': there are continuous, grid, or module:Class": {"backend": "grids"},
+    "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
     "unknown targets 'all': there are main, secondary, mixed": {"targets": "all"},
     "unknown preset 'papers'": {"preset": "papers"},
     "num_envs is 0": {"num_envs": 0},
     "max_episode_steps is 0": {"max_episode_steps": 0},
     "unknown render_mode 'human'": {"render_mode": "human"},
-    "autoreset_mode AutoresetMode.SAME_STEP": {"autoreset_mode": AutoresetMode.SAME_STEP},
+    "'Sometimes' is not a valid AutoresetMode": {"autoreset_mode": "Sometimes"},
     "house 1 of 2: no target fits": {"houses": [HOUSES[0], CRAMPED], "targets": "secondary"},
 }
 

@@ -2,14 +2,13 @@
 
 from collections import deque
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 import pytest
 
 from sim import DEFAULT, PAPER, HouseVectorEnv
-from sim.continuous import Continuous
 from sim.oracle import Oracle
+from sim.runtime import Array, Launch, ti
 from tests import worlds
 
 HOUSE = worlds.drawn("aaa\naAa\na+a\n...\n...", cell=0.9)
@@ -26,21 +25,31 @@ def transitions(house, origin, config):
     place = origin + step * cells[:, :2]
     pose = np.column_stack([place, cells[:, 2] * np.pi / 4])
     envs = HouseVectorEnv([house], num_envs=len(pose), preset=config)
-    free = np.zeros(len(pose), np.uint8)
-    backend, zeros = cast(Continuous, envs.world.backend), np.zeros(len(pose), np.int32)
     # A lattice through one origin, as the body has it: float32 sums of origin and steps.
-    at = np.tile(np.asarray(origin, np.float32), (len(pose), 1))
-    backend._stand(zeros, at, cells.astype(np.int32), free)
+    at = np.full((len(pose), 4), np.nan, np.float32)
+    at[:, :2] = origin
+    wish = np.column_stack([np.zeros(len(pose)), cells]).astype(np.int32)
+    free = standing(envs, at[:, :2], wish)
     moved = {}
-    nan = np.full((len(pose), 2), np.nan, np.float32)
     for action in range(3):
         envs.reset(seed=0)
-        envs.world.reset(zeros, at, cells.astype(np.int32), nan, envs._observation)
+        envs.world.reset(wish, at)
         envs.step(np.full(len(pose), action))
-        after = envs.world.cell.to_numpy()
-        for k in np.flatnonzero(free == 0):
+        after = envs.world.state["wholes"][:, :3]
+        for k in np.flatnonzero(free):
             moved[tuple(cells[k].tolist()), action] = tuple(after[k].tolist())
     return moved
+
+
+def standing(envs, origin, cells):
+    """Whether the body can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
+    arrays = envs.world.arrays | {
+        "origins": Array.of(np.ascontiguousarray(origin.ravel())),
+        "cells": Array.of(cells.ravel()),
+        "free": Array(ti.i32, len(cells)),
+    }
+    Launch(envs.world.kernels.stand, arrays)()
+    return arrays["free"].numpy() != 0
 
 
 def picks(cell, origin, target, config):
@@ -69,13 +78,13 @@ def test_ways_are_shortest(targets):
     """Each leg of an episode takes exactly as many steps as an exhaustive search says."""
     envs = HouseVectorEnv([HOUSE], targets=targets, preset=COARSE)
     envs.reset(seed=1)
-    origin = envs.world.origin.to_numpy()[0]
+    origin = envs.world.state["reals"][0, :2]
     moved = transitions(HOUSE, origin, COARSE)
     oracle, world = Oracle(envs), envs.world
     for seed in range(6):
         _, info = envs.reset(seed=seed)
         for _ in range(4):
-            start, target = tuple(world.cell.to_numpy()[0].tolist()), info["target"][0]
+            start, target = tuple(world.state["wholes"][0, :3].tolist()), info["target"][0]
             expected = fewest(moved, start, lambda cell, target=target: picks(cell, origin, target, COARSE))
             steps, reward = 0, 0.0
             while not reward:

@@ -5,6 +5,7 @@ import pytest
 
 from logic import House
 from sim import DEFAULT, HouseVectorEnv
+from sim.geometry import geometry
 from tests import worlds
 from tests.reference import CLOSE, Reference, cast, sides
 
@@ -64,8 +65,9 @@ def test_rays_are_the_references(envs, looked, house):
     target = pose[:, :2] + away[:, None] * np.column_stack([np.cos(side), np.sin(side)])
     target = target.astype(np.float32)
     observation, used = looked(house, pose, target)
-    rows = envs.world.backend.boxes.to_numpy()[HOUSES.index(house)].astype(float)
-    lines, close = sides(rows[~np.isnan(rows[:, 0])]), 0
+    solids = envs.world.bank.geometries[HOUSES.index(house)].solids
+    rows = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]]).astype(np.float32)
+    lines, close = sides(rows.astype(float)), 0
     for e in range(len(pose)):
         short, seen_short = expected(lines, used[e], target[e], -CLOSE)
         distance, seen = expected(lines, used[e], target[e], CLOSE)
@@ -81,13 +83,15 @@ def test_rays_are_the_references(envs, looked, house):
 def test_no_ray_leaks_through_a_corner(looked, house):
     """Rays aimed exactly at where two lines meet: each must stop there or before."""
     rng, reference = np.random.default_rng(0), Reference(house)
+    west, north, east, south = geometry(house).bounds
     poses, rays, far = [], [], []
     while len(poses) < EACH:
         joint = reference.joints[rng.integers(len(reference.joints))]
         heading, ray = rng.integers(8), rng.integers(40)
         angle, away = heading * np.pi / 4 + OFFSETS[ray], rng.uniform(0.3, 5)
         eye = joint - away * np.array([np.cos(angle), -np.sin(angle)])
-        if reference.is_free(eye, DEFAULT.body[0]):
+        inside = west < eye[0] < east and north < eye[1] < south
+        if inside and reference.is_free(eye, DEFAULT.body[0]):
             poses.append((*eye, heading * np.pi / 4))
             rays.append(ray)
             far.append(away)

@@ -116,13 +116,11 @@ def test_the_kth_target_does_not_depend_on_the_agent():
 def test_targets_lie_wholly_where_they_should(targets):
     """Every place that can be drawn, not a sample: on free floor of the right rooms."""
     envs = HouseVectorEnv(HOUSES, targets=targets)
-    world, first = envs.world, 0
-    side, checked = envs.config.target, 0
-    ends, places = world.target_end.to_numpy(), world.targets.to_numpy()
-    for house, lattice, end in zip(HOUSES, world.lattices, ends, strict=True):
+    world, side, checked = envs.world, envs.config.target, 0
+    for house, lattice, here in zip(HOUSES, world.lattices, world.places, strict=True):
         reference = Reference(house)
         rooms = np.array([room.box for room in house.rooms])
-        for place in lattice.origin + lattice.pitch * places[first:end:37]:
+        for place in lattice.origin + lattice.pitch * here.targets[::37]:
             low, high = place - side / 2, place + side / 2
             touched = ((rooms[:, :2] + 1e-5 < high) & (low < rooms[:, 2:] - 1e-5)).all(axis=1)
             inside = ((rooms[:, :2] - 1e-5 < low) & (high < rooms[:, 2:] + 1e-5)).all(axis=1)
@@ -131,7 +129,6 @@ def test_targets_lie_wholly_where_they_should(targets):
             assert targets == "mixed" or in_main == (targets == "main")
             assert reference.in_the_way(place, place, side) is not True
             checked += 1
-        first = end
     assert checked > 100
 
 

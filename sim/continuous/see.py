@@ -1,0 +1,53 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
+"""What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
+
+from sim.backend import TARGET
+from sim.body import Body
+from sim.config import Config
+from sim.continuous.pack import cell_of
+from sim.rays import SEAM, Rays
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Sight:
+    """Rays among lines."""
+
+    def __init__(self, config: Config, body: Body, lanes: int) -> None:
+        """Cast ``lanes`` rays at a time from the body's eye."""
+        self.config, self.body, self.rays = config, body, Rays(config, lanes)
+
+    @ti.func
+    def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
+        """See ``Backend.see``. Of hits at one distance walls come first, then pieces, then the target."""
+        eye = self.body.eye(origin, cell)
+        first = self.rays.first(cell[2], ray)
+        over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
+        over_y, slope_y = self.rays.floats(0.0), self.rays.floats(0.0)
+        self.rays.across(first, 0, over_x, slope_x)
+        self.rays.across(first, 1, over_y, slope_y)
+        nearest, kinds = self.rays.bits(ti.static(self.rays.none)), self.rays.bits(0)
+        row = cell_of(numbers, indices, house, eye) + 1 + 2 * cell[2]
+        for k in range(indices[row], indices[row + 1]):
+            ahead, aside, reach, kind = self.line(numbers, indices[k], eye[0], eye[1])
+            self.rays.meet(
+                nearest, kinds, over_x, slope_x, ahead, aside, reach, kind, ti.static(self.config.sees_kind)
+            )
+        for k in range(indices[row + 1], indices[row + 2]):
+            ahead, aside, reach, kind = self.line(numbers, indices[k], eye[1], eye[0])
+            self.rays.meet(
+                nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.sees_kind)
+            )
+        half = ti.static(self.config.target / 2)
+        if self.rays.may_see(target - eye, half, self.body.headings[cell[2]]):
+            self.rays.meet_square(
+                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(TARGET)
+            )
+        return self.rays.metres(nearest), kinds
+
+    @ti.func
+    def line(self, numbers: ti.template(), at, along, across):
+        """A line as the eye has it: how far ahead, its middle, half its length, its kind."""
+        low, high = numbers[at + 1], numbers[at + 2]
+        kind = ti.cast(ti.abs(numbers[at + 3]), ti.u32)
+        return numbers[at] - along, 0.5 * (low + high) - across, 0.5 * (high - low) + ti.static(SEAM), kind

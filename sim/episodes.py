@@ -1,0 +1,224 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
+"""What happens to one environment: episodes, targets and rewards, as functions of its state.
+
+How bodies move and what they see is the backend's. Every draw is Philox's word for (seed of the environment,
+episode, counter): counter 0 is the episode's house and start, counter k its k-th target, so no draw depends
+on how many environments there are, on how often others reset, or, for targets, on the agent.
+"""
+
+import numpy as np
+
+from sim.backend import PIECE, TARGET, WALL, Backend
+from sim.body import SKIN
+from sim.config import Config
+from sim.philox import below, philox, uniform
+from sim.runtime import ti
+
+TRIES = 32
+"""Draws until a place that should lie apart from another is taken as it comes."""
+
+NORTH = 2
+"""The heading of fixed starts."""
+
+EPISODE, SENSOR = 0, 1
+"""What a draw is for: the fourth word of its counter."""
+
+HEADER = 6
+"""Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
+targets."""
+
+Numbers = ti.types.ndarray(ti.f32, 1)
+Indices = ti.types.ndarray(ti.i32, 1)
+Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
+Wholes = ti.types.ndarray(ti.types.vector(10, ti.i32), 1)
+
+State = ti.types.struct(
+    origin=ti.math.vec2,  # of the body's lattice, metres
+    target=ti.math.vec2,  # its centre, metres
+    cell=ti.math.ivec3,  # steps east and south, heading
+    house=ti.i32,
+    time=ti.i32,  # steps in this episode
+    found=ti.i32,  # targets drawn in this episode
+    over=ti.i32,  # whether the episode has ended
+    episode=ti.i32,
+    seed=ti.u64,
+)
+
+
+@ti.func
+def loaded(reals: ti.template(), wholes: ti.template(), e):
+    """An environment's state."""
+    real, whole = reals[e], wholes[e]
+    low = ti.cast(ti.bit_cast(whole[8], ti.u32), ti.u64)
+    high = ti.cast(ti.bit_cast(whole[9], ti.u32), ti.u64)
+    return State(
+        origin=ti.Vector([real[0], real[1]]),
+        target=ti.Vector([real[2], real[3]]),
+        cell=ti.Vector([whole[0], whole[1], whole[2]]),
+        house=whole[3],
+        time=whole[4],
+        found=whole[5],
+        over=whole[6],
+        episode=whole[7],
+        seed=low | (high << ti.u64(32)),
+    )
+
+
+@ti.func
+def store(reals: ti.template(), wholes: ti.template(), e, state):
+    """Write an environment's state, but for its seed."""
+    reals[e] = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
+    seed = wholes[e]
+    wholes[e] = ti.Vector(
+        [
+            state.cell[0], state.cell[1], state.cell[2], state.house, state.time,
+            state.found, state.over, state.episode, seed[8], seed[9],
+        ]
+    )  # fmt: skip
+
+
+@ti.data_oriented
+class Episodes:
+    """One environment's step and reset, for a configuration and a backend."""
+
+    def __init__(self, config: Config, backend: Backend, ends_on_pick_up: bool) -> None:
+        """``ends_on_pick_up``: whether an episode is over when its target is picked up."""
+        self.config, self.backend, self.body = config, backend, backend.body
+        self.ends_on_pick_up = ends_on_pick_up
+        # Apart by more than this, a target is not picked up from where the one before it was.
+        self.apart = config.target + max(config.body)
+
+    @ti.func
+    def advance(self, numbers: ti.template(), indices: ti.template(), places: ti.template(), state, action):
+        """One step but for sight: the state, and picked up, terminated, truncated, blocked (i32)."""
+        cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
+        terminated = 0
+        if ti.static(self.config.ends_on_collision):
+            terminated = blocked
+        elif blocked:
+            cell = state.cell
+        state.cell = cell
+        picked = self.overlaps(state.origin, cell, state.target)
+        if ti.static(self.ends_on_pick_up):
+            terminated |= picked
+        state.time += 1
+        truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
+        state.over = terminated | truncated
+        if picked:
+            state = self.draw_target(places, state, ti.static(self.apart))
+        return state, picked, terminated, truncated, blocked
+
+    @ti.func
+    def begin(self, places: ti.template(), state, wanted):
+        """The next episode, in the wanted house, or a drawn one if that is negative."""
+        state.episode += 1
+        state.house = wanted
+        if wanted < 0:
+            state.house = below(self.draw(state, 0, 0)[0], places[0])
+        at = 1 + HEADER * state.house
+        state.origin = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
+        state.time, state.found, state.over = 0, 0, 0
+        return self.draw_start(places, self.draw_target(places, state, -1.0))
+
+    @ti.func
+    def draw_start(self, places: ti.template(), state):
+        """Draw where an episode starts, not on its first target."""
+        at = 1 + HEADER * state.house
+        first, count = places[at + 2], places[at + 3]
+        turn, searching = 0, 1
+        while searching:
+            turn += 1
+            words = self.draw(state, 0, turn)
+            place = first + 2 * below(words[0], count)
+            heading = ti.select(ti.static(self.config.random_start), below(words[1], 8), NORTH)
+            state.cell = ti.Vector([places[place], places[place + 1], heading])
+            on_target = self.overlaps(state.origin, state.cell, state.target)
+            searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
+        return state
+
+    @ti.func
+    def draw_target(self, places: ti.template(), state, apart):
+        """Draw the next target, not within ``apart`` metres of the last along both axes."""
+        state.found += 1
+        at = 1 + HEADER * state.house
+        corner = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
+        first, count = places[at + 4], places[at + 5]
+        last = state.target
+        turn, searching = 0, 1
+        while searching:
+            turn += 1
+            place = first + 2 * below(self.draw(state, state.found, turn)[0], count)
+            steps = ti.Vector([ti.cast(places[place], ti.f32), ti.cast(places[place + 1], ti.f32)])
+            state.target = corner + steps * ti.static(self.config.step)
+            near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
+            searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
+        return state
+
+    @ti.func
+    def draw(self, state, counter, turn):
+        """The random words of this environment's episode for a counter, at a turn of drawing again."""
+        words = ti.Vector([state.episode, counter, turn, EPISODE])
+        return philox(state.seed, ti.cast(words, ti.u64))
+
+    @ti.func
+    def overlaps(self, origin, cell, target):
+        """Whether the body overlaps a target's square (i32); touching is not overlapping."""
+        reach = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
+        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
+
+    @ti.func
+    def look(
+        self,
+        numbers: ti.template(),
+        indices: ti.template(),
+        state,
+        ray,
+        lanes: ti.template(),
+        observation: ti.template(),
+        e,
+    ):
+        """Write what ``lanes`` rays see, from number ``ray`` on: (angle / 359 degrees,) distance / range,
+        (is wall, is piece,) is target.
+        """
+        distance, kind = self.backend.see(
+            numbers, indices, state.house, state.origin, state.cell, state.target, ray
+        )
+        if ti.static(self.config.noise > 0 or self.config.dropout > 0):
+            for r in range(ti.static(lanes)):
+                distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
+        at = e * ti.static(self.config.rays) + ray
+        if ti.static(self.config.channels == 2):
+            for r in range(ti.static(lanes)):
+                # A pair at a time: half the stores.
+                first = ti.bit_cast(distance[r] * ti.static(1 / self.config.range), ti.u32)
+                second = ti.bit_cast(ti.select(kind[r] == TARGET, 1.0, 0.0), ti.u32)
+                observation[at + r] = ti.cast(first, ti.u64) | (ti.cast(second, ti.u64) << ti.u64(32))
+        else:
+            for r in range(ti.static(lanes)):
+                to = (at + r) * ti.static(self.config.channels)
+                if ti.static(self.config.sees_angle):
+                    angle = 45.0 * state.cell[2] + ti.static(self.config.first_ray)
+                    angle -= ti.static(self.config.ray_spacing) * (ray + r)
+                    observation[to] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
+                    to += 1
+                observation[to] = distance[r] * ti.static(1 / self.config.range)
+                to += 1
+                if ti.static(self.config.sees_kind):
+                    observation[to] = ti.select(kind[r] == WALL, 1.0, 0.0)
+                    observation[to + 1] = ti.select(kind[r] == PIECE, 1.0, 0.0)
+                    to += 2
+                observation[to] = ti.select(kind[r] == TARGET, 1.0, 0.0)
+
+    @ti.func
+    def disturbed(self, state, ray, distance, kind):
+        """What a ray's sensor makes of a hit: a normal error, by Box and Muller, or nothing at all."""
+        counter = ti.Vector([state.episode, state.time, ray, SENSOR])
+        words = philox(state.seed, ti.cast(counter, ti.u64))
+        if ti.static(self.config.noise > 0):
+            size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
+            error = size * ti.cos(ti.static(2 * np.pi) * uniform(words[1]))
+            distance += ti.static(self.config.noise) * error
+            distance = ti.max(0.0, ti.min(ti.static(self.config.range), distance))
+        if uniform(words[2]) < ti.static(self.config.dropout):
+            distance, kind = ti.static(self.config.range), ti.u32(0)
+        return distance, kind
