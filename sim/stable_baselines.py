@@ -1,0 +1,81 @@
+# pyright: reportMissingImports=false
+"""Vector environments for Stable-Baselines3, which has an interface of its own.
+
+Importing this needs that library, which is not among our dependencies.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.wrappers.vector import DictInfoToList
+from stable_baselines3.common.vec_env import VecEnv
+
+
+class StableBaselinesVecEnv(VecEnv):
+    """A ``VectorEnv`` that resets in the same step: ``DQN("MlpPolicy", StableBaselinesVecEnv(envs))``.
+
+    Options are for all environments together, as Gymnasium's: ``set_options({"house": [0, 1]})``. So are
+    attributes and methods: whichever environment is asked for, they are those of the one object.
+    """
+
+    def __init__(self, envs: VectorEnv) -> None:
+        """``ValueError`` unless ``autoreset_mode`` is SAME_STEP, the only one Stable-Baselines3 knows."""
+        mode = envs.metadata.get("autoreset_mode")
+        if mode is not AutoresetMode.SAME_STEP:
+            raise ValueError(f"autoreset_mode is {mode}: Stable-Baselines3 needs AutoresetMode.SAME_STEP")
+        self.envs = DictInfoToList(envs)
+        super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
+
+    def reset(self) -> Any:
+        """Observations (N, ...); seeds and options that were set are used once."""
+        seed: Any = None if self._seeds[0] is None else self._seeds
+        observation, self.reset_infos = self.envs.reset(seed=seed, options=self._options[0] or None)
+        self._reset_seeds()
+        self._reset_options()
+        return observation
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Keep actions (N, ...) for ``step_wait``."""
+        self._actions = actions
+
+    def step_wait(self) -> tuple[Any, np.ndarray, np.ndarray, list[dict[str, Any]]]:
+        """Observations (N, ...), rewards (N,) float32, ends (N,) bool, and each environment's info.
+
+        Where an episode has ended, its last observation is in the info, as ``terminal_observation``.
+        """
+        observation, reward, terminated, truncated, infos = self.envs.step(self._actions)
+        done = terminated | truncated
+        for index in np.flatnonzero(done):
+            first = infos[index]
+            infos[index] = first.pop("final_info") | {"terminal_observation": first.pop("final_obs")}
+            self.reset_infos[index] = first
+        for info, cut in zip(infos, truncated & ~terminated, strict=True):
+            info["TimeLimit.truncated"] = bool(cut)
+        return observation, np.asarray(reward, np.float32), done, infos
+
+    def close(self) -> None:
+        """Close the environments."""
+        self.envs.close()
+
+    def get_images(self) -> Sequence[np.ndarray | None]:
+        """A picture of each environment, (height, width, 3) uint8."""
+        return self.envs.render() or [None] * self.num_envs  # pyright: ignore[reportReturnType]
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """The attribute, for each environment asked for."""
+        return [getattr(self.envs.unwrapped, attr_name) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set the attribute, for all environments."""
+        setattr(self.envs.unwrapped, attr_name, value)
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
+        """Call the method once; what it returns, for each environment asked for."""
+        returned = getattr(self.envs.unwrapped, method_name)(*args, **kwargs)
+        return [returned for _ in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
+        """Wrappers of single environments wrap none of these."""
+        return [False for _ in self._get_indices(indices)]
