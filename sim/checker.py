@@ -14,7 +14,7 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from sim.modes import autoreset
+from sim.modes import autoreset, refusals
 from sim.trial import FAR, Step, Trial, brief, difference, fingerprint, hold, leaves, shared
 
 CALLS = 10
@@ -43,6 +43,7 @@ def check_vector_env(
     | seeds | a list gives each environment its seed; ``seed=s`` means ``s + i`` for environment i |
     | options | ``reset`` leaves the dict of options as it was |
     | autoreset | an end is followed by what ``metadata["autoreset_mode"]`` says |
+    | refusals | if autoreset is disabled: steps of ended environments and wrong ``reset_mask``s are errors |
     | render | if ``rgb_array``: a picture (height, width, 3) uint8 for each environment, all of one size |
     | close | can be called twice; the environment is of no use afterwards |
 
@@ -213,6 +214,7 @@ CLAIMS: dict[str, Callable[[Trial], None]] = {
     "seeds": _seeds,
     "options": _options,
     "autoreset": autoreset,
+    "refusals": refusals,
     "render": _render,
     "close": _close,
 }

@@ -43,6 +43,22 @@ def autoreset(trial: Trial) -> None:
     MODES[trial.mode](trial)
 
 
+def refusals(trial: Trial) -> None:
+    """What a mode does not allow is an error: only one that is disabled forbids anything."""
+    if trial.mode is not AutoresetMode.DISABLED:
+        return
+    count, size = trial.first_end(), trial.envs.num_envs
+    trial.at(count)
+    trial.refused("a step of ended environments", lambda: trial.envs.step(trial.action(count)))
+    for mask in (np.ones(size + 1, bool), np.ones((size, 1), bool), np.ones(size, np.int64)):
+        asked = {"reset_mask": mask}
+        trial.reset(trial.seed)
+        trial.refused(
+            f"a reset_mask {mask.shape} of {mask.dtype}",
+            lambda asked=asked: trial.envs.reset(options=asked),
+        )
+
+
 def _next_step(trial: Trial) -> None:
     before, fresh = None, False
     for now in trial.play(trial.steps):
@@ -78,13 +94,14 @@ def _same_step(trial: Trial) -> None:
         if over.any():
             if not isinstance(now.info["final_info"], dict):
                 trial.fail(f"final_info is {brief(now.info['final_info'])}: expected a dict")
-            final = _final(trial, now)
+            final, after = _final(trial, now), trial.each(now.observation)
             for index in np.flatnonzero(over):
                 trial.fits(f"final_obs[{index}]", final[index], trial.envs.single_observation_space)
             if shared(now.observation, now.info["final_obs"]):
                 trial.fail("final_obs shares memory with the observation: expected a copy")
-            after = trial.each(now.observation)
-            fresh |= any(difference(final[index], after[index]) for index in np.flatnonzero(over))
+            fresh |= any(
+                trial.fingerprint(final[k]) != trial.fingerprint(after[k]) for k in np.flatnonzero(over)
+            )
     if not fresh:
         trial.fail("final_obs is always the observation itself: expected the next episode's observation")
 
@@ -101,23 +118,14 @@ def _disabled(trial: Trial) -> None:
         trial.fail("no reset by mask changed an observation: expected the next episode's first")
 
     count = trial.first_end()
-    trial.at(count)
-    trial.refused("a step of ended environments", lambda: trial.envs.step(trial.action(count)))
-    trial.at(count)
-    trial.reset()
-    trial.step(trial.action(0))
-    for mask in (np.ones(size + 1, bool), np.ones((size, 1), bool), np.ones(size, np.int64)):
-        asked = {"reset_mask": mask}
-        trial.reset(trial.seed)
-        trial.refused(
-            f"a reset_mask {mask.shape} of {mask.dtype}",
-            lambda asked=asked: trial.envs.reset(options=asked),
-        )
 
     def others(now: Step) -> dict[str, Any]:
         flags = [array[1:] for array in (now.reward, now.terminated, now.truncated)]
         return fingerprint([trial.each(now.observation)[1:], *flags])
 
+    trial.at(count)
+    trial.reset()
+    trial.step(trial.action(0))
     usual = [others(now) for now in trial.play(count)]
     alone, half = np.arange(size) == 0, count // 2
     expected = trial.each(trial.reset(trial.seed + FAR).observation)[0]
@@ -154,7 +162,7 @@ def _story(trial: Trial) -> list[list[dict[str, Any]]]:
             yield space.sample()
 
     def begins(observation: Any) -> dict[str, Any]:
-        return {"event": "reset", "observation": fingerprint(observation)}
+        return {"event": "reset", "observation": trial.fingerprint(observation)}
 
     size, mode = trial.envs.num_envs, trial.mode
     plans, idle = [plan(trial.seed + index) for index in range(size)], trial.split(trial.action(0))
@@ -173,7 +181,10 @@ def _story(trial: Trial) -> list[list[dict[str, Any]]]:
             if over[index]:
                 story[index].append(begins(seen[index]))
                 continue
-            event = {"event": "step", "observation": fingerprint((final if ended[index] else seen)[index])}
+            event = {
+                "event": "step",
+                "observation": trial.fingerprint((final if ended[index] else seen)[index]),
+            }
             flags = {name: vars(now)[name][index].item() for name in ("reward", "terminated", "truncated")}
             story[index].append(event | flags)
             if mode is AutoresetMode.SAME_STEP and ended[index]:

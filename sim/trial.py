@@ -85,6 +85,11 @@ class Trial:
         """Each environment's observation."""
         return list(iterate(self.envs.observation_space, observation))
 
+    def fingerprint(self, observation: Any) -> dict[str, Hashable]:
+        """One environment's observation, be it in a batch's types or in those of the environment itself."""
+        single = self.envs.single_observation_space
+        return fingerprint(concatenate(single, [observation], create_empty_array(single, n=1)))
+
     def reset(self, seed: Any = None, mask: np.ndarray | None = None) -> Step:
         """Reset; ``mask`` (N,) bool says which environments alone."""
         self.where = f"reset(seed={seed}" + ("" if mask is None else f", reset_mask={mask}") + ")"
