@@ -87,7 +87,7 @@ class Oracle:
         if new:
             tables = survey(world.backend, world.bank, house[new].tolist(), lattices)
             for e, lattice, table in zip(new, lattices, tables, strict=True):
-                self._learn(e, *lattice.first, table)
+                self._learn(e, *lattice.first, table.ways)
         self.house, self.origin = house, origin
 
     @ti.kernel

@@ -6,17 +6,14 @@ A target's place is one that the body can itself come to, and whose whole square
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from logic import House
+from logic.house import Rect, Room
 from sim.backend import Lattice
-from sim.body import HEADINGS
 from sim.config import Config
 from sim.geometry import TOLERANCE, Geometry
-from sim.survey import DIAGONAL, STRAIGHT
-
-TARGETS = ("main", "secondary", "mixed")
-"""Where targets lie: wholly in the main room, wholly in one of the others, or in either."""
+from sim.survey import Survey
+from sim.tasks import Task
 
 
 @dataclass(frozen=True)
@@ -27,29 +24,39 @@ class Places:
     targets: np.ndarray
 
 
-def places(geometry: Geometry, lattice: Lattice, survey: np.ndarray, config: Config, targets: str) -> Places:
-    """Find a house's starts and targets from what the body can do there.
+def places(
+    house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config, task: Task
+) -> Places:
+    """Find a house's starts and a task's targets from what the body can do there.
 
-    Raises ``ValueError`` where the body has nowhere to stand in the main room or a target nowhere to lie.
+    Raises ``ValueError`` where the body has nowhere to stand in the main room, where it cannot come to a room
+    in which the task has targets, or where a target has nowhere to lie.
     """
-    free = (survey & STRAIGHT > 0) & (survey & DIAGONAL > 0)
+    free = survey.part > 0
     body = max(config.body) / 2
     start = free & _within(geometry.floor, body, lattice) & ~_touched(geometry.rooms, body, lattice)
     if not start.any():
         raise ValueError("the body has nowhere to stand in the main room")
     # Of parts of the house that no way joins, the body lives in the one with most of the main room.
-    part = _parts(free, survey)
-    reached = part == np.bincount(part[start]).argmax()
+    reached = survey.part == np.bincount(survey.part[start]).argmax()
 
+    spaces = list(task.spaces(house))
+    if not spaces:
+        raise ValueError(f"it has no room for the targets of {task}")
     half = config.target / 2
     clear = reached & ~_touched(geometry.solids, half, lattice)
     main = clear & _within(geometry.floor, half, lattice) & ~_touched(geometry.rooms, half, lattice)
-    secondary = np.zeros_like(clear)
+    inside = main.copy()
     for room in geometry.rooms:
-        secondary |= clear & _within(room, half, lattice)
-    chosen = {"main": main, "secondary": secondary, "mixed": main | secondary}[targets]
+        inside |= clear & _within(room, half, lattice)
+    chosen = np.zeros_like(clear)
+    for space in spaces:
+        box = _box(space)
+        if isinstance(space, Room) and not (reached & _within(box, body, lattice)).any():
+            raise ValueError(f"the body cannot reach room R{house.rooms.index(space)} ({space.type})")
+        chosen |= (main if space == house.floor else inside) & _within(box, half, lattice)
     if not chosen.any():
-        where = {"main": "the main room", "secondary": "its secondary rooms", "mixed": "the house"}[targets]
+        where = ", ".join(_name(space, house) for space in spaces)
         raise ValueError(f"no target fits on free floor that the body can reach in {where}")
     start &= reached
     if not config.random_start:
@@ -57,21 +64,16 @@ def places(geometry: Geometry, lattice: Lattice, survey: np.ndarray, config: Con
     return Places(np.argwhere(start).astype(np.int32), np.argwhere(chosen).astype(np.int32))
 
 
-def _parts(free: np.ndarray, survey: np.ndarray) -> np.ndarray:
-    """Label the places that ways join: (X, Y) int, places that are not free alone. Turning is always free."""
-    number = np.arange(free.size).reshape(free.shape)
-    sources, sinks = [], []
-    for heading in range(4):  # the other four go the same ways back
-        i, j = np.nonzero(free & (survey >> heading & 1 > 0))
-        i_next, j_next = i + HEADINGS[heading, 0], j + HEADINGS[heading, 1]
-        inside = (i_next >= 0) & (j_next >= 0) & (i_next < free.shape[0]) & (j_next < free.shape[1])
-        i, j, i_next, j_next = i[inside], j[inside], i_next[inside], j_next[inside]
-        joined = free[i_next, j_next]
-        sources.append(number[i[joined], j[joined]])
-        sinks.append(number[i_next[joined], j_next[joined]])
-    source, sink = np.concatenate(sources), np.concatenate(sinks)
-    graph = coo_array((np.ones(len(source), np.int8), (source, sink)), shape=(free.size, free.size))
-    return connected_components(graph, directed=False)[1].reshape(free.shape)
+def _box(rect: Rect) -> np.ndarray:
+    """A rectangle as (x, y, half width, half height)."""
+    width, height = rect.width / 2, rect.height / 2
+    return np.array([rect.x + width, rect.y + height, width, height])
+
+
+def _name(space: Rect, house: House) -> str:
+    if isinstance(space, Room):
+        return f"room R{house.rooms.index(space)} ({space.type})"
+    return "the main room" if space == house.floor else f"the rectangle {space.box}"
 
 
 def _within(box: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
