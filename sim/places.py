@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from logic import House
-from logic.house import Rect, Room
 from sim.backend import Lattice
 from sim.config import Config
 from sim.geometry import TOLERANCE, Geometry
 from sim.survey import Survey
-from sim.tasks import Task
+from sim.tasks import Box, Task
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ def places(
     # Of parts of the house that no way joins, the body lives in the one with most of the main room.
     reached = survey.part == np.bincount(survey.part[start]).argmax()
 
-    spaces = list(task.spaces(house))
+    spaces, boxes = list(task.spaces(house)), [room.box for room in house.rooms]
     if not spaces:
         raise ValueError(f"it has no room for the targets of {task}")
     half = config.target / 2
@@ -51,10 +50,12 @@ def places(
         inside |= clear & _within(room, half, lattice)
     chosen = np.zeros_like(clear)
     for space in spaces:
-        box = _box(space)
-        if isinstance(space, Room) and not (reached & _within(box, body, lattice)).any():
-            raise ValueError(f"the body cannot reach room R{house.rooms.index(space)} ({space.type})")
-        chosen |= (main if space == house.floor else inside) & _within(box, half, lattice)
+        row = (
+            np.array([space[0] + space[2], space[1] + space[3], space[2] - space[0], space[3] - space[1]]) / 2
+        )
+        if space in boxes and not (reached & _within(row, body, lattice)).any():
+            raise ValueError(f"the body cannot reach {_name(space, house)}")
+        chosen |= (main if space == house.floor.box else inside) & _within(row, half, lattice)
     if not chosen.any():
         where = ", ".join(_name(space, house) for space in spaces)
         raise ValueError(f"no target fits on free floor that the body can reach in {where}")
@@ -64,16 +65,10 @@ def places(
     return Places(np.argwhere(start).astype(np.int32), np.argwhere(chosen).astype(np.int32))
 
 
-def _box(rect: Rect) -> np.ndarray:
-    """A rectangle as (x, y, half width, half height)."""
-    width, height = rect.width / 2, rect.height / 2
-    return np.array([rect.x + width, rect.y + height, width, height])
-
-
-def _name(space: Rect, house: House) -> str:
-    if isinstance(space, Room):
-        return f"room R{house.rooms.index(space)} ({space.type})"
-    return "the main room" if space == house.floor else f"the rectangle {space.box}"
+def _name(space: Box, house: House) -> str:
+    """A space in words."""
+    names = {room.box: f"room R{index} ({room.type})" for index, room in enumerate(house.rooms)}
+    return ({house.floor.box: "the main room"} | names).get(space, f"the rectangle {space}")
 
 
 def _within(box: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:

@@ -7,8 +7,8 @@ A task of one's own is a class of a few lines, given to an environment as ``targ
         "Pick up targets in the largest room."
         ends_on_pick_up: ClassVar[bool] = False
 
-        def spaces(self, house: House) -> Sequence[Rect]:
-            return [max(house.rooms, key=lambda room: room.area)]
+        def spaces(self, house: House) -> list[Box]:
+            return [max(house.rooms, key=lambda room: room.area).box]
 """
 
 import importlib
@@ -20,19 +20,20 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 
 from logic import House
-from logic.house import Rect
+
+Box = tuple[float, float, float, float]
+"""(west, north, east, south), metres."""
 
 
 class Task(Protocol):
     """Targets appear one after the other in some spaces of a house; picking one up earns 1."""
 
-    ends_on_pick_up: bool
-    """Whether the first pick-up terminates the episode. Tasks are compared by it, and compiled once for each
-    value."""
+    ends_on_pick_up: ClassVar[bool]
+    """Whether the first pick-up terminates the episode."""
 
-    def spaces(self, house: House) -> Sequence[Rect]:
-        """The rectangles of which targets lie wholly in one: rooms, ``house.floor`` for the main room (it is
-        the floor without the rooms, in all files), or any others, metres.
+    def spaces(self, house: House) -> list[Box]:
+        """The rectangles of which targets lie wholly in one: ``room.box``, ``house.floor.box`` for the main
+        room (that is the floor without the rooms, in all files), or any others.
         """
         ...
 
@@ -45,9 +46,9 @@ class Collect:
     secondary: bool = True
     ends_on_pick_up: ClassVar[bool] = False
 
-    def spaces(self, house: House) -> Sequence[Rect]:
+    def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
-        return [*[house.floor] * self.main, *house.rooms * self.secondary]
+        return [house.floor.box] * self.main + [room.box for room in house.rooms] * self.secondary
 
 
 @dataclass(frozen=True)
@@ -57,9 +58,9 @@ class Reach:
     room: str
     ends_on_pick_up: ClassVar[bool] = True
 
-    def spaces(self, house: House) -> Sequence[Rect]:
+    def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
-        return [room for room in house.rooms if room.type == self.room]
+        return [room.box for room in house.rooms if room.type == self.room]
 
 
 TARGETS = {"main": Collect(secondary=False), "secondary": Collect(main=False), "mixed": Collect()}
@@ -124,7 +125,7 @@ class Cover(VectorWrapper):
         self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """See ``HouseVectorEnv.reset``."""
-        observation, info = self.env.reset(seed=seed, options=options)
+        observation, info = self.env.reset(seed=seed, options=options)  # pyright: ignore[reportArgumentType]
         mask = (options or {}).get("reset_mask")
         if mask is None or mask.all():
             self._survey()
@@ -152,9 +153,9 @@ class Cover(VectorWrapper):
 
     def _survey(self) -> None:
         """Divide the bank's houses into squares."""
-        bounds = np.array([shape.bounds for shape in self.env.unwrapped.world.bank.geometries])
+        envs: Any = self.env.unwrapped
+        bounds = np.array([shape.bounds for shape in envs.world.bank.geometries])
         self._corner = bounds[:, :2]
-        # A body may be seen to stand a rounding error outside.
         self._size = np.ceil((bounds[:, 2:] - bounds[:, :2]) / self.cell).astype(int)
         self._visited = np.zeros((self.num_envs, *self._size.max(axis=0)), bool)
         self._covered = np.zeros(self.num_envs, np.int64)

@@ -1,6 +1,5 @@
 """Many houses at once: a Gymnasium ``VectorEnv``."""
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +14,8 @@ from gymnasium.vector.utils import batch_space
 from logic import House, load
 from sim.backend import Backend
 from sim.config import PRESETS, Config
-from sim.places import TARGETS
 from sim.runtime import start
+from sim.tasks import Targets, named
 from sim.world import (
     BLOCKED,
     DISABLED,
@@ -93,13 +92,14 @@ class HouseVectorEnv(VectorEnv):
     does not depend on the number of environments, and an episode's k-th target is a function of seed + i,
     episode, house and k: it never depends on the agent. So to measure agents on the same tasks, give house i
     to environment i by ``reset(seed=0, options={"house": np.arange(n)})`` and step one episode: each agent
-    meets the same starts and the same targets in the same order.
+    meets the same starts and the same targets in the same order, those that ``targets`` lists.
 
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
     ``{"rooms": 4, "count": 64}``. ``targets``: where they lie, ``main`` room, ``secondary`` rooms or
-    ``mixed``. ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the
-    preset's. ``seed``: of the first reset, if that is given none.
+    ``mixed``, or another task, such as ``{"task": "reach", "room": "kitchen"}``: see ``sim.tasks``.
+    ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
+    ``seed``: of the first reset, if that is given none.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class HouseVectorEnv(VectorEnv):
         num_envs: int = 1,
         *,
         backend: str = "continuous",
-        targets: str = "main",
+        targets: Targets = "main",
         preset: str | Config = "default",
         seed: int | None = None,
         max_episode_steps: int | None = None,
@@ -120,7 +120,6 @@ class HouseVectorEnv(VectorEnv):
         """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}: at least one environment")
-        _require("targets", targets, TARGETS)
         _require("device", device, DEVICES)
         if not isinstance(preset, Config):
             _require("preset", preset, PRESETS)
@@ -200,8 +199,9 @@ class HouseVectorEnv(VectorEnv):
                 seed = range(int(seed), int(seed) + self.num_envs)
             if len(seed) != self.num_envs:
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} environments")
+            words = np.array([int(one) % 2**64 for one in seed], np.uint64)
             super().reset(seed=int(seed[0]))
-            self.world.sow(np.array([one % 2**64 for one in seed], np.uint64), mask)
+            self.world.sow(words, mask)
         self.world.reset(wish, wish_at)
         self._flags[:, mask] = 0
         self._ready = True
@@ -248,6 +248,15 @@ class HouseVectorEnv(VectorEnv):
                 info["final_obs"] = torch.from_numpy(self._final.reshape(self._observation.shape))
             self._tensors = (*views, flags[TERMINATED], flags[TRUNCATED], info)
         return self._tensors
+
+    def targets(self, count: int) -> np.ndarray:
+        """Each environment's target and those that follow it in this episode, (E, count, 2), metres.
+
+        After a reset: what an episode brings in order, whatever the agent does.
+        """
+        if not self._ready:
+            raise ResetNeeded("call reset() before targets()")
+        return self.world.targets(count)
 
     @property
     def state(self) -> dict[str, np.ndarray]:
@@ -319,8 +328,8 @@ class HouseVectorEnv(VectorEnv):
         self._action[:] = actions
         self.world.run("step")
 
-    def _info(self) -> dict[str, np.ndarray]:
-        pose, target, house = self.world.describe()
+    def _info(self, last: bool = False) -> dict[str, np.ndarray]:
+        pose, target, house = self.world.describe(last)
         blocked = self._flags[BLOCKED].astype(bool)
         return {"pose": pose, "blocked": blocked, "house": house, "target": target}
 
@@ -330,8 +339,10 @@ class HouseVectorEnv(VectorEnv):
             return
         final = np.zeros_like(self._observation)
         final[ended] = self._final.reshape(final.shape)[ended]
-        info |= {"final_obs": final, "_final_obs": ended, "_final_info": ended.copy()}
-        info["final_info"] = {"blocked": info["blocked"].copy(), "_blocked": ended.copy()}
+        told = self._info(last=True)
+        masks = {f"_{name}": ended.copy() for name in told}
+        info |= {"final_obs": final, "_final_obs": ended, "final_info": told | masks}
+        info["_final_info"] = ended.copy()
 
     def _read(self, options: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Options as ``World.reset`` takes them, and who begins an episode: (E,) bool."""
@@ -371,13 +382,11 @@ class HouseVectorEnv(VectorEnv):
 def _backend(name: str) -> type[Backend]:
     """A backend of ours by name, or another's as ``module:Class``."""
     if name in BACKENDS:
-        module, _, attribute = BACKENDS[name].partition(":")
-    else:
-        module, colon, attribute = name.partition(":")
-        if not colon:
-            raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
+        name = BACKENDS[name]
+    elif ":" not in name:
+        raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
     try:
-        return getattr(importlib.import_module(module), attribute)
+        return named(name)
     except (ImportError, AttributeError) as error:
         raise ValueError(f"backend {name!r} cannot be had: {error}") from None
 

@@ -7,6 +7,7 @@ compiled once serves every world of a configuration, and banks are swapped at no
 
 from collections.abc import Sequence
 from functools import cache
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from sim.episodes import HEADER, Episodes, Indices, Numbers, Reals, Wholes, load
 from sim.places import Places, places
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
+from sim.tasks import Targets, task
 
 TERMINATED, TRUNCATED, BLOCKED = range(3)
 """Rows of ``step``'s flags."""
@@ -40,7 +42,7 @@ class World:
         config: Config,
         backend: type[Backend],
         houses: Sequence[House],
-        targets: str,
+        targets: Targets,
         num_envs: int,
         mode: int = NEXT_STEP,
         by_ray: bool = False,
@@ -50,9 +52,10 @@ class World:
         ``by_ray``: one task for each environment and ray in place of one for each environment, the loop for
         a GPU; the results are the same, bit for bit.
         """
-        self.targets, self.num_envs = targets, num_envs
+        self.task, self.num_envs = task(targets), num_envs
+        _check(houses)
         self.config = backend.fit(config, houses)
-        self.kernels = _kernels(start(), self.config, backend, mode, by_ray, False)
+        self.kernels = _kernels(start(), self.config, backend, mode, by_ray, bool(self.task.ends_on_pick_up))
         self.backend: Backend = self.kernels.backend
         self._make_arrays(mode)
         self.load(houses)
@@ -76,6 +79,8 @@ class World:
             "pose": Array(ti.f32, 3 * count),
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
+            "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
+            "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, 10),
         }
         self.launches: dict[str, Launch] = {}
 
@@ -84,16 +89,17 @@ class World:
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
+        _check(houses)
         if self.backend.fit(self.config, houses) != self.config:
             raise ValueError("these houses need another body and step: make a new environment for them")
         bank = self.backend.pack(houses)
-        self.lattices, self.places = self._places(bank)
+        self.lattices, self.places = self._places(houses, bank)
         self.houses, self.bank = list(houses), bank
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
-    def _places(self, bank: Bank) -> tuple[list[Lattice], list[Places]]:
+    def _places(self, houses: Sequence[House], bank: Bank) -> tuple[list[Lattice], list[Places]]:
         lattices: list[Lattice] = []
         found: list[Places] = []
         count = index = len(bank.geometries)
@@ -104,8 +110,8 @@ class World:
                 some = list(range(first, min(first + BATCH, count)))
                 tables = survey(self.backend, bank, some, lattices[first : first + BATCH])
                 for index, table in zip(some, tables, strict=True):
-                    shape, lattice = bank.geometries[index], lattices[index]
-                    found.append(places(shape, lattice, table, self.config, self.targets))
+                    house, shape, lattice = houses[index], bank.geometries[index], lattices[index]
+                    found.append(places(house, shape, lattice, table, self.config, self.task))
         except ValueError as error:
             raise ValueError(f"house {index} of {count}: {error}") from None
         return lattices, found
@@ -167,11 +173,24 @@ class World:
             raise ValueError(f"pose {e}: the body cannot be at ({x:.3f}, {y:.3f}) m in house {house[e]}")
         return origin, cell
 
-    def describe(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,): copies."""
-        self.run("describe")
+    def describe(self, last: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,): copies.
+
+        ``last``: as they were when the latest episode ended, where the same step begins the next.
+        """
+        if last:
+            reals, wholes = self.arrays["last_reals"], self.arrays["last_wholes"]
+            Launch(self.kernels.describe, self.arrays | {"reals": reals, "wholes": wholes})()
+        else:
+            self.run("describe")
         pose, target, house = (self.arrays[name].numpy() for name in ("pose", "target", "house"))
         return pose.reshape(-1, 3), target.reshape(-1, 2), house
+
+    def targets(self, count: int) -> np.ndarray:
+        """The target of each environment and the next ones, (E, count, 2), metres."""
+        arrays = self.arrays | {"targets": Array(ti.f32, self.num_envs * count * 2)}
+        Launch(self.kernels.foresee, arrays)()
+        return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
 
     def environment(self, e: int) -> dict[str, int]:
         """One environment's counts: steps and targets drawn in its episode, if it is over, its number."""
@@ -194,6 +213,21 @@ class World:
             self.arrays[name].fill(state[name])
 
 
+def _check(houses: Sequence[House]) -> None:
+    """Raise ``ValueError`` where a house has a length that is none."""
+    for index, house in enumerate(houses):
+        rects: list[tuple[str, Any]] = [("the main room", house.floor)]
+        for k, room in enumerate(house.rooms):
+            rects += [(f"room R{k}", room), (f"the door of room R{k}", room.door)]
+            rects += [(f"a {piece.type} in room R{k}", piece) for piece in room.pieces]
+        for name, rect in rects:
+            if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
+                raise ValueError(
+                    f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
+                    f"{rect.height}: all must be finite numbers of metres, sides not negative"
+                )
+
+
 class Kernels(NamedTuple):
     """What is compiled for a configuration."""
 
@@ -202,6 +236,7 @@ class Kernels(NamedTuple):
     reset: Any
     step: Any
     describe: Any
+    foresee: Any
     stand: Any
 
 
@@ -267,9 +302,12 @@ def _kernels(
         final: Observation,
         reward: ti.types.ndarray(ti.f32, 1),
         flags: Bytes,
+        last_reals: Reals,
+        last_wholes: Wholes,
     ):
         """One step of every environment. ``action`` (E,); fills ``observation``, ``reward`` (E,), ``flags``
-        (3, E): terminated, truncated, blocked; and ``final`` where the same step begins the next episode.
+        (3, E): terminated, truncated, blocked; and where the same step begins the next episode ``final`` and
+        the ``last`` state.
         """
         for e in range(reals.shape[0]):
             state = loaded(reals, wholes, e)
@@ -283,9 +321,11 @@ def _kernels(
                 )
                 reward[e] = ti.cast(picked, ti.f32)
                 flag(flags, e, reals.shape[0], terminated, truncated, blocked)
-            if ti.static(mode == SAME_STEP and all_rays) and state.over:
-                episodes.look(numbers, indices, state, 0, rays, final, e)
-                state = episodes.begin(places, state, -1)
+            if ti.static(mode == SAME_STEP) and state.over:
+                store(last_reals, last_wholes, e, state)
+                if ti.static(all_rays):
+                    episodes.look(numbers, indices, state, 0, rays, final, e)
+                    state = episodes.begin(places, state, -1)
             store(reals, wholes, e, state)
             if ti.static(all_rays):
                 episodes.look(numbers, indices, state, 0, rays, observation, e)
@@ -314,6 +354,16 @@ def _kernels(
             house[e] = state.house
 
     @ti.kernel
+    def foresee(places: Indices, reals: Reals, wholes: Wholes, targets: Numbers):
+        """Write each environment's target and the next ones, (E, count, 2), metres."""
+        for e in range(reals.shape[0]):
+            state, count = loaded(reals, wholes, e), targets.shape[0] // (2 * reals.shape[0])
+            for k in range(count):
+                targets[2 * (e * count + k)] = state.target[0]
+                targets[2 * (e * count + k) + 1] = state.target[1]
+                state = episodes.draw_target(places, state, ti.static(episodes.apart))
+
+    @ti.kernel
     def stand(numbers: Numbers, indices: Indices, origins: Numbers, cells: Indices, free: Indices):
         """Whether bodies can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
         for k in range(free.shape[0]):
@@ -321,4 +371,4 @@ def _kernels(
             cell = ti.Vector([cells[4 * k + 1], cells[4 * k + 2], cells[4 * k + 3]])
             free[k] = backend.stands(numbers, indices, cells[4 * k], origin, cell)
 
-    return Kernels(backend, episodes, reset, step, describe, stand)
+    return Kernels(backend, episodes, reset, step, describe, foresee, stand)
