@@ -341,6 +341,7 @@ class HouseVectorEnv(VectorEnv):
         final[ended] = self._final.reshape(final.shape)[ended]
         told = self._info(last=True)
         masks = {f"_{name}": ended.copy() for name in told}
+        info["blocked"][ended] = False
         info |= {"final_obs": final, "_final_obs": ended, "final_info": told | masks}
         info["_final_info"] = ended.copy()
 

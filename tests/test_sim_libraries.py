@@ -100,7 +100,6 @@ def test_every_mode_does_what_gymnasiums_does_with_single_environments(mode, sin
     assert collisions
 
 
-@pytest.mark.xfail(strict=True, reason="info has the last step's blocked, final_info nothing else")
 def test_after_an_end_info_is_the_next_episodes_and_final_info_all_of_the_last():
     envs = houses(SAME, "paper")
     _, first = envs.reset(seed=3)
