@@ -5,16 +5,15 @@
 # pyright: reportMissingImports=false
 """JaxNav, robot navigation in JAX, of JaxMARL: ``uv run --no-project benchmarks/peers/jaxnav.py``.
 
-Set as JaxMARL's own training is: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled,
-all observations, rewards and ends kept. Its ``step`` resets what has ended, and to do so makes a new map for
-every environment at every step; ``reset_state`` spares it that, by start states made beforehand.
+Set as JaxMARL's own training is: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled.
+What the last step gave is kept, as with the other peers. Its ``step`` resets what has ended, and to do so makes
+a new map for every environment at every step; ``reset_state`` spares it that by start states made before.
 """
 
 from functools import partial
 
 import house
 import jax
-import jax.numpy as jnp
 from jaxmarl.environments.jaxnav.jaxnav_env import JaxNav
 from rounds import Case, Play, measure
 
@@ -24,34 +23,31 @@ ENV = JaxNav(num_agents=1, lidar_num_beams=house.RAYS, lidar_angle_factor=house.
 def build(reset: str):
     """Steps with resets to ``new`` maps, to ``kept`` start states, or with ``none``."""
 
-    @partial(jax.jit, donate_argnums=1)
-    def roll(key, states, starts, actions):
-        def step(carry, action):
-            key, states = carry
-            key, *keys = jax.random.split(key, len(action) + 1)
-            robots = {"agent_0": action}
-            if reset == "new":
-                result = jax.vmap(ENV.step)(jnp.stack(keys), states, robots)
-            elif reset == "kept":
-                result = jax.vmap(ENV.step)(jnp.stack(keys), states, robots, starts)
-            else:
-                result = jax.vmap(ENV.step_env)(jnp.stack(keys), states, robots)
-            seen, states, rewards, dones, _ = result
-            return (key, states), (seen["agent_0"], rewards["agent_0"], dones["__all__"])
+    def step(key, states, starts, action):
+        keys = jax.random.split(key, len(action) + 1)
+        given = keys[1:], states, {"agent_0": action}
+        if reset == "new":
+            seen, states, *rest = jax.vmap(ENV.step)(*given)
+        elif reset == "kept":
+            seen, states, *rest = jax.vmap(ENV.step)(*given, starts)
+        else:
+            seen, states, *rest = jax.vmap(ENV.step_env)(*given)
+        return keys[0], states, (seen, *rest)
 
-        return jax.lax.scan(step, (key, states), actions)
+    @partial(jax.jit, donate_argnums=0)
+    def roll(now, starts, actions):
+        return jax.lax.scan(lambda now, action: (step(now[0], now[1], starts, action), None), now, actions)[0]
 
     def make(environments: int) -> Play:
         steps = max(8, 512 // environments)
-        key, *keys = jax.random.split(jax.random.key(0), environments + 1)
-        starts = jax.jit(jax.vmap(ENV.reset))(jnp.stack(keys))[1]
-        actions = jax.random.uniform(key, (steps, environments, 2), minval=-1.0, maxval=1.0)
-        carry = (key, jax.tree.map(jnp.array, starts))
+        keys = jax.random.split(jax.random.key(0), environments + 2)
+        starts = jax.jit(jax.vmap(ENV.reset))(keys[2:])[1]
+        actions = jax.random.uniform(keys[0], (steps, environments, 2), minval=-1.0, maxval=1.0)
+        now = jax.jit(step)(keys[1], starts, starts, actions[0])
 
         def play() -> int:
-            nonlocal carry
-            carry, kept = roll(*carry, starts, actions)
-            jax.block_until_ready((carry, kept))
+            nonlocal now
+            now = jax.block_until_ready(roll(now, starts, actions))
             return steps * environments
 
         return play

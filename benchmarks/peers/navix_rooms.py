@@ -6,7 +6,7 @@
 """NAVIX, MiniGrid in JAX: ``uv run --no-project benchmarks/peers/navix_rooms.py``.
 
 Set as its own benchmarks are: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled;
-its ``step`` resets what has ended at the step after. Observations, rewards and ends of all steps are kept.
+its ``step`` resets what has ended at the step after. The last timestep alone is kept.
 """
 
 from functools import partial
@@ -20,13 +20,8 @@ ENV = navix.make("Navix-FourRooms-v0", observation_fn=navix.observations.symboli
 
 @partial(jax.jit, donate_argnums=0)
 def roll(now, actions):
-    """Timesteps after all steps; what a learner keeps of each: observations, rewards, ends."""
-
-    def step(now, action):
-        now = jax.vmap(ENV.step)(now, action)
-        return now, (now.observation, now.reward, now.is_done())
-
-    return jax.lax.scan(step, now, actions)
+    """The environments after all steps, with what was seen, rewarded and ended by the last."""
+    return jax.lax.scan(lambda now, action: (jax.vmap(ENV.step)(now, action), None), now, actions)[0]
 
 
 def build(environments: int) -> Play:
@@ -38,8 +33,7 @@ def build(environments: int) -> Play:
 
     def play() -> int:
         nonlocal now
-        now, kept = roll(now, actions)
-        jax.block_until_ready((now, kept))
+        now = jax.block_until_ready(roll(now, actions))
         return steps * environments
 
     return play

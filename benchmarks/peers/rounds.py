@@ -41,8 +41,9 @@ def threads() -> int:
 def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[str] = ()) -> None:
     """Print a row of JSON for each case and number of environments: steps a second of the median round.
 
-    ``low`` and ``high`` are of the slowest and the quickest round. ``libraries`` are what the peer's speed
-    hangs on, told by version. Two calls before the rounds are not timed.
+    ``low`` and ``high`` are of the slowest and the quickest round; ``processors`` is how many this process
+    kept busy, less than 1 where it had to wait, as on a machine that is not quiet. ``libraries`` are what
+    the peer's speed hangs on, told by version. Two calls before the rounds are not timed.
     """
     parser = ArgumentParser(description=f"Environment steps a second of {peer}.")
     parser.add_argument("--rounds", type=int, default=7, help="timed rounds of a row")
@@ -56,7 +57,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
             play = case.build(environments)
             play()
             play()  # JAX compiles once more for what the first call gave back
-            speeds = [speed(play, args.seconds) for _ in range(args.rounds)]
+            speeds, shares = zip(*(timed(play, args.seconds) for _ in range(args.rounds)), strict=True)
             row = {
                 "peer": peer,
                 "version": version(package),
@@ -66,6 +67,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
                 "steps_per_second": round(median(speeds), 1),
                 "low": round(min(speeds), 1),
                 "high": round(max(speeds), 1),
+                "processors": round(median(shares), 2),
                 "rounds": args.rounds,
                 "threads": threads(),
                 "note": case.note,
@@ -73,9 +75,9 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
             print(json.dumps(row), flush=True)
 
 
-def speed(play: Play, seconds: float) -> float:
-    """Environment steps a second over as many plays as it takes to fill so many seconds."""
-    steps, began = 0, time.perf_counter()
+def timed(play: Play, seconds: float) -> tuple[float, float]:
+    """Steps a second, and processors kept busy, over as many plays as it takes to fill so many seconds."""
+    steps, began, busy = 0, time.perf_counter(), time.process_time()
     while (passed := time.perf_counter() - began) < seconds or not steps:
         steps += play()
-    return steps / passed
+    return steps / passed, (time.process_time() - busy) / passed

@@ -11,6 +11,8 @@ are reset as TorchRL's ``VmasEnv``, its authors' own adapter, does: all at once 
 by one, then everything is observed once more.
 """
 
+from itertools import cycle, islice
+
 import house
 import torch
 import vmas
@@ -86,10 +88,11 @@ def build(scenario, **more):
 
     def make(environments: int) -> Play:
         env = vmas.make_env(scenario, environments, max_steps=EPISODE, seed=0, **more)
-        plan = [[env.get_random_action(agent) for agent in env.agents] for _ in range(8)]
+        plan = cycle([[env.get_random_action(agent) for agent in env.agents] for _ in range(8)])
+        steps = min(64, max(1, 4096 // environments))
 
         def play() -> int:
-            for actions in plan:
+            for actions in islice(plan, steps):
                 _, _, dones, _ = env.step(actions)
                 if dones.all():
                     env.reset(return_observations=False)
@@ -100,7 +103,7 @@ def build(scenario, **more):
                     env.get_from_scenario(
                         get_observations=True, get_rewards=False, get_infos=True, get_dones=True
                     )
-            return len(plan) * environments
+            return steps * environments
 
         return play
 

@@ -6,8 +6,8 @@
 """XLand-MiniGrid, meta-learning gridworlds in JAX: ``uv run --no-project benchmarks/peers/xland_rooms.py``.
 
 Set as its own ``scripts/benchmark_xland.py`` is: its wrapper that resets at the step of the end, ``jax.vmap``
-over environments, ``lax.scan`` over steps, the whole compiled, partitionable random numbers, 8192
-environments. Beyond that, observations, rewards and ends of all steps are kept, as a learner must.
+over environments, ``lax.scan`` over steps, the whole compiled, partitionable random numbers, up to 8192
+environments. The last timestep alone is kept, as there.
 """
 
 from functools import partial
@@ -28,10 +28,9 @@ def build(name: str):
     @partial(jax.jit, donate_argnums=0)
     def roll(now, actions):
         def step(now, action):
-            now = jax.vmap(env.step, in_axes=(None, 0, 0))(params, now, action)
-            return now, (now.observation, now.reward, now.last())
+            return jax.vmap(env.step, in_axes=(None, 0, 0))(params, now, action), None
 
-        return jax.lax.scan(step, now, actions)
+        return jax.lax.scan(step, now, actions)[0]
 
     def make(environments: int) -> Play:
         steps = max(32, 1024 // environments)
@@ -42,8 +41,7 @@ def build(name: str):
 
         def play() -> int:
             nonlocal now
-            now, kept = roll(now, actions)
-            jax.block_until_ready((now, kept))
+            now = jax.block_until_ready(roll(now, actions))
             return steps * environments
 
         return play
@@ -55,13 +53,20 @@ NOTE = (
     "Moves of a whole cell and turns of 90 degrees; no rays: a view that walls do not block; a new house at "
     "each reset; episodes end at the goal or after"
 )
-SIZES = (1, 256, 8192)
+SIZES = (1, 256, 1024, 8192)
 CASES = (
     Case(
         "four rooms of 19 by 19 cells, moves, a view of 7 by 7 cells, reward, reset",
         f"{NOTE} 100 steps",
         SIZES,
         build("MiniGrid-FourRooms"),
+    ),
+    Case(
+        "one room of 16 by 16 cells, its own benchmark's scene, moves, a view of 7 by 7 cells, reward, reset",
+        "Moves of a whole cell and turns of 90 degrees; no rays, nothing to see but walls and the goal; one "
+        "start; episodes end at the goal or after 1024 steps",
+        SIZES,
+        build("MiniGrid-Empty-16x16"),
     ),
 )
 
