@@ -47,7 +47,7 @@ NOTE = (
 )
 CASES = [Case(f"{WHAT}, one after the other", NOTE, (1, 16, 256), build(SyncVectorEnv))]
 if threads() > 1:
-    CASES.append(Case(f"{WHAT}, each in a process", NOTE, (threads(), 16), build(AsyncVectorEnv)))
+    CASES.append(Case(f"{WHAT}, each in a process", NOTE, sorted({threads(), 16}), build(AsyncVectorEnv)))
 
 if __name__ == "__main__":
     measure("MiniGrid", "minigrid", CASES, libraries=["gymnasium"])

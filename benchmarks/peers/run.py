@@ -111,7 +111,7 @@ def call(command: list[str], environment: dict[str, str], limit: float) -> tuple
             out, errors = process.communicate()
             if not isinstance(stop, subprocess.TimeoutExpired):
                 raise
-            why = f"not done after {limit:.0f} s: {last(errors)}"
+            why = f"not done after {limit:.0f} s: {last(errors)}".removesuffix(": ")
     return out.splitlines(), why
 
 
