@@ -7,9 +7,23 @@ import gymnasium
 
 from sim.config import DEFAULT, PAPER, Config
 from sim.env import HouseEnv
+from sim.oracle import Oracle, shortest_path
+from sim.tasks import Collect, Cover, Reach, Task
 from sim.vector import HouseVectorEnv
 
-__all__ = ["DEFAULT", "PAPER", "Config", "HouseEnv", "HouseVectorEnv"]
+__all__ = [
+    "DEFAULT",
+    "PAPER",
+    "Collect",
+    "Config",
+    "Cover",
+    "HouseEnv",
+    "HouseVectorEnv",
+    "Oracle",
+    "Reach",
+    "Task",
+    "shortest_path",
+]
 
 gymnasium.register(
     "Vitruvius/House-v0", entry_point="sim.env:HouseEnv", vector_entry_point="sim.vector:HouseVectorEnv"
