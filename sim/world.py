@@ -6,7 +6,7 @@ compiled once serves every world of a configuration, and banks are swapped at no
 """
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, cached_property
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -179,12 +179,17 @@ class World:
         ``last``: as they were when the latest episode ended, where the same step begins the next.
         """
         if last:
-            reals, wholes = self.arrays["last_reals"], self.arrays["last_wholes"]
-            Launch(self.kernels.describe, self.arrays | {"reals": reals, "wholes": wholes})()
+            self._describe_last()
         else:
             self.run("describe")
         pose, target, house = (self.arrays[name].numpy() for name in ("pose", "target", "house"))
         return pose.reshape(-1, 3), target.reshape(-1, 2), house
+
+    @cached_property
+    def _describe_last(self) -> Launch:
+        """It reads nothing of a bank, so it stays bound."""
+        last = {"reals": self.arrays["last_reals"], "wholes": self.arrays["last_wholes"]}
+        return Launch(self.kernels.describe, self.arrays | last)
 
     def targets(self, count: int) -> np.ndarray:
         """The target of each environment and the next ones, (E, count, 2), metres."""
