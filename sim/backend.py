@@ -52,8 +52,8 @@ class Lattice:
 
 
 class Backend(Protocol):
-    """Motion and sight: ``stands``, ``move`` and ``see`` are ``ti.func``s, which get a bank's ``numbers`` and
-    ``indices`` and the number of a house in it.
+    """Motion and sight: ``stands``, ``move``, ``see`` and ``fetch`` are ``ti.func``s, which get a bank's
+    ``numbers`` and ``indices`` and the number of a house in it.
     """
 
     config: Config
@@ -98,5 +98,11 @@ class Backend(Protocol):
     ) -> Any:
         """For ``lanes`` rays from number ``ray`` on, the distances (metres, the range where nothing is hit)
         and what they hit (u32), with the target at (x, y).
+        """
+        ...
+
+    def fetch(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
+        """Read some of what a look from a cell reads, that it may be near when it is read again: anything
+        (i32). A backend that has nothing to gain returns 0.
         """
         ...

@@ -51,6 +51,11 @@ class Geometry:
         east, south = (boxes[:, :2] + boxes[:, 2:]).max(axis=0)
         return west, north, east, south
 
+    def holds(self, places: np.ndarray) -> np.ndarray:
+        """Which of the places (n, 2) are in one of the rooms, or on its boundary: (n,) bool."""
+        boxes = np.vstack([self.floor, self.rooms])
+        return (np.abs(places[:, None] - boxes[:, :2]) <= boxes[:, 2:]).all(axis=2).any(axis=1)
+
 
 def geometry(house: House) -> Geometry:
     """A house's boxes; ``geometry(house).solids`` is what stops rays and bodies."""

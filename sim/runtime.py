@@ -7,7 +7,8 @@ import contextlib
 import inspect
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,28 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
     from taichi.lang import impl
+    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
 __all__ = ["Array", "Launch", "start", "ti"]
+
+
+def _once(describe: Callable[[Any, Any], str]) -> Callable[[Any, Any], str]:
+    """Taichi formats the source of every expression that it meets, for errors, each time it is inlined: half
+    of the time of tracing. Once is enough.
+    """
+    known: dict[tuple[Any, ...], str] = {}
+
+    def describe_once(context: Any, node: Any) -> str:
+        place = node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
+        key = context.file, context.lineno_offset, context.func.func.__name__, *place
+        if key not in known:
+            known[key] = describe(context, node)
+        return known[key]
+
+    return describe_once
+
+
+ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
 
 
 def start(device: str = "cpu", threads: int | None = None) -> Any:
@@ -31,18 +52,40 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
     arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
     runtime = impl.get_runtime()
     if runtime.prog is None:
-        # Without fast_math a hit is decided alike on every machine. Taichi's own control-flow passes do
-        # nothing for kernels that LLVM optimises again, and take half of the time to compile.
-        options = {"arch": arch, "fast_math": False, "cfg_optimization": False, "log_level": ti.ERROR}
+        # Without fast_math a hit is decided alike on every machine. Taichi's own passes do nothing for
+        # kernels that LLVM optimises again, and take half of the time to compile.
+        options = {"arch": arch, "fast_math": False, "log_level": ti.ERROR}
+        options |= {"advanced_optimization": False, "cfg_optimization": False}
         if threads is not None:
             options["cpu_max_num_threads"] = threads
+        before = _threads()
         with contextlib.redirect_stdout(io.StringIO()):
             ti.init(**options)
+        _spread(sorted(_threads() - before), threads)
         runtime = impl.get_runtime()
     running = impl.current_cfg().arch
     if (running == ti.cuda) != (device == "cuda"):
         raise ValueError(f"device {device!r} cannot be had: in this process Taichi runs on {running.name}")
     return runtime.prog
+
+
+def _threads() -> set[int]:
+    """This process's threads, where the system tells them."""
+    return {int(task.name) for task in Path("/proc/self/task").glob("*")}
+
+
+def _spread(started: list[int], workers: int | None) -> None:
+    """Give each of Taichi's workers, the last threads that it starts, a processor of its own.
+
+    Launches are so short that Linux otherwise leaves all of them on the one that wakes them, as if there were
+    no other. Only where there are as many workers as processors: else programs would crowd on the first ones.
+    """
+    if not started:
+        return
+    processors = sorted(os.sched_getaffinity(0))
+    if len(processors) == (workers or os.cpu_count()) > 1:
+        for thread, processor in zip(started[-len(processors) :], processors, strict=False):
+            os.sched_setaffinity(thread, {processor})
 
 
 class Array:
@@ -71,12 +114,16 @@ class Array:
 
     def fill(self, values: np.ndarray) -> None:
         """Let it hold ``values``: (length,), or (length, width)."""
-        if self.length:
+        if impl.current_cfg().arch != ti.cuda:
+            self.view()[:] = values
+        elif self.length:
             self.ndarray.from_numpy(np.ascontiguousarray(values))
 
     def numpy(self) -> np.ndarray:
         """A copy of what it holds now: (length,), or (length, width)."""
-        return self.ndarray.to_numpy()[: self.length]
+        if impl.current_cfg().arch == ti.cuda:
+            return self.ndarray.to_numpy()[: self.length]
+        return self.view().copy()
 
     @property
     def interface(self) -> dict[str, Any]:

@@ -74,6 +74,7 @@ class World:
             "final": Array(observation, ended),
             "reward": Array(ti.f32, count),
             "flags": Array(ti.u8, 3 * count),
+            "fetched": Array(ti.i32, count),
             "wish": Array(ti.i32, count, 4),
             "wish_at": Array(ti.f32, count, 4),
             "pose": Array(ti.f32, 3 * count),
@@ -158,15 +159,16 @@ class World:
         Raises ``ValueError`` for a pose where the body cannot be.
         """
         origin, cell = self.backend.place(self.bank, house, pose)
-        bounds = np.array([shape.bounds for shape in self.bank.geometries])[house]
-        inside = (bounds[:, :2] < pose[:, :2]).all(axis=1) & (pose[:, :2] < bounds[:, 2:]).all(axis=1)
+        indoors = np.zeros(len(pose), bool)
+        for k in np.unique(house):
+            indoors[house == k] = self.bank.geometries[k].holds(pose[house == k, :2])
         arrays = self.arrays | {
             "cells": Array.of(np.column_stack([house, cell]).astype(np.int32).ravel()),
             "origins": Array.of(origin.astype(np.float32).ravel()),
             "free": Array(ti.i32, len(pose)),
         }
         Launch(self.kernels.stand, arrays)()
-        free = inside & (arrays["free"].numpy() != 0)
+        free = indoors & (arrays["free"].numpy() != 0)
         if not free.all():
             e = int((~free).argmax())
             x, y = pose[e, :2]
@@ -309,12 +311,17 @@ def _kernels(
         flags: Bytes,
         last_reals: Reals,
         last_wholes: Wholes,
+        fetched: Indices,
     ):
         """One step of every environment. ``action`` (E,); fills ``observation``, ``reward`` (E,), ``flags``
         (3, E): terminated, truncated, blocked; and where the same step begins the next episode ``final`` and
         the ``last`` state.
         """
         for e in range(reals.shape[0]):
+            if ti.static(all_rays):
+                # What the next environment looks up comes from memory while this one steps.
+                after = loaded(reals, wholes, ti.min(e + 1, reals.shape[0] - 1))
+                fetched[e] = backend.fetch(numbers, indices, after.house, after.origin, after.cell)
             state = loaded(reals, wholes, e)
             if ti.static(mode == NEXT_STEP) and state.over:
                 state = episodes.begin(places, state, -1)

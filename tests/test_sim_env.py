@@ -162,7 +162,10 @@ WRONG_ARGUMENTS = {
     "max_episode_steps is 0": {"max_episode_steps": 0},
     "unknown render_mode 'human'": {"render_mode": "human"},
     "'Sometimes' is not a valid AutoresetMode": {"autoreset_mode": "Sometimes"},
-    "house 1 of 2: the body cannot reach room R0 (bedroom)": {"houses": [HOUSES[0], CRAMPED], "targets": "secondary"},
+    "house 1 of 2: the body cannot reach room R0 (bedroom)": {
+        "houses": [HOUSES[0], CRAMPED],
+        "targets": "secondary",
+    },
 }
 
 

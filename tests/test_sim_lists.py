@@ -44,7 +44,7 @@ def posed(envs):
         place = np.where(on_edge, edges + rng.choice([-1e-6, 0, 1e-6], place.shape), place)
         heading = rng.integers(8, size=len(place))
         eye, half = place + shift(config, heading), half_side(config, heading)
-        inside = ((west, north) < eye).all(axis=1) & (eye < (east, south)).all(axis=1)
+        inside = shape.holds(eye)
         place = place.astype(np.float32)
         inside &= Boxes.of(shape).clear(place + half[:, None] - config.eye[0], half)
         assert inside.sum() >= EACH

@@ -72,13 +72,14 @@ def angles(heading: np.ndarray, rays: np.ndarray) -> np.ndarray:
 
 
 def places(envs: HouseVectorEnv, k: int, rng: np.random.Generator, count: int) -> np.ndarray:
-    """Places (count, 2) in and around house k where the body surely stands."""
+    """Places (count, 2) in house k where the body surely stands."""
     shape = envs.world.bank.geometries[k]
     west, north, east, south = shape.bounds
     found, half = np.zeros((0, 2)), max(envs.config.body) / 2
     while len(found) < count:
         place = rng.uniform((west, north), (east, south), (2 * count, 2)).astype(np.float32).astype(float)
-        found = np.concatenate([found, place[Boxes.of(shape).clear(place, half)]])
+        stands = shape.holds(place) & Boxes.of(shape).clear(place, half)
+        found = np.concatenate([found, place[stands]])
     return found[:count]
 
 
@@ -143,14 +144,13 @@ def test_a_million_rays_aimed_at_corners_are_the_references_and_none_leaks(envs,
         corners = np.concatenate(
             [boxes.all[:, [0, 1]], boxes.all[:, [2, 3]], boxes.pieces[:, [0, 3]], boxes.pieces[:, [2, 1]]]
         )
-        west, north, east, south = shape.bounds
         while done < each:
             # What lies in the way is as good as what does not: rays must stop all the same.
             corner = corners[rng.integers(len(corners), size=4 * EACH)]
             heading, ray = rng.integers(8, size=len(corner)), rng.integers(40, size=len(corner))
             angle, away = angles(heading, ray), rng.uniform(0.2, 5.0, len(corner))
             eye = corner - away[:, None] * np.column_stack([np.cos(angle), -np.sin(angle)])
-            inside = ((west, north) < eye).all(axis=1) & (eye < (east, south)).all(axis=1)
+            inside = shape.holds(eye)
             inside[inside] = boxes.clear(eye[inside], SEEING.body[0] / 2)
             chosen = np.flatnonzero(inside)[: min(EACH, each - done)]
             heading, ray, angle, away = heading[chosen], ray[chosen], angle[chosen], away[chosen]

@@ -109,14 +109,15 @@ def random_house(seed: int, original: bool = False) -> House:
 
 
 def free_poses(house: House, count: int, seed: int) -> np.ndarray:
-    """Poses (count, 3) in a house and in the corners around it, where the default body is surely clear of everything."""
+    """Poses (count, 3) in a house where the default body is surely clear of everything."""
     rng, reference = np.random.default_rng(seed), Reference(house)
     boxes = np.array([house.floor.box, *(room.box for room in house.rooms)])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     poses = []
     while len(poses) < count:
         place = rng.uniform(low, high)
-        if reference.is_free(place, DEFAULT.body[0]):
+        indoors = ((boxes[:, :2] < place) & (place < boxes[:, 2:])).all(axis=1).any()
+        if indoors and reference.is_free(place, DEFAULT.body[0]):
             poses.append((*place, rng.integers(8) * np.pi / 4))
     return np.array(poses)
 

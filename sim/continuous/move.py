@@ -6,7 +6,7 @@ import numpy as np
 from sim.backend import Bank, Lattice
 from sim.body import SKIN, Body
 from sim.config import Config
-from sim.continuous.pack import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, HEADER, ROOMS, cell_of
+from sim.continuous.pack import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, HEADER, ROOMS, cell_of, end_of, listed
 from sim.geometry import Geometry
 from sim.runtime import ti
 
@@ -74,9 +74,9 @@ class Motion:
             half = self.body.half(new)
             p = self.body.centre(origin, cell) + (half - self.body.half(cell))
             q = self.body.centre(origin, new)
-            row = cell_of(numbers, indices, house, p)
-            for k in range(indices[row], indices[row + 1]):
-                result |= self.meets(numbers, indices[k], p, q, half)
+            block, first_box = cell_of(numbers, indices, house, p), indices[house * HEADER + FIRST_BOX]
+            for k in range(end_of(indices, block, 1)):
+                result |= self.meets(numbers, first_box + 4 * listed(indices, block, k), p, q, half)
         else:
             result = self.original(
                 numbers, indices, house, self.body.centre(origin, new), self.body.half(new)

@@ -9,8 +9,9 @@ about a tenth of a house.
 
     numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, low, high, kind)
               | by house: floor, then each room and its door (x, y, half width, half height)
-    indices   H x header | ends of lists, LISTS a cell, and one more | lists: where in numbers something is
-    header    first box, boxes, first piece, floor, rooms, first list, columns, rows
+    indices   H x header | for each cell where its block is | blocks; all cells out of doors share the first
+    header    first box, boxes, first piece, floor, rooms, first cell, columns, rows, first line
+    block     how many numbers the lists have up to the end of each | lists; numbers of 16 bits, two in each
 """
 
 from collections.abc import Sequence
@@ -33,11 +34,21 @@ CELL = 0.5
 MARGIN = 1e-3
 """Metres by which lists are more generous than they need to be: more than rounding can take away."""
 
-HEADER = 8
-FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS, FIRST_LIST, COLUMNS, ROWS = range(HEADER)
+HEADER = 9
+FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS, FIRST_CELL, COLUMNS, ROWS, FIRST_LINE = range(HEADER)
 
 LISTS = 17
 """A cell's lists: near boxes, then for each heading the lines across x and those across y."""
+
+ENDS = LISTS // 2 + 1
+"""Words of a block before its lists."""
+
+LONGEST = 2**16 - 1
+"""Of a cell's lists together: they are counted in 16 bits."""
+
+LINE, AHEAD = 16, 64
+"""Words of a cache line, and of a block's beginning that is fetched before it is read; the last block, too,
+has as many behind it."""
 
 WEST, EAST = -1, 1
 """A line that is seen from the west (or north) only, or from the east (or south); walls are 0."""
@@ -47,13 +58,31 @@ Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
 
 @ti.func
 def cell_of(numbers: ti.template(), indices: ti.template(), house, place):
-    """Where in ``indices`` the ends of a place's lists begin."""
+    """Where in ``indices`` the block of a place's cell is."""
     header = house * HEADER
     columns, rows = indices[header + COLUMNS], indices[header + ROWS]
     x = ti.cast((place[0] - numbers[2 * house]) * ti.static(1 / CELL), ti.i32)
     y = ti.cast((place[1] - numbers[2 * house + 1]) * ti.static(1 / CELL), ti.i32)
     x, y = ti.max(0, ti.min(columns - 1, x)), ti.max(0, ti.min(rows - 1, y))
-    return indices[header + FIRST_LIST] + LISTS * (y * columns + x)
+    return indices[indices[header + FIRST_CELL] + y * columns + x]
+
+
+@ti.func
+def half_word(words: ti.template(), first, k):
+    """The k-th number of 16 bits from a word on."""
+    return (words[first + (k >> 1)] >> ((k & 1) << 4)) & 0xFFFF
+
+
+@ti.func
+def end_of(indices: ti.template(), block, k):
+    """How many numbers a cell's lists have before the k-th."""
+    return half_word(indices, block, k)
+
+
+@ti.func
+def listed(indices: ti.template(), block, k):
+    """The k-th number in a cell's lists."""
+    return half_word(indices, block + ENDS, k)
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
@@ -63,25 +92,17 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     count = len(parts)
     numbers, at = [np.array([part.corner for part in parts], np.float32).ravel()], 2 * count
     header = np.zeros((count, HEADER), np.int32)
-    first_line = np.zeros(count, np.int32)
-    cells = 0
+    cell = header.size
     for k, part in enumerate(parts):
         boxes, lines = len(part.boxes), len(part.lines)
-        header[k] = (
-            at,
-            boxes,
-            at + 4 * part.walls,
-            at + 4 * (boxes + lines),
-            len(part.rooms) - 1,
-            HEADER * count + LISTS * cells,
-            *part.size,
-        )
-        first_line[k] = at + 4 * boxes
+        floor = at + 4 * (boxes + lines)
+        counts = at, boxes, at + 4 * part.walls, floor, len(part.rooms) - 1
+        header[k] = (*counts, cell, *part.size, at + 4 * boxes)
         rows = np.concatenate([part.boxes, part.lines, part.rooms.reshape(-1, 4)]).astype(np.float32).ravel()
         numbers.append(rows)
         at += len(rows)
-        cells += part.size[0] * part.size[1]
-    return Bank(shapes, *_lists(np.concatenate(numbers), header, first_line, parts, config))
+        cell += part.size[0] * part.size[1]
+    return Bank(shapes, *_lists(np.concatenate(numbers), header, parts, config))
 
 
 @dataclass(frozen=True)
@@ -123,26 +144,34 @@ def _lines(walls: np.ndarray, pieces: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _lists(
-    numbers: np.ndarray, header: np.ndarray, first_line: np.ndarray, parts: list[_Part], config: Config
+    numbers: np.ndarray, header: np.ndarray, parts: list[_Part], config: Config
 ) -> tuple[Array, Array]:
     """A bank's arrays, with the lists made on the device."""
     owner = np.repeat(np.arange(len(parts)), [part.size[0] * part.size[1] for part in parts])
     lines = [(len(part.lines), part.across_x) for part in parts]
     arrays = {
         "numbers": Array.of(numbers),
-        "houses": Array.of(np.column_stack([header, first_line, lines]).astype(np.int32).ravel()),
+        "houses": Array.of(np.column_stack([header, lines]).astype(np.int32).ravel()),
         "owner": Array.of(owner.astype(np.int32)),
         "visible": Array(ti.i32, len(owner) * (max(len(part.lines) for part in parts) // 32 + 1)),
-        "ends": Array(ti.i32, len(owner) * LISTS),
+        "counts": Array(ti.i32, len(owner) * LISTS),
     }
     find, fill = _kernels(start(), config)
     Launch(find, arrays)()
-    ends = np.concatenate([[0], arrays["ends"].numpy().cumsum()])
-    begin = header.size + len(ends)
-    indices = np.zeros(begin + ends[-1], np.int32)
-    indices[: header.size], indices[header.size : begin] = header.ravel(), begin + ends
+    counts = arrays["counts"].numpy().reshape(-1, LISTS).cumsum(axis=1)
+    total = counts[:, -1]
+    if total.max() > LONGEST:
+        house = owner[total.argmax()]
+        raise ValueError(f"house {house} of {len(parts)} has more walls and furniture than lists can hold")
+    ends = np.zeros((len(owner), 2 * ENDS), np.uint16)
+    ends[:, 1 : LISTS + 1] = counts
+    words = np.where(total > 0, ENDS + (total + 1) // 2, 0)
+    first = header.size + len(owner)
+    block = np.where(total > 0, first + ENDS + words.cumsum() - words, first)
+    indices = np.zeros(first + ENDS + int(words.sum()) + AHEAD, np.int32)
+    indices[:first] = np.concatenate([header.ravel(), block])
+    indices[block[total > 0, None] + np.arange(ENDS)] = ends[total > 0].view(np.int32)
     arrays["indices"] = Array.of(indices)
-    del arrays["ends"]
     Launch(fill, arrays)()
     return arrays["numbers"], arrays["indices"]
 
@@ -150,7 +179,8 @@ def _lists(
 @cache
 def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
     """Kernels that find what is visible from each cell and count it, and that fill the lists."""
-    reach = max(config.body) + config.step + MARGIN
+    body = max(config.body)
+    reach = body + config.step + MARGIN
     left, right = (
         np.deg2rad(45 * np.arange(8) + angle)
         for angle in (config.first_ray, config.first_ray - config.ray_spacing * (config.rays - 1))
@@ -159,18 +189,30 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
     edges = np.column_stack([np.cos(left), -np.sin(left), np.cos(right), -np.sin(right)])
     sides = ti.Vector.field(4, ti.f32, shape=8)
     sides.from_numpy(edges.astype(np.float32))
-    each = HEADER + 3
+    each = HEADER + 2
 
     @ti.func
     def square(numbers: ti.template(), houses: ti.template(), owner: ti.template(), c):
         """A cell's house and its (west, north, east, south), a little larger than it is."""
         house = owner[c]
         at = house * each
-        k = c - (houses[at + FIRST_LIST] - houses[FIRST_LIST]) // LISTS
+        k = c - (houses[at + FIRST_CELL] - houses[FIRST_CELL])
         y, x = k // houses[at + COLUMNS], k % houses[at + COLUMNS]
         west = numbers[2 * house] + ti.cast(x, ti.f32) * CELL
         north = numbers[2 * house + 1] + ti.cast(y, ti.f32) * CELL
         return at, ti.Vector([west - MARGIN, north - MARGIN, west + CELL + MARGIN, north + CELL + MARGIN])
+
+    @ti.func
+    def indoors(numbers: ti.template(), houses: ti.template(), at, cell):
+        """Whether an eye in a cell may be that of a body which stands in a room, or half in it."""
+        x, y = 0.5 * (cell[0] + cell[2]), 0.5 * (cell[1] + cell[3])
+        half, found = 0.5 * (cell[2] - cell[0]) + ti.static(body), 0
+        for k in range(houses[at + ROOMS] + 1):
+            room = houses[at + FLOOR] + 8 * k
+            across_x = ti.abs(x - numbers[room]) < numbers[room + 2] + half
+            across_y = ti.abs(y - numbers[room + 1]) < numbers[room + 3] + half
+            found |= ti.cast(across_x & across_y, ti.i32)
+        return found
 
     @ti.func
     def near(numbers: ti.template(), box, cell):
@@ -259,45 +301,53 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         return ti.Vector([numbers[k], numbers[k + 1] - SEAM, numbers[k + 2] + SEAM])
 
     @ti.kernel
-    def find(numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, ends: Indices):
+    def find(numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices):
         for c in range(owner.shape[0]):
             words = visible.shape[0] // owner.shape[0]
             at, cell = square(numbers, houses, owner, c)
-            for k in range(houses[at + BOXES]):
-                if near(numbers, houses[at + FIRST_BOX] + 4 * k, cell):
-                    ends[c * LISTS] += 1
-            for k in range(houses[at + HEADER + 1]):
-                axis = ti.cast(k >= houses[at + HEADER + 2], ti.i32)
-                place = houses[at + HEADER] + 4 * k
-                line = line_at(numbers, place)
-                if seen(numbers, houses, at, place, line, axis, cell):
-                    visible[c * words + k // 32] |= 1 << (k & 31)
-                    for heading in range(8):
-                        ends[c * LISTS + 1 + 2 * heading + axis] += ahead(heading, line, axis, cell)
+            if indoors(numbers, houses, at, cell):
+                for k in range(houses[at + BOXES]):
+                    if near(numbers, houses[at + FIRST_BOX] + 4 * k, cell):
+                        counts[c * LISTS] += 1
+                for k in range(houses[at + HEADER]):
+                    axis = ti.cast(k >= houses[at + HEADER + 1], ti.i32)
+                    place = houses[at + FIRST_LINE] + 4 * k
+                    line = line_at(numbers, place)
+                    if seen(numbers, houses, at, place, line, axis, cell):
+                        visible[c * words + k // 32] |= 1 << (k & 31)
+                        for heading in range(8):
+                            counts[c * LISTS + 1 + 2 * heading + axis] += ahead(heading, line, axis, cell)
+
+    @ti.func
+    def put(indices: ti.template(), first, k, number):
+        """Write the k-th number of 16 bits from a word on, where there was 0."""
+        indices[first + (k >> 1)] |= number << ((k & 1) << 4)
 
     @ti.kernel
-    def fill(numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, indices: Indices):
+    def fill(
+        numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices, indices: Indices
+    ):
         for c in range(owner.shape[0]):
             words = visible.shape[0] // owner.shape[0]
             at, cell = square(numbers, houses, owner, c)
-            ends = houses[FIRST_LIST] + c * LISTS
+            block = indices[houses[FIRST_CELL] + c]
+            first = block + ENDS
             free = ti.Vector([0 for _ in range(LISTS)])
             for k in ti.static(range(LISTS)):
-                free[k] = indices[ends + k]
-            for k in range(houses[at + BOXES]):
-                box = houses[at + FIRST_BOX] + 4 * k
-                if near(numbers, box, cell):
-                    indices[free[0]] = box
-                    free[0] += 1
-            for k in range(houses[at + HEADER + 1]):
+                free[k] = end_of(indices, block, k)
+            if counts[c * LISTS] > 0:
+                for k in range(houses[at + BOXES]):
+                    if near(numbers, houses[at + FIRST_BOX] + 4 * k, cell):
+                        put(indices, first, free[0], k)
+                        free[0] += 1
+            for k in range(houses[at + HEADER]):
                 if visible[c * words + k // 32] >> (k & 31) & 1:
-                    axis = ti.cast(k >= houses[at + HEADER + 2], ti.i32)
-                    place = houses[at + HEADER] + 4 * k
-                    line = line_at(numbers, place)
+                    axis = ti.cast(k >= houses[at + HEADER + 1], ti.i32)
+                    line = line_at(numbers, houses[at + FIRST_LINE] + 4 * k)
                     for heading in range(8):
                         if ahead(heading, line, axis, cell):
                             row = 1 + 2 * heading + axis
-                            indices[free[row]] = place
+                            put(indices, first, free[row], k)
                             free[row] += 1
 
     return find, fill

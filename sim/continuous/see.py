@@ -4,7 +4,7 @@
 from sim.backend import TARGET
 from sim.body import Body
 from sim.config import Config
-from sim.continuous.pack import cell_of
+from sim.continuous.pack import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
 from sim.rays import SEAM, Rays
 from sim.runtime import ti
 
@@ -27,14 +27,17 @@ class Sight:
         self.rays.across(first, 0, over_x, slope_x)
         self.rays.across(first, 1, over_y, slope_y)
         nearest, kinds = self.rays.bits(ti.static(self.rays.none)), self.rays.bits(0)
-        row = cell_of(numbers, indices, house, eye) + 1 + 2 * cell[2]
-        for k in range(indices[row], indices[row + 1]):
-            ahead, aside, reach, kind = self.line(numbers, indices[k], eye[0], eye[1])
+        block, first_line = cell_of(numbers, indices, house, eye), indices[house * HEADER + FIRST_LINE]
+        across_x, row = 1 + 2 * cell[2], 2 + 2 * cell[2]
+        for k in range(end_of(indices, block, across_x), end_of(indices, block, row)):
+            line = first_line + 4 * listed(indices, block, k)
+            ahead, aside, reach, kind = self.line(numbers, line, eye[0], eye[1])
             self.rays.meet(
                 nearest, kinds, over_x, slope_x, ahead, aside, reach, kind, ti.static(self.config.sees_kind)
             )
-        for k in range(indices[row + 1], indices[row + 2]):
-            ahead, aside, reach, kind = self.line(numbers, indices[k], eye[1], eye[0])
+        for k in range(end_of(indices, block, row), end_of(indices, block, row + 1)):
+            line = first_line + 4 * listed(indices, block, k)
+            ahead, aside, reach, kind = self.line(numbers, line, eye[1], eye[0])
             self.rays.meet(
                 nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.sees_kind)
             )
@@ -44,6 +47,15 @@ class Sight:
                 nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(TARGET)
             )
         return self.rays.metres(nearest), kinds
+
+    @ti.func
+    def fetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.fetch``: the first cache lines of a block, which are most blocks' all."""
+        block = cell_of(numbers, indices, house, self.body.eye(origin, cell))
+        some = indices[block]
+        for k in ti.static(range(LINE, AHEAD, LINE)):
+            some &= indices[block + k]
+        return some
 
     @ti.func
     def line(self, numbers: ti.template(), at, along, across):

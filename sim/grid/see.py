@@ -41,3 +41,11 @@ class Sight:
                 nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(TARGET)
             )
         return self.rays.metres(nearest), kinds
+
+    @ti.func
+    def fetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.fetch``: the distances."""
+        at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count)
+        at += self.rays.first(cell[2], 0)
+        half, last = ti.static(self.rays.lanes // 2), ti.static(self.rays.lanes - 1)
+        return ti.bit_cast(numbers[at] + numbers[at + half] + numbers[at + last], ti.i32)
