@@ -14,12 +14,12 @@ HOUSES = [worlds.random_house(seed, original) for seed in range(100, 110) for or
 EACH = 100
 """Poses in each house."""
 
-SMALL = {"body": (0.02, 0.02), "eye": (0.01, 0.01)}
+SMALL = Config(body=(0.02, 0.02), eye=(0.01, 0.01))
 CONFIGS = {
     "default": DEFAULT,
-    "all round": Config(rays=120, **SMALL, step=2.5),
-    "just more than half": Config(rays=22, ray_spacing=9, first_ray=94.0, **SMALL, step=0.4),
-    "one short ray": Config(rays=1, first_ray=-7.0, range=1.2, **SMALL, target=0.1),
+    "all round": replace(SMALL, rays=120, step=2.5),
+    "just more than half": replace(SMALL, rays=22, ray_spacing=9, first_ray=94.0, step=0.4),
+    "one short ray": replace(SMALL, rays=1, first_ray=-7.0, range=1.2, target=0.1),
     "a body that grows as it turns": replace(PAPER, collision="swept", sees_angle=False, step=0.3),
 }
 
