@@ -5,8 +5,10 @@
 
 import gymnasium
 
+from sim.checker import check_vector_env
 from sim.config import DEFAULT, PAPER, Config
 from sim.env import HouseEnv
+from sim.modes import check_autoreset_modes
 from sim.oracle import Oracle, shortest_path
 from sim.tasks import Collect, Cover, Reach, Task
 from sim.vector import HouseVectorEnv
@@ -22,6 +24,8 @@ __all__ = [
     "Oracle",
     "Reach",
     "Task",
+    "check_autoreset_modes",
+    "check_vector_env",
     "shortest_path",
 ]
 

@@ -54,7 +54,7 @@ class Geometry:
     def holds(self, places: np.ndarray) -> np.ndarray:
         """Which of the places (n, 2) are in one of the rooms, or on its boundary: (n,) bool."""
         boxes = np.vstack([self.floor, self.rooms])
-        return (np.abs(places[:, None] - boxes[:, :2]) <= boxes[:, 2:]).all(axis=2).any(axis=1)
+        return np.all(np.abs(places[:, None] - boxes[:, :2]) <= boxes[:, 2:], axis=2).any(axis=1)
 
 
 def geometry(house: House) -> Geometry:

@@ -1,4 +1,3 @@
-# pyright: reportMissingImports=false
 """Vector environments for Stable-Baselines3, which has an interface of its own.
 
 Importing this needs that library, which is not among our dependencies.

@@ -119,7 +119,7 @@ class Boxes:
         """Whether squares round centres (N, 2) are clear of everything, by 1e-4 m. (N,) bool."""
         reach, boxes = np.reshape(half, (-1, 1, 1)) + CLOSE, self.all
         low, high = centre[:, None] - reach, centre[:, None] + reach
-        return ~((low < boxes[:, 2:]) & (boxes[:, :2] < high)).all(axis=2).any(axis=1)
+        return ~np.all((low < boxes[:, 2:]) & (boxes[:, :2] < high), axis=2).any(axis=1)
 
 
 def meetings(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, ...]:

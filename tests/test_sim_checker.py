@@ -12,8 +12,8 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
 
-from sim.checker import CLAIMS, check_vector_env
-from sim.modes import check_autoreset_modes
+from sim import check_autoreset_modes, check_vector_env
+from sim.checker import CLAIMS
 from sim.trial import BrokenPromise
 
 NEXT, SAME, DISABLED = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED

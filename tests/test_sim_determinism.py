@@ -198,7 +198,8 @@ def test_a_state_saved_and_restored_goes_on_bit_for_bit(mode, tmp_path):
     plan, envs = actions(count), make(count=count, autoreset_mode=mode)
     for _ in told(envs, plan[:half], seed=8):
         pass
-    np.savez(tmp_path / "state.npz", **envs.state)
+    saved: dict[str, Any] = {**envs.state}
+    np.savez(tmp_path / "state.npz", **saved)
     on = list(rest(envs, plan[half:]))
     other = make(count=count, autoreset_mode=mode)
     other.reset(seed=99)

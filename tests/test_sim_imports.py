@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+import sim
+
 ROOT = Path(__file__).parents[1]
 ALLOWED = {"House", "load", "generate"}
 
@@ -33,5 +35,13 @@ def test_sim_takes_of_logic_houses_and_nothing_else():
 
 
 def test_taichi_is_imported_in_one_place():
-    users = [path.name for path in (ROOT / "sim").glob("*.py") if "import taichi" in path.read_text()]
+    users = [path.name for path in (ROOT / "sim").rglob("*.py") if "import taichi" in path.read_text()]
     assert users == ["runtime.py"]
+
+
+def test_the_public_names_are_these():
+    """What needs a library that is not ours is imported by its own name: ``sim.stable_baselines``."""
+    classes = ["Collect", "Config", "Cover", "HouseEnv", "HouseVectorEnv", "Oracle", "Reach", "Task"]
+    functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
+    assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
+    assert all(hasattr(sim, name) for name in sim.__all__)

@@ -12,10 +12,8 @@ import torch
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorWrapper
 from gymnasium.wrappers import vector as wrappers
 
-from sim import HouseEnv, HouseVectorEnv
-from sim.checker import check_vector_env
+from sim import HouseEnv, HouseVectorEnv, check_autoreset_modes, check_vector_env
 from sim.film import film
-from sim.modes import check_autoreset_modes
 from tests import worlds
 
 HOUSES = [worlds.drawn(worlds.ONE_ROOM), worlds.RANDOM[0]]
