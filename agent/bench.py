@@ -12,7 +12,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 
-from agent.results import AXES, is_rate, law, machine, name_of, results_page, series_of
+from agent.results.generator import generator_page
+from agent.results.series import AXES, axis_of, is_rate, law, machine, name_of, series_of
+from agent.results.simulator import simulator_page
 from logic import VitruviusError
 from logic.files import write_whole
 
@@ -43,10 +45,13 @@ class Bench:
     """The grammar of the generator's study: a shipped one's name, or a directory of rules."""
 
     out: Path = Path("runs/bench")
-    """Folder for the measurements (JSON), the plots and, of the generator, a page of results (Markdown)."""
+    """Folder for the measurements (JSON), the plots and the pages of results (Markdown)."""
+
+    peers: bool = False
+    """Measure other simulators beside ours, each in an environment that uv makes (3 GB to download once)."""
 
     publish: bool = False
-    """Put the generator's page and plot into docs/ too."""
+    """Put the pages and their plots into docs/ too."""
 
     def run(self) -> int:
         """Run the studies, draw each, and print what was fitted."""
@@ -58,10 +63,13 @@ class Bench:
             series = series_of(report)
             files = {f"{study}.png": _plot(report)}
             if study == "generator":
-                files["generator.md"] = results_page(report, self.grammar).encode()
+                files["generator.md"] = generator_page(report, self.grammar).encode()
+            if study == "simulator":
+                peers = _peers(self.out / "peers.json") if self.peers else None
+                files["simulator.md"] = simulator_page(report, peers).encode()
             for name, content in files.items():
                 write_whole(self.out / name, content)
-                if self.publish and study == "generator":
+                if self.publish and f"{study}.md" in files:
                     write_whole(DOCS / name, content)
             for name, points in series.items():
                 print(f"{name}: {law(points, is_rate(report))}")
@@ -87,23 +95,41 @@ def _measured(study: str, out: Path, grammar: str) -> dict[str, Any]:
     return json.loads((out / f"{study}.json").read_text())
 
 
+def _peers(file: Path) -> dict[str, Any]:
+    """What ``benchmarks/peers/run.py`` measures on all processors; a peer that fails is told in its place."""
+    script = str(BENCHMARKS / "peers" / "run.py")
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    done = subprocess.run([sys.executable, script, str(file), f"--threads={processors}"], check=False)
+    if done.returncode not in (0, 1):
+        raise MeasurementFailed("no peer could be measured: see above")
+    return json.loads(file.read_text())
+
+
 def _plot(report: dict[str, Any]) -> bytes:
     """A PNG on logarithmic axes: medians, quartiles and the fitted law of each benchmark, a panel a kind."""
     from matplotlib.figure import Figure
 
     rate, series = is_rate(report), series_of(report)
-    panels = {name_of(entry): entry["extra_info"].get("panel", "") for entry in report["benchmarks"]}
+    panels = {
+        name_of(entry): (entry["extra_info"].get("panel", ""), axis)
+        for entry in report["benchmarks"]
+        if (axis := axis_of(entry))
+    }
     titles = list(dict.fromkeys(panels[name] for name in series))
-    figure = Figure(figsize=(1.2 + 6 * len(titles), 4.6), dpi=150, layout="constrained")
-    for axes, title in zip(np.atleast_1d(figure.subplots(1, len(titles))), titles, strict=True):
-        shown = {name: points for name, points in series.items() if panels[name] == title}
+    columns = min(3, len(titles))
+    rows = -(-len(titles) // columns)
+    figure = Figure(figsize=(1.2 + 6 * columns, 0.3 + 4.3 * rows), dpi=150, layout="constrained")
+    grid = np.ravel(figure.subplots(rows, columns))
+    for axes in grid[len(titles) :]:
+        axes.remove()
+    for axes, (title, axis) in zip(grid, titles, strict=False):
+        shown = {name: points for name, points in series.items() if panels[name] == (title, axis)}
         for name, points in shown.items():
             _draw(axes, name, points, rate)
-        keys = [axis for entry in report["benchmarks"] for axis in AXES if axis in entry["extra_info"]]
-        axes.set(title=title, xscale="log", yscale="log", xlabel=AXES[keys[0]])
+        axes.set(title=title, xscale="log", yscale="log", xlabel=AXES[axis])
         axes.set_ylabel("environment steps a second" if rate else "seconds")
         sizes = sorted({size for points in shown.values() for size in points[:, 0]})
-        axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
+        axes.set_xticks(sizes, [f"{size:,.0f}" for size in sizes])
         axes.minorticks_off()
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8, frameon=False)

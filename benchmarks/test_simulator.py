@@ -1,93 +1,283 @@
-"""Environment steps a second by number of environments, beside the same rays in plain NumPy.
+"""What a step costs: by environments, houses, segments, rays and processors, beside the same step in C.
 
-``pytest benchmarks/test_simulator.py``: each row's ``extra_info`` has ``environments`` and
-``steps_per_second``. Moves, collisions, 40 rays, pick-ups and resets are in ``kernel`` and ``gymnasium``;
-``numpy`` has the rays alone.
+``vitruvius bench simulator`` runs it. Every row steps a bank of generated, furnished houses with targets in
+all rooms: dynamics, collision, 40 rays, pick-up and autoreset. A round is some steps with random actions,
+70 % forward; ``extra_info`` has the rate of the median round.
 """
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
-from logic import House
-from sim import DEFAULT, HouseVectorEnv
-from sim.geometry import geometry
-from tests.worlds import random_house
+from benchmarks.simulator.c_loop import Loop, compiler, version
+from benchmarks.simulator.cores import confined, processors
+from logic import House, generate, save
+from sim import DEFAULT, Config, HouseVectorEnv
+from sim.continuous import pack
+from sim.continuous.pack import COLUMNS, FIRST_CELL, HEADER
+from sim.runtime import start
 
-SIZES = [1, 16, 256, 4096]
-HOUSES = [random_house(seed) for seed in range(64)]
-ANGLES = np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
+ENVIRONMENTS = [1, 16, 256, 4096, 65536]
+MANY = 4096
+"""Environments where something else is varied."""
+HOUSES = [1, 64, 512, 4096]
+ROOMS = [1, 2, 4, 8, 16]
+SPACING = [15, 9, 5, 3, 1]
+"""Degrees between the rays of a field of view of about 120 degrees."""
+CORES = [count for count in (1, 2, 4, 8, 16, 32, 64) if count <= processors()]
+ROUNDS, STEPS = 15, 32
+CELL = 0.3
+"""Metres: the cell of houses that fit both backends."""
+
+BY_ENVIRONMENTS = "64 houses of 4 rooms"
+BY_OTHERS = "4,096 environments"
+
+study = pytest.mark.benchmark(group="simulator")
 
 
-def actions(count: int) -> np.ndarray:
-    return np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(32, count))
+@cache
+def bank(count: int = 64, rooms: int = 4, cell: float = 0.0) -> list[House]:
+    """Houses 0, 1, ... of a request."""
+    return list(generate(rooms=rooms, seed=0, count=count, cell=cell, workers=processors()))
 
 
-def record(benchmark, environments: int, steps: int) -> None:
-    """Note how many environment steps a second the median round made."""
-    benchmark.extra_info["environments"] = environments
-    benchmark.extra_info["steps_per_second"] = steps / benchmark.stats.stats.median
+@pytest.fixture(scope="module", autouse=True)
+def _started() -> None:
+    """Workers for all processors; rows with fewer are confined to those."""
+    start()
 
 
-@pytest.fixture(scope="module", params=SIZES)
-def envs(request):
-    envs = HouseVectorEnv(HOUSES, num_envs=request.param, targets="mixed")
+def ready(count: int, houses: list[House], **kinds: Any) -> HouseVectorEnv:
+    """Environments in the midst of their episodes."""
+    envs = HouseVectorEnv(houses, num_envs=count, targets="mixed", **kinds)
     envs.reset(seed=0)
-    envs.step_torch(torch.zeros(request.param, dtype=torch.int64))
+    for action in plan(count):
+        envs.step_torch(action)
     return envs
 
 
-@pytest.mark.benchmark(group="simulator")
-def test_kernel(benchmark, envs):
-    """Through ``step_torch``: no copies."""
-    plan = torch.from_numpy(actions(envs.num_envs))
-
-    def run():
-        for action in plan:
-            envs.step_torch(action)
-
-    benchmark.pedantic(run, rounds=7, warmup_rounds=1)
-    record(benchmark, envs.num_envs, plan.numel())
+@cache
+def plan(count: int) -> torch.Tensor:
+    """Actions (STEPS, count); fewer steps where each is long."""
+    steps = STEPS if count <= MANY else 4
+    rows = np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(steps, count))
+    return torch.from_numpy(rows)
 
 
-@pytest.mark.benchmark(group="simulator")
-def test_gymnasium(benchmark, envs):
-    """Through ``VectorEnv.step``: fresh arrays and info at each step."""
-    plan = actions(envs.num_envs)
+def timed(
+    benchmark: Any, step: Callable[[torch.Tensor], Any], count: int, *, panel: str = "", **extra: Any
+) -> None:
+    """Rounds of steps, and the rate of the median one."""
+    actions = plan(count)
 
-    def run():
-        for action in plan:
-            envs.step(action)
+    def play() -> None:
+        for action in actions:
+            step(action)
 
-    benchmark.pedantic(run, rounds=7, warmup_rounds=1)
-    record(benchmark, envs.num_envs, plan.size)
-
-
-@pytest.mark.benchmark(group="simulator")
-@pytest.mark.parametrize("count", SIZES)
-def test_numpy(benchmark, count):
-    """The rays alone, vectorised over environments and rays, a loop over the lines of one house."""
-    lines, rng = boxes(HOUSES[0]), np.random.default_rng(0)
-    west, north, east, south = HOUSES[0].floor.box
-    eye = rng.uniform((west, north), (east, south), (count, 2))
-    heading = rng.integers(8, size=count) * np.pi / 4
-    benchmark.pedantic(lambda: cast(lines, eye, heading), rounds=5, warmup_rounds=1)
-    record(benchmark, count, count)
+    benchmark.pedantic(play, rounds=ROUNDS, warmup_rounds=2)
+    rate = actions.numel() / benchmark.stats.stats.median
+    benchmark.extra_info.update(steps_per_second=rate, panel=panel, **extra)
 
 
-def boxes(house: House) -> np.ndarray:
-    """A house's walls and pieces by their edges, (B, 4)."""
-    solids = geometry(house).solids
-    return np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
+def kernel(envs: HouseVectorEnv) -> Callable[[torch.Tensor], None]:
+    """A step without what surrounds the kernel, but for its launch."""
+    action, run = envs.world.view("action"), envs.world.run
+
+    def step(actions: torch.Tensor) -> None:
+        action[:] = actions.numpy()
+        run("step")
+
+    return step
 
 
-def cast(lines: np.ndarray, eye: np.ndarray, heading: np.ndarray) -> np.ndarray:
-    """Distances (E, R) from eyes (E, 2) to the nearest of axis-aligned boxes, by the slab method."""
-    angle = heading[:, None] + ANGLES
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_kernel(benchmark, count):
+    envs = ready(count, bank())
+    extra = {"lines": lines_listed(envs)} if count == MANY else {}
+    timed(benchmark, kernel(envs), count, environments=count, panel=BY_ENVIRONMENTS, **extra)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_step_torch(benchmark, count):
+    timed(benchmark, ready(count, bank()).step_torch, count, environments=count, panel=BY_ENVIRONMENTS)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_gymnasium_step(benchmark, count):
+    """With its copies and its info."""
+    envs = ready(count, bank())
+    timed(benchmark, lambda a: envs.step(a.numpy()), count, environments=count, panel=BY_ENVIRONMENTS)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_kernel_on_one_core(benchmark, count):
+    envs = ready(count, bank())
+    with confined(1):
+        timed(benchmark, kernel(envs), count, environments=count, panel=BY_ENVIRONMENTS)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_C_on_one_core(benchmark, count, c_compiler, tmp_path):
+    """The same algorithm on the same arrays, with the same results."""
+    envs = ready(count, bank())
+    loop = Loop(envs, tmp_path, c_compiler)
+    for action in plan(count):
+        loop.step(action.numpy())
+        observation, reward, _, truncated, info = envs.step(action.numpy())
+        assert np.array_equal(observation, loop.observation)
+        assert np.array_equal(reward, loop.reward)
+        assert np.array_equal([truncated, info["blocked"]], loop.flags[1:])
+    with confined(1):
+        timed(
+            benchmark, lambda a: loop.step(a.numpy()), count, environments=count, panel=BY_ENVIRONMENTS,
+            compiler=version(c_compiler),
+        )  # fmt: skip
+
+
+@study
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_houses_of_cells(benchmark, backend):
+    """The two backends in the same houses, whose edges are multiples of a cell."""
+    envs = ready(MANY, bank(cell=CELL), backend=backend)
+    timed(benchmark, kernel(envs), MANY, backend=backend)
+
+
+@study
+@pytest.mark.parametrize("loop", ["by environment", "by ray"])
+def test_loops(benchmark, loop):
+    """One task for each environment, or for each ray as on a GPU; both on the CPU here."""
+    envs = ready(MANY, bank(), by_ray=loop == "by ray")
+    timed(benchmark, kernel(envs), MANY, loop=loop)
+
+
+@study
+@pytest.mark.parametrize("count", HOUSES)
+def test_different_houses(benchmark, count):
+    envs = ready(MANY, bank(count))
+    size = sum(envs.world.arrays[name].length * 4 for name in ("numbers", "indices", "places"))
+    timed(benchmark, kernel(envs), MANY, houses=count, bytes=size, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_larger_houses(benchmark, rooms):
+    envs = ready(MANY, bank(16, rooms))
+    shapes = envs.world.bank.geometries
+    segments = np.mean(
+        [len(shape.verticals) + len(shape.horizontals) + 4 * len(shape.pieces) for shape in shapes]
+    )
+    timed(benchmark, kernel(envs), MANY, segments=float(segments), of_rooms=rooms, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize("spacing", SPACING)
+def test_more_rays(benchmark, spacing):
+    rays = round(120 / spacing)
+    config = Config(rays=rays, ray_spacing=spacing, first_ray=spacing * (rays - 1) / 2)
+    timed(benchmark, kernel(ready(MANY, bank(), preset=config)), MANY, rays=rays, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize("cores", CORES)
+def test_more_processors(benchmark, cores):
+    envs = ready(MANY, bank())
+    with confined(cores):
+        timed(benchmark, kernel(envs), MANY, processors=cores, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize(
+    "what", ["one environment's kernel", "observations copied", "info", "reset of all", "rays in NumPy"]
+)
+def test_parts(benchmark, what):
+    """Parts of a step of 4096 environments, and what is done less often."""
+    envs = ready(1 if what.startswith("one") else MANY, bank())
+    eye, heading = np.full((MANY, 2), 2.0), np.zeros(MANY)
+    work = {
+        "one environment's kernel": lambda: envs.world.run("step"),
+        "observations copied": envs.state["observation"].copy,
+        "info": envs._info,
+        "reset of all": envs.reset,
+        "rays in NumPy": lambda: cast(envs, eye, heading),
+    }[what]
+    benchmark.pedantic(work, rounds=ROUNDS, iterations=1 if "NumPy" in what else 50, warmup_rounds=1)
+    benchmark.extra_info.update(part=what)
+
+
+@study
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_packing(benchmark, backend):
+    houses = bank(cell=CELL)
+    envs = HouseVectorEnv(houses, targets="mixed", backend=backend)
+    benchmark.pedantic(lambda: envs.set_houses(houses), rounds=5, warmup_rounds=1)
+    benchmark.extra_info.update(packing=backend, packed=len(houses))
+
+
+@study
+@pytest.mark.parametrize("kernels", ["compiled", "from the cache"])
+def test_first_step(benchmark, kernels, tmp_path):
+    """In new processes; medians of the parts."""
+    file, parts = tmp_path / "house.jsonl", []
+    save(bank()[:1], file)
+    command = [sys.executable, "-m", "benchmarks.simulator.first_step", str(file)]
+    environment = os.environ | {"TI_OFFLINE_CACHE": "0" if kernels == "compiled" else "1"}
+    root = Path(__file__).parents[1]
+
+    def run() -> None:
+        done = subprocess.run(command, env=environment, cwd=root, capture_output=True, text=True, check=True)
+        parts.append(json.loads(done.stdout))
+
+    benchmark.pedantic(run, rounds=5, warmup_rounds=1)
+    medians = {part: float(np.median([each[part] for each in parts[1:]])) for part in parts[0]}
+    benchmark.extra_info.update(first=kernels, parts=medians)
+
+
+@pytest.fixture(scope="module")
+def c_compiler() -> list[str]:
+    found = compiler()
+    if found is None:
+        pytest.skip("no clang here, and no uv to fetch one")
+    return found
+
+
+def lines_listed(envs: HouseVectorEnv) -> float:
+    """How many lines a look meets: those listed for the eye's cell and its heading, on average."""
+    indices = envs.world.arrays["indices"].numpy()
+    pose, _, house = envs.world.describe()
+    corner = envs.world.arrays["numbers"].numpy()[: 2 * len(envs.houses)].reshape(-1, 2)[house]
+    header = indices[: HEADER * len(envs.houses)].reshape(-1, HEADER)[house]
+    column, row = ((pose[:, :2] - corner) / pack.CELL).astype(int).T
+    block = indices[header[:, FIRST_CELL] + row * header[:, COLUMNS] + column]
+    first = 1 + 2 * np.round(pose[:, 2] / (np.pi / 4)).astype(int) % 16
+    ends = indices.view(np.uint16)
+    return float((ends[2 * block + first + 2].astype(int) - ends[2 * block + first]).mean())
+
+
+def cast(envs: HouseVectorEnv, eye: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    """Distances (E, R) from eyes (E, 2) in house 0, as most would write it: vectors over all rays, a loop
+    over boxes, the slab method.
+    """
+    solids = envs.world.bank.geometries[0].solids
+    boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
+    angle = heading[:, None] + np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1 / np.stack([np.cos(angle), -np.sin(angle)], axis=-1)
         nearest = np.full(angle.shape, DEFAULT.range)
-        for box in lines:
+        for box in boxes:
             low, high = ((edge - eye)[:, None] * inverse for edge in (box[:2], box[2:]))
             enter, leave = np.minimum(low, high).max(axis=-1), np.maximum(low, high).min(axis=-1)
             nearest = np.where((enter <= leave) & (enter >= 0), np.minimum(nearest, enter), nearest)

@@ -7,7 +7,8 @@
 
 Set as JaxMARL's own training is: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled.
 What the last step gave is kept, as with the other peers. Its ``step`` resets what has ended, and to do so
-makes a new map for every environment at every step; ``reset_state`` spares it that by start states made before.
+makes a new map for every environment at every step; ``reset_state`` spares it that by start states made
+before.
 """
 
 from functools import partial

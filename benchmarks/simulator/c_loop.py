@@ -3,46 +3,63 @@
 import ctypes
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from sim import HouseVectorEnv
 from sim.body import SKIN
+from sim.continuous import Continuous
 from sim.continuous.pack import CELL
 from sim.rays import MARGIN, SEAM
 
 SOURCE = Path(__file__).with_name("step.c")
+ROOT = SOURCE.parents[2]
 FLAGS = ["-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC", "-lm"]
+LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "seam", "margin", "widest")
 
 
 class Config(ctypes.Structure):
-    _fields_ = [
-        *((name, ctypes.c_float) for name in "body step eye range target cell skin seam margin widest".split()),
-        ("steps", ctypes.c_int),
+    _fields_ = [*((name, ctypes.c_float) for name in LENGTHS), ("steps", ctypes.c_int)]
+
+
+def compiler() -> list[str] | None:
+    """A clang: the system's, or the one that uv fetches with the package ``ziglang``."""
+    if shutil.which("clang"):
+        return ["clang"]
+    uv = shutil.which("uv") or shutil.which("uv", path=ROOT / ".local/uv/bin")
+    if not uv:
+        return None
+    return [
+        uv,
+        "run",
+        "--quiet",
+        "--no-project",
+        "--with",
+        "ziglang==0.17.0",
+        "python",
+        "-m",
+        "ziglang",
+        "cc",
     ]
 
 
-def compiler() -> list[str]:
-    """A clang: the system's, or the one in the ``ziglang`` package."""
-    if shutil.which("clang"):
-        return ["clang"]
-    return [sys.executable, "-m", "ziglang", "cc"]
-
-
 def version(command: list[str]) -> str:
-    return subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout.split("\n")[0]
+    """What a compiler calls itself."""
+    done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+    return done.stdout.split("\n")[0]
 
 
 class Loop:
     """Steps a continuous world of the default kind in C, from its present state on copies of its arrays."""
 
-    def __init__(self, envs: HouseVectorEnv, folder: Path, command: list[str] | None = None) -> None:
+    def __init__(self, envs: HouseVectorEnv, folder: Path, command: list[str]) -> None:
         library = folder / "step.so"
-        subprocess.run([*(command or compiler()), *FLAGS, str(SOURCE), "-o", str(library)], check=True)
+        subprocess.run([*command, *FLAGS, str(SOURCE), "-o", str(library)], check=True)
         self.library, world, config = ctypes.CDLL(str(library)), envs.world, envs.config
-        rays = world.backend.rays
+        backend = world.backend
+        assert isinstance(backend, Continuous), "the step in C is the continuous backend's"
+        rays = backend.rays
         self.config = Config(
             config.body[0], config.step, config.eye[0], config.range, config.target,
             CELL, SKIN, SEAM, MARGIN, rays.widest, config.steps,

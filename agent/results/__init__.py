@@ -1,0 +1,1 @@
+"""What the studies of ``vitruvius bench`` found: series, fitted laws, pages of results."""
