@@ -106,3 +106,7 @@ class Backend(Protocol):
         (i32). A backend that has nothing to gain returns 0.
         """
         ...
+
+
+METHODS = tuple(name for name in vars(Backend) if not name.startswith("_"))
+"""What a backend must have."""

@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from logic import House, load
-from sim.backend import Backend
+from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.runtime import start
 from sim.tasks import Targets, named
@@ -387,9 +387,15 @@ def _backend(name: str) -> type[Backend]:
     elif ":" not in name:
         raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
     try:
-        return named(name)
-    except (ImportError, AttributeError) as error:
+        make = named(name)
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"backend {name!r} cannot be had: {error}") from None
+    if not isinstance(make, type):
+        raise ValueError(f"backend {name!r} cannot be had: it is no class")
+    lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
+    if lacking:
+        raise ValueError(f"backend {name!r} cannot be had: it has no {lacking}(), see sim.backend.Backend")
+    return make
 
 
 def _bank(houses: Houses) -> list[House]:
