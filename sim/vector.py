@@ -269,9 +269,12 @@ class HouseVectorEnv(VectorEnv):
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        shapes = {name: array.shape for name, array in self.state.items()}
-        if {name: array.shape for name, array in state.items()} != shapes:
-            raise ValueError(f"a state of other shapes: here they are {shapes}")
+        kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
+        if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
+            raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
+        house = int(state["wholes"][:, 3].max())
+        if house >= len(self.houses):
+            raise ValueError(f"a state of another bank: a body is in house {house} of {len(self.houses)}")
         self.world.state = state
         self._flags[:], self._observation[:] = state["flags"], state["observation"]
         self._ready = True
@@ -419,7 +422,8 @@ def _bank(houses: Houses) -> list[House]:
 def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     array = np.asarray(value, np.float64)
     if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"option {name}: finite numbers of shape {shape}, found shape {array.shape}")
+        found = f"shape {array.shape}" if array.shape != shape else "some that are not finite"
+        raise ValueError(f"option {name}: finite numbers of shape {shape}, found {found}")
     return array
 
 

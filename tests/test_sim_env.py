@@ -1,8 +1,11 @@
 """The environments as Gymnasium has them, and every wrong use of them."""
 
+import os
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -14,7 +17,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from msgspec.structs import replace
 
-from logic import save
+from logic import House, save
 from sim import Config, HouseVectorEnv
 from tests import worlds
 
@@ -106,54 +109,227 @@ def test_a_request_is_generated():
     assert len(envs.houses) == 2
 
 
+PLAN = np.random.default_rng(0).choice(3, p=[0.2, 0.2, 0.6], size=(20, COUNT))
+HALF = 10
+
+
+def told(envs, plan) -> list[np.ndarray]:
+    """All that is told of each step of a plan (T, E)."""
+    parts = []
+    for actions in plan:
+        *arrays, info = envs.step(actions)
+        parts += [*arrays, *info.values()]
+    return parts
+
+
+@pytest.fixture(scope="module")
+def usual(made):
+    """What is told when nothing goes wrong, and of a reset after that."""
+    made.reset(seed=0)
+    parts = told(made, PLAN)
+    observation, info = made.reset()
+    return [*parts, observation, *info.values()]
+
+
+@contextmanager
+def unharmed(envs, usual, error, message):
+    """An error, before and after which the environments go on as if nothing had been asked of them."""
+    parts = told(envs, PLAN[:HALF])
+    with pytest.raises(error, match=re.escape(message)):
+        yield
+    parts += told(envs, PLAN[HALF:])
+    observation, info = envs.reset()
+    for one, other in zip([*parts, observation, *info.values()], usual, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
 WRONG_ACTIONS = {
     "one for each of 5": np.zeros(4, int),
+    "actions have shape (5, 1)": np.zeros((5, 1), int),
     "go from 0 to 2, found 0 to 3": np.array([0, 1, 2, 3, 0]),
     "found -1": np.array([0, -1, 2, 1, 0]),
     "must be integers": np.zeros(5),
+    "must be integers 0, 1 or 2, not bool": np.zeros(5, bool),
+    "must be integers 0, 1 or 2, not object": [None] * 5,
 }
 
 
 @pytest.mark.parametrize("message", WRONG_ACTIONS)
-def test_wrong_actions_are_refused_and_change_nothing(envs, message):
-    before = envs._info()["pose"]
-    with pytest.raises(ValueError, match=message):
+def test_wrong_actions_are_refused_and_change_nothing(envs, usual, message):
+    with unharmed(envs, usual, ValueError, message):
         envs.step(WRONG_ACTIONS[message])
-    np.testing.assert_array_equal(envs._info()["pose"], before)
 
 
-@pytest.mark.parametrize(
-    "actions", [torch.zeros(5), torch.zeros(5, dtype=torch.int32), torch.zeros(10).long()[::2]]
-)
-def test_wrong_tensors_are_refused(envs, actions):
-    with pytest.raises(ValueError, match="contiguous int64 tensor"):
+WRONG_TENSORS = {
+    "floats": (torch.zeros(5), "contiguous int64 tensor"),
+    "short integers": (torch.zeros(5, dtype=torch.int32), "contiguous int64 tensor"),
+    "every other one": (torch.zeros(10).long()[::2], "contiguous int64 tensor"),
+    "too many": (torch.zeros(6).long(), "one for each of 5"),
+    "no actions": (torch.full((5,), 3), "go from 0 to 2, found 3 to 3"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_TENSORS)
+def test_wrong_tensors_are_refused_and_change_nothing(envs, usual, name):
+    actions, message = WRONG_TENSORS[name]
+    with unharmed(envs, usual, ValueError, message):
         envs.step_torch(actions)
 
 
 WRONG_OPTIONS = {
     "unknown reset option 'houses'": {"houses": [0] * 5},
     "option house: 5 integers": {"house": [0, 1]},
+    "option house: 5 integers, found float64 (5,)": {"house": [0.0] * 5},
     "the bank has houses 0 to 2": {"house": [0, 1, 2, 3, 0]},
     "say in which houses": {"pose": np.zeros((5, 3))},
     "option pose: finite numbers": {"house": [0] * 5, "pose": np.full((5, 3), np.nan)},
     "a multiple of pi/4": {"house": [0] * 5, "pose": np.full((5, 3), 0.1)},
     "pose 0: the body cannot be at (0.000, 0.000)": {"house": [0] * 5, "pose": np.zeros((5, 3))},
     "option target": {"target": np.zeros(2)},
+    "option target: finite numbers of shape (5, 2), found some that are not finite": {
+        "target": np.full((5, 2), np.inf)
+    },
+    "option reset_mask: 5 bools, found bool (4,)": {"reset_mask": np.ones(4, bool)},
+    "option reset_mask: 5 bools, found bool (5, 1)": {"reset_mask": np.ones((5, 1), bool)},
+    "option reset_mask: 5 bools, found int64 (5,)": {"reset_mask": np.ones(5, int)},
+    "option reset_mask: it is False everywhere": {"reset_mask": np.zeros(5, bool)},
 }
 
 
 @pytest.mark.parametrize("message", WRONG_OPTIONS)
-def test_wrong_options_are_refused_and_change_nothing(envs, message):
-    before = envs._info()["pose"]
-    with pytest.raises(ValueError, match=re.escape(message)):
+def test_wrong_options_are_refused_and_change_nothing(envs, usual, message):
+    with unharmed(envs, usual, ValueError, message):
         envs.reset(seed=9, options=WRONG_OPTIONS[message])
-    np.testing.assert_array_equal(envs._info()["pose"], before)
+
+
+def test_wrong_seeds_are_refused_and_change_nothing(envs, usual):
+    with unharmed(envs, usual, ValueError, "2 seeds for 5 environments"):
+        envs.reset(seed=[1, 2])
+    envs.reset(seed=0)
+    with unharmed(envs, usual, gymnasium.error.Error, "-1"):
+        envs.reset(seed=-1)
 
 
 CRAMPED = worlds.drawn("a+\n..", cell=0.5)
+ROOM = HOUSES[0].rooms[0]
+
+
+def with_floor(**changes) -> House:
+    return replace(HOUSES[0], floor=replace(HOUSES[0].floor, **changes))
+
+
+def with_room(**changes) -> House:
+    return replace(HOUSES[0], rooms=(replace(ROOM, **changes),))
+
+
+WRONG_HOUSES = {
+    "the bank is empty": [],
+    "a list of House, not of str": ["house"],
+    "house 1 of 2: the body cannot reach room R0 (bedroom)": [HOUSES[0], CRAMPED],
+    "house 0 of 1: the main room is at (nan, ": [
+        replace(HOUSES[0], floor=replace(HOUSES[0].floor, x=np.nan))
+    ],
+    "house 1 of 2: room R0 is at (0.0, 0.0), inf x ": [HOUSES[0], with_room(width=np.inf)],
+    "house 0 of 1: the door of room R0 is at": [with_room(door=replace(ROOM.door, height=np.nan))],
+    "house 0 of 1: a table in room R0 is at": [with_room(children=(replace(ROOM.children[0], width=-0.1),))],
+    "house 0 of 1: it reaches further than 100 m": [worlds.drawn("a+a\n...\n...", cell=40.0)],
+    "house 0 of 1: the body has nowhere to stand in the main room": [with_floor(width=0.2, height=0.2)],
+}
+
+
+@pytest.mark.parametrize("message", WRONG_HOUSES)
+def test_wrong_houses_are_refused_and_change_nothing(envs, usual, message):
+    with unharmed(envs, usual, ValueError, message):
+        envs.set_houses(WRONG_HOUSES[message])
+    with pytest.raises(ValueError, match=re.escape(message)):
+        HouseVectorEnv(WRONG_HOUSES[message], targets="mixed")
+
+
+def test_a_wrong_state_is_refused_and_changes_nothing(envs, usual):
+    good = envs.state
+    lost = np.full_like(good["wholes"], len(HOUSES))
+    wrong = {
+        "a state of other kinds or shapes": HouseVectorEnv(HOUSES, num_envs=COUNT + 1).state,
+        "here they are": {name: array for name, array in good.items() if name != "flags"},
+        "<f4": good | {"reals": good["reals"].astype(float)},
+        "a state of another bank: a body is in house 3 of 3": good | {"wholes": lost},
+    }
+    for message, state in wrong.items():
+        envs.reset(seed=0)
+        with unharmed(envs, usual, ValueError, message):
+            envs.state = state
+
+
+def test_a_grid_takes_no_house_that_is_off_it_and_goes_on():
+    text = "aaaaa.bbb\naa+aa.bbb\n......+bb\n......bbb\n......bbb"
+    envs = HouseVectorEnv([worlds.drawn(text, cell=0.45)], num_envs=COUNT, backend="grid")
+    envs.reset(seed=0)
+    usual = told(envs, PLAN)
+    observation, info = envs.reset()
+    usual += [observation, *info.values()]
+    for house, message in (
+        (worlds.RANDOM[0], "no grid of cells as wide as the body"),
+        (worlds.drawn(text, cell=0.5), "these houses need another body and step"),
+    ):
+        envs.reset(seed=0)
+        with unharmed(envs, usual, ValueError, message):
+            envs.set_houses([house])
+
+
+def test_an_ended_environment_is_not_stepped_and_goes_on_after_its_reset():
+    envs = HouseVectorEnv(HOUSES, COUNT, targets="mixed", max_episode_steps=HALF, autoreset_mode="Disabled")
+    stories = []
+    for misuse in (False, True):
+        envs.reset(seed=0)
+        parts = told(envs, PLAN[:HALF])
+        if misuse:
+            message = "the episode of environment 0 has ended: reset it by"
+            with pytest.raises(ResetNeeded, match=message):
+                envs.step(PLAN[HALF])
+            with pytest.raises(ResetNeeded, match=message):
+                envs.step_torch(torch.zeros(COUNT).long())
+            with pytest.raises(ValueError, match="option reset_mask: 5 bools"):
+                envs.reset(options={"reset_mask": np.ones(COUNT + 1, bool)})
+            some = np.arange(COUNT) > 0
+            state = envs.state
+            envs.reset(options={"reset_mask": some})
+            with pytest.raises(ResetNeeded, match=message):
+                envs.step(PLAN[HALF])
+            envs.state = state
+        envs.reset(options={"reset_mask": np.ones(COUNT, bool)})
+        stories.append([*parts, *told(envs, PLAN[HALF:])])
+    for one, other in zip(*stories, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+NO_CUDA = """
+from sim import HouseVectorEnv
+from tests import worlds
+
+try:
+    HouseVectorEnv(worlds.RANDOM[:1], device="cuda")
+except ValueError as error:
+    print(error)
+HouseVectorEnv(worlds.RANDOM[:1]).reset(seed=0)
+print("went on")
+"""
+
+
+def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_there():
+    done = subprocess.run(
+        [sys.executable, "-c", NO_CUDA],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=Path(__file__).parents[1],
+        env=os.environ | {"CUDA_VISIBLE_DEVICES": ""},
+    )
+    assert done.stdout.splitlines()[0].startswith("device 'cuda' cannot be had: ")
+    assert done.stdout.splitlines()[1:] == ["went on"]
+    assert done.stderr == ""
+
+
 WRONG_ARGUMENTS = {
-    "the bank is empty": {"houses": []},
-    "a list of House, not of str": {"houses": ["house"]},
     "unknown backend 'grids': there are continuous, grid, or module:Class": {"backend": "grids"},
     "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
     "unknown targets 'all': there are main, secondary, mixed": {"targets": "all"},
@@ -161,11 +337,9 @@ WRONG_ARGUMENTS = {
     "num_envs is 0": {"num_envs": 0},
     "max_episode_steps is 0": {"max_episode_steps": 0},
     "unknown render_mode 'human'": {"render_mode": "human"},
+    "unknown device 'tpu': there are cpu, cuda": {"device": "tpu"},
+    "device 'cuda' cannot be had": {"device": "cuda"},
     "'Sometimes' is not a valid AutoresetMode": {"autoreset_mode": "Sometimes"},
-    "house 1 of 2: the body cannot reach room R0 (bedroom)": {
-        "houses": [HOUSES[0], CRAMPED],
-        "targets": "secondary",
-    },
 }
 
 
@@ -187,18 +361,6 @@ def test_wrong_arguments_are_refused(message):
 def test_a_configuration_that_no_world_can_have_is_refused(message, wrong):
     with pytest.raises(ValueError, match=message):
         Config(**wrong)
-
-
-def test_a_house_too_far_from_the_origin_is_refused():
-    house = worlds.drawn("a+a\n...\n...", cell=40.0)
-    with pytest.raises(ValueError, match="house 0 of 1: it reaches further than 100 m"):
-        HouseVectorEnv([house])
-
-
-def test_a_house_whose_main_room_is_too_small_to_stand_in_is_refused():
-    house = replace(HOUSES[0], floor=replace(HOUSES[0].floor, width=0.2, height=0.2))
-    with pytest.raises(ValueError, match="nowhere to stand in the main room"):
-        HouseVectorEnv([house])
 
 
 def test_steps_and_pictures_wait_for_a_reset(bank):
