@@ -172,19 +172,24 @@ from sim.runtime import Array, Launch, ti
 
 ti.init(arch=ti.cpu, debug=True, fast_math=False, cfg_optimization=False, log_level=ti.ERROR)
 
-from sim import HouseVectorEnv
+from sim import Config, HouseVectorEnv, Oracle
 from tests import worlds
 
 houses = [worlds.drawn(worlds.ONE_ROOM, cell=0.8)] * 2
-for by_ray in (False, True):
-    envs = HouseVectorEnv(
-        houses, num_envs=8, targets="mixed", max_episode_steps=9, autoreset_mode="SameStep", by_ray=by_ray
-    )
-    envs.reset(seed=0)
-    for actions in np.random.default_rng(0).choice(3, p=[0.1, 0.1, 0.8], size=(20, 8)):
-        envs.step(actions)
-    ti.sync()
-    print("no fault")
+for backend in ("continuous", "grid"):
+    for by_ray in (False, True):
+        envs = HouseVectorEnv(
+            houses, num_envs=8, backend=backend, targets="mixed",
+            preset=Config(sees_kind=(backend == "grid") != by_ray),
+            max_episode_steps=9, autoreset_mode="SameStep", by_ray=by_ray,
+        )
+        envs.reset(seed=0)
+        for actions in np.random.default_rng(0).choice(3, p=[0.1, 0.1, 0.8], size=(20, 8)):
+            envs.step(actions)
+        envs.targets(3)
+        Oracle(envs).act()
+        ti.sync()
+        print("no fault")
 
 
 @ti.kernel
@@ -202,7 +207,7 @@ except (AssertionError, RuntimeError) as error:
 
 
 def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
-    """With Taichi's own checks on, in both shapes of the loop, and the checks are seen to be on."""
+    """With Taichi's own checks on, in both backends and both shapes of the loop; they are seen to be on."""
     program = tmp_path / "checked.py"
     program.write_text(CHECKED)
     root = str(Path(__file__).parents[1])
@@ -214,5 +219,5 @@ def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "no fault\nno fault\na fault" in done.stdout, done.stdout + done.stderr
+    assert 4 * "no fault\n" + "a fault" in done.stdout, done.stdout + done.stderr
     assert "bound" in done.stdout
