@@ -1,0 +1,195 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportIndexIssue=false
+"""Where bodies have looked: of a house's spots, those where a target would have been seen, had it lain there.
+
+Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps
+between them count, and what is unseen is exactly where a target that has not been seen may still be.
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from sim.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
+from sim.places import places
+from sim.rays import Rays
+from sim.runtime import Array, Launch, start, ti
+from sim.survey import survey
+from sim.tasks import Collect
+from sim.vector import HouseVectorEnv
+from sim.world import World
+
+FAR_OFF = 1e6
+"""Metres: a target there hides nothing."""
+
+WORD = 64
+"""Spots in a word of bits."""
+
+PITCH = 0.29
+"""Metres between the spots of ``Lookout``, about: a whole number of steps."""
+
+Words = ti.types.ndarray(ti.u64, 1)
+
+
+@ti.func
+def bit(k):
+    """The bit of the k-th spot, in the word that it is in."""
+    return ti.u64(1) << ti.cast(k % ti.static(WORD), ti.u64)
+
+
+@ti.data_oriented
+class Looks:
+    """A look's rays, and whether one would have met a target at a spot."""
+
+    def __init__(self, episodes: Episodes) -> None:
+        """Look as the bodies of a configuration do, with all rays at once."""
+        self.episodes, self.config = episodes, episodes.config
+        self.backend = type(episodes.backend)(self.config, self.config.rays)
+        self.rays = Rays(self.config, 1)
+        self.half = self.config.target / 2
+        self.reach = self.half * 2**0.5
+
+    @ti.func
+    def distances(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """How far each ray goes before anything but a target stops it, metres."""
+        nowhere = ti.Vector([ti.f32(FAR_OFF), ti.f32(FAR_OFF)])
+        distance, _ = self.backend.see(numbers, indices, house, origin, cell, nowhere, 0)
+        return distance
+
+    @ti.func
+    def furthest(self, distance: ti.template()):
+        """The end of the longest ray, metres."""
+        most = ti.f32(0.0)
+        for r in range(ti.static(self.config.rays)):
+            most = ti.max(most, distance[r])
+        return most
+
+    @ti.func
+    def spot(self, corner, i, j):
+        """Where a house's place lies, metres."""
+        return corner + ti.Vector([ti.cast(i, ti.f32), ti.cast(j, ti.f32)]) * ti.static(self.config.step)
+
+    @ti.func
+    def meets(self, distance: ti.template(), furthest, origin, cell, spot):
+        """Whether a target at a spot is under the body or before the end of one of the rays, of which none
+        goes further than ``furthest`` (i32).
+        """
+        met = self.episodes.overlaps(origin, cell, spot)
+        offset = spot - self.backend.body.eye(origin, cell)
+        if not met and self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]]):
+            away = offset.norm()
+            if away < furthest + ti.static(self.reach):
+                # Only rays whose bearing is about the spot's can meet a target there.
+                bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - 45.0 * cell[2]
+                bearing -= 360.0 * ti.round(bearing / 360.0)
+                middle = (ti.static(self.config.first_ray) - bearing) / ti.static(self.config.ray_spacing)
+                width = ti.f32(ti.static(180 / self.config.ray_spacing))
+                if away > ti.static(self.reach):
+                    width = ti.asin(self.reach / away) * ti.static(180 / np.pi / self.config.ray_spacing)
+                first = ti.max(0, ti.cast(ti.ceil(middle - width), ti.i32))
+                last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(middle + width), ti.i32))
+                for ray in range(first, last + 1):
+                    met |= self.crosses(offset, self.rays.first(cell[2], ray), distance[ray])
+        return met
+
+    @ti.func
+    def crosses(self, offset, row, distance):
+        """Whether a ray in the direction of a row enters a target at an offset before it ends (i32)."""
+        near, far = ti.f32(0.0), distance
+        for axis in ti.static(range(2)):
+            # The ray is in the square between its entry and its exit along both axes.
+            over = self.rays.table[row + ti.static(2 * axis * self.rays.count)]
+            one, other = (offset[axis] - self.half) * over, (offset[axis] + self.half) * over
+            near, far = ti.max(near, ti.min(one, other)), ti.min(far, ti.max(one, other))
+        return ti.cast(near < far, ti.i32)
+
+
+class Lookout:
+    """How much of its house each of E environments has looked at.
+
+    Its spots are the places where a target may lie, in the main room or in secondary ones, wherever this
+    environment's targets lie, on a square grid of ``PITCH``. Only on the CPU.
+    """
+
+    def __init__(self, envs: HouseVectorEnv) -> None:
+        """Watch these environments; the bank must stay as it is. ``begin`` it at each reset."""
+        self.world: World = envs.unwrapped.world
+        pitch = in_steps(PITCH, self.world)
+        spots = [each[thinned(each, pitch)] for each in self._floor()]
+        self.arrays = {
+            "spots": Array.of(np.concatenate(spots).astype(np.int32).ravel()),
+            "starts": Array.of(np.cumsum([0, *map(len, spots)]).astype(np.int32)),
+            "origins": Array.of(origins_of(self.world)),
+            "seen": Array(ti.u64, self.world.num_envs * -(-max(map(len, spots)) // WORD)),
+            "counts": Array(ti.i32, self.world.num_envs),
+        }
+        self._total = np.array([len(each) for each in spots])
+        kernel = _kernels(start(), self.world.kernels.episodes)
+        self._launch = Launch(kernel, self.world.arrays | self.arrays)
+
+    def begin(self) -> None:
+        """Forget all, and look from where the bodies are."""
+        self.arrays["seen"].view()[:] = 0
+        self.look()
+
+    def look(self) -> None:
+        """Look from where the bodies are now."""
+        self._launch()
+
+    def share(self) -> np.ndarray:
+        """The share of its house's spots that each environment has looked at, (E,) float64."""
+        house = self.world.state["wholes"][:, 3]
+        return self.arrays["counts"].numpy() / self._total[house]
+
+    def _floor(self) -> list[np.ndarray]:
+        """Where targets may lie in each house, (n, 2) int32."""
+        world = self.world
+        tables = survey(world.backend, world.bank, list(range(len(world.houses))), world.lattices)
+        rows = zip(world.houses, world.bank.geometries, world.lattices, tables, strict=True)
+        return [places(*row, world.config, Collect()).targets for row in rows]
+
+
+def origins_of(world: World) -> np.ndarray:
+    """Where each house's places are counted from, (2 H,) float32, metres."""
+    return np.concatenate([lattice.origin for lattice in world.lattices]).astype(np.float32)
+
+
+def in_steps(length: float, world: World) -> int:
+    """A length in metres as a number of steps, at least one."""
+    return max(1, round(length / world.config.step))
+
+
+def thinned(spots: np.ndarray, pitch: int) -> np.ndarray:
+    """Which of the spots (n, 2) lie on a grid of so many steps, (m,) int; if none does, the first."""
+    chosen = np.flatnonzero((spots % pitch == 0).all(axis=1))
+    return chosen if len(chosen) else np.zeros(1, int)
+
+
+@cache
+def _kernels(program: Any, episodes: Episodes) -> Any:
+    looks = Looks(episodes)
+
+    @ti.kernel
+    def look(
+        numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes,
+        spots: Indices, starts: Indices, origins: Numbers, seen: Words, counts: Indices,
+    ):  # fmt: skip
+        """Note what each environment sees from where it is, and how much it has seen."""
+        for e in range(reals.shape[0]):
+            state, words = loaded(reals, wholes, e), seen.shape[0] // reals.shape[0]
+            distance = looks.distances(numbers, indices, state.house, state.origin, state.cell)
+            furthest = looks.furthest(distance)
+            first, end = starts[state.house], starts[state.house + 1]
+            corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
+            count = 0
+            for k in range(end - first):
+                word, at = e * words + k // ti.static(WORD), 2 * (first + k)
+                if not (seen[word] & bit(k)):
+                    spot = looks.spot(corner, spots[at], spots[at + 1])
+                    if looks.meets(distance, furthest, state.origin, state.cell, spot):
+                        seen[word] |= bit(k)
+                count += ti.cast((seen[word] & bit(k)) != 0, ti.i32)
+            counts[e] = count
+
+    return look

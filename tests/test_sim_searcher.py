@@ -1,0 +1,121 @@
+"""The searcher: what counts as seen is what environments show, and it never rules out where the target is."""
+
+import numpy as np
+import pytest
+
+from sim import HouseVectorEnv, Oracle
+from sim.lookout import WORD, Lookout
+from sim.searcher import KNOWN, Searcher
+from tests import worlds
+
+HOUSE = worlds.random_house(3)
+GRID = worlds.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)
+
+
+def bits(array, first, count):
+    """The first ``count`` bits of an array's words from the first on."""
+    words = array.numpy()[first : first - (-count // WORD)].astype("<u8")
+    return np.unpackbits(words.view(np.uint8), bitorder="little")[:count].astype(bool)
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend):
+    house = HOUSE if backend == "continuous" else GRID
+    one = HouseVectorEnv([house], targets="mixed", backend=backend)
+    one.reset(seed=0)
+    lookout = Lookout(one)
+    number = int(lookout._total[0])
+    places = lookout.arrays["spots"].numpy().reshape(-1, 2)
+    targets = lookout.arrays["origins"].numpy() + one.config.step * places
+    many = HouseVectorEnv([house], num_envs=number, targets="mixed", backend=backend)
+    for seed in range(12):
+        _, info = one.reset(seed=seed)
+        lookout.begin()
+        pose = np.repeat(info["pose"].astype(float), number, axis=0)
+        options = {"house": np.zeros(number, int), "pose": pose, "target": targets}
+        shown = many.reset(seed=0, options=options)[0][..., 1].any(axis=1)
+        half = (one.config.body[0] + one.config.target) / 2 - 1e-5
+        under = (np.abs(targets - pose[:, :2]) < half).all(axis=1)
+        seen = bits(lookout.arrays["seen"], 0, number)
+        assert (seen == (shown | under)).mean() > 0.998  # but for a ray along a target's edge
+        assert lookout.share()[0] == seen.sum() / number
+
+
+def test_what_was_seen_stays_seen_until_the_next_reset():
+    envs = HouseVectorEnv([HOUSE], num_envs=3, targets="mixed")
+    envs.reset(seed=0)
+    lookout = Lookout(envs)
+    lookout.begin()
+    first = before = lookout.share()
+    for _ in range(8):
+        envs.step(np.zeros(3, int))
+        lookout.look()
+        assert (lookout.share() >= before).all()
+        before = lookout.share()
+    assert (before > first).all()
+    envs.reset(seed=0)
+    lookout.begin()
+    assert (lookout.share() == first).all()
+
+
+def played(envs, seed, steps):
+    """The searcher's actions (steps, E), the targets it picked up (E,), and how often it was blocked."""
+    envs.reset(seed=seed, options={"house": np.arange(envs.num_envs) % len(envs.houses)})
+    searcher, actions, targets, blocked = Searcher(envs), [], 0, 0
+    for _ in range(steps):
+        actions.append(searcher.act())
+        _, reward, _, _, info = envs.step(actions[-1])
+        targets, blocked = targets + reward, blocked + info["blocked"].sum()
+    return np.array(actions), targets, blocked
+
+
+@pytest.mark.parametrize("targets", ["main", "secondary"])
+def test_the_target_is_always_where_the_searcher_still_looks(targets):
+    envs = HouseVectorEnv([HOUSE], targets=targets)
+    envs.reset(seed=1)
+    searcher, spots = Searcher(envs), envs.world.places[0].targets
+    origin, found = envs.world.lattices[0].origin, 0
+    for _ in range(400):
+        action = searcher.act()
+        place = np.rint((envs.world.state["reals"][0, 2:] - origin) / envs.config.step).astype(int)
+        left = bits(searcher.arrays["left"], 0, len(spots))
+        assert searcher.arrays["notes"].numpy()[0, KNOWN] == 1 or left[(spots == place).all(axis=1)].all()
+        found += envs.step(action)[1].sum()
+    assert found > 2
+
+
+def test_the_searcher_is_never_blocked_and_stands_below_the_oracle():
+    houses = [worlds.random_house(seed) for seed in range(6)]
+    envs = HouseVectorEnv(houses, num_envs=6, targets="secondary")
+    _, targets, blocked = played(envs, 0, 1500)
+    envs.reset(seed=0, options={"house": np.arange(6)})
+    best = Oracle(envs).play()
+    assert blocked == 0
+    assert (targets <= best).all()
+    assert targets.sum() > 0.6 * best.sum()
+
+
+def test_a_target_in_sight_is_picked_up_by_a_shortest_way():
+    envs = HouseVectorEnv([HOUSE], num_envs=16)
+    sees = envs.reset(seed=0)[0][..., 1].any(axis=1)
+    ways = [len(way) for way in Oracle(envs).paths()]
+    searcher, taken = Searcher(envs), np.zeros(16, int)
+    for step in range(1, 1 + max(ways)):
+        reward = envs.step(searcher.act())[1]
+        taken[(taken == 0) & (reward > 0)] = step
+    assert sees.any()
+    assert taken[sees].tolist() == np.array(ways)[sees].tolist()
+
+
+def test_a_searcher_does_the_same_alone_as_among_others():
+    houses = [worlds.random_house(seed) for seed in range(4)]
+    many = HouseVectorEnv(houses, num_envs=40, targets="mixed")
+    alone = HouseVectorEnv(houses[:1], targets="mixed")
+    assert (played(many, 7, 300)[0][:, 0] == played(alone, 7, 300)[0][:, 0]).all()
+
+
+def test_the_searcher_works_on_a_grid():
+    envs = HouseVectorEnv([GRID], num_envs=2, targets="secondary", backend="grid")
+    _, targets, blocked = played(envs, 0, 300)
+    assert targets.min() > 2
+    assert blocked == 0
