@@ -1,7 +1,9 @@
 """Other people's libraries run on our vector environment, in the modes that they expect."""
 
+import re
 import sys
 from functools import cache
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -12,6 +14,7 @@ import torch
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorWrapper
 from gymnasium.wrappers import vector as wrappers
 
+from logic import generate, save
 from sim import HouseEnv, HouseVectorEnv, check_autoreset_modes, check_vector_env
 from sim.film import film
 from tests import worlds
@@ -283,3 +286,24 @@ def test_torchrl_refuses_the_next_step_mode_by_name():
     envs = pytest.importorskip("torchrl.envs")
     with pytest.raises(RuntimeError, match="SAME_STEP or DISABLED"):
         envs.GymWrapper(houses(NEXT))
+
+
+@pytest.mark.parametrize("library", [None, "stable_baselines3", "torchrl"])
+def test_the_readmes_examples_run(library, folder, monkeypatch):
+    if library:
+        pytest.importorskip(library)
+    page = (Path(__file__).parents[1] / "README.md").read_text().split("## The simulator")[1]
+    examples = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len(examples) == 3
+    monkeypatch.chdir(folder)
+    program = next(text for text in examples if (library or "check_vector_env") in text)
+    exec(program, {"gymnasium": gymnasium})
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two banks, of houses with kitchens."""
+    path = tmp_path_factory.mktemp("banks")
+    for seed, name in enumerate(("houses", "others")):
+        save(generate(rooms=4, seed=seed, count=2), path / f"{name}.jsonl")
+    return path
