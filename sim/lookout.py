@@ -1,6 +1,6 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
 # pyright: reportOptionalCall=false, reportIndexIssue=false
-"""Where bodies have looked: of a house's spots, those where a target would have been seen, had it lain there.
+"""Where bodies have looked and been: the spots of a house where a target would have been seen, and rooms.
 
 Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps
 between them count, and what is unseen is exactly where a target that has not been seen may still be.
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from sim.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
+from sim.geometry import Geometry
 from sim.places import places
 from sim.rays import Rays
 from sim.runtime import Array, Launch, start, ti
@@ -106,7 +107,7 @@ class Looks:
 
 
 class Lookout:
-    """How much of its house each of E environments has looked at.
+    """How much of its house each of E environments has looked at, and which rooms it has been in.
 
     Its spots are the places where a target may lie, in the main room or in secondary ones, wherever this
     environment's targets lie, on a square grid of ``PITCH``. Only on the CPU.
@@ -125,28 +126,43 @@ class Lookout:
             "counts": Array(ti.i32, self.world.num_envs),
         }
         self._total = np.array([len(each) for each in spots])
+        self._rooms = np.full((len(spots), max(len(shape.rooms) for shape in self._shapes), 4), np.nan)
+        for house, shape in enumerate(self._shapes):
+            self._rooms[house, : len(shape.rooms)] = shape.rooms
+        self._been = np.zeros((self.world.num_envs, self._rooms.shape[1]), bool)
         kernel = _kernels(start(), self.world.kernels.episodes)
         self._launch = Launch(kernel, self.world.arrays | self.arrays)
 
     def begin(self) -> None:
         """Forget all, and look from where the bodies are."""
-        self.arrays["seen"].view()[:] = 0
+        self.arrays["seen"].view()[:], self._been[:] = 0, False
         self.look()
 
     def look(self) -> None:
         """Look from where the bodies are now."""
         self._launch()
+        pose, _, house = self.world.describe()
+        rooms = self._rooms[house]
+        self._been |= (np.abs(pose[:, None, :2] - rooms[..., :2]) < rooms[..., 2:]).all(axis=-1)
 
     def share(self) -> np.ndarray:
         """The share of its house's spots that each environment has looked at, (E,) float64."""
         house = self.world.state["wholes"][:, 3]
         return self.arrays["counts"].numpy() / self._total[house]
 
+    def rooms(self) -> np.ndarray:
+        """How many secondary rooms each environment's eye has been in, (E,) int64."""
+        return self._been.sum(axis=1)
+
+    @property
+    def _shapes(self) -> list[Geometry]:
+        return self.world.bank.geometries
+
     def _floor(self) -> list[np.ndarray]:
         """Where targets may lie in each house, (n, 2) int32."""
         world = self.world
         tables = survey(world.backend, world.bank, list(range(len(world.houses))), world.lattices)
-        rows = zip(world.houses, world.bank.geometries, world.lattices, tables, strict=True)
+        rows = zip(world.houses, self._shapes, world.lattices, tables, strict=True)
         return [places(*row, world.config, Collect()).targets for row in rows]
 
 

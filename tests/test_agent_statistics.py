@@ -3,11 +3,16 @@
 import numpy as np
 import pytest
 
-from agent.statistics import Estimate, interquartile_mean
+from agent.statistics import Estimate, bootstrap, interquartile_mean, mean
 
 
 def test_the_outer_quarters_do_not_count():
     assert interquartile_mean(np.array([-1e9, 1, 2, 3, 4, 5, 6, 1e9])).value == 3.5
+
+
+def test_the_quarters_are_those_of_all_runs_and_houses_together():
+    """As rliable's ``aggregate_iqm`` trims the flat matrix; the middle half of 1 to 8 is 3 to 6."""
+    assert interquartile_mean(np.array([[1, 8, 2, 7], [3, 6, 4, 5]])).value == 4.5
 
 
 def test_equal_scores_have_no_spread():
@@ -21,13 +26,51 @@ def test_the_interval_holds_the_true_figure_about_19_times_in_20():
     assert 85 <= sum(e.low <= 5 <= e.high for e in estimates) < 100
 
 
+def test_the_bootstrap_draws_houses_and_for_each_as_many_of_its_own_runs():
+    """The law of rliable's resamples with tasks drawn too: 2 runs of 2 houses give 4 x 4 houses and runs.
+
+    Of equal houses a resample's mean is that of 4 draws from the 2 runs; of equal runs, of 2 houses.
+    """
+    runs = bootstrap(np.array([[0.0, 0.0], [1.0, 1.0]]), spread, resamples=20_000)
+    assert runs.low == pytest.approx(np.sqrt(0.25 / 4), abs=0.005)
+    houses = bootstrap(np.array([[0.0, 1.0], [0.0, 1.0]]), spread, resamples=20_000)
+    assert houses.low == pytest.approx(np.sqrt(0.25 / 2), abs=0.005)
+
+
+def spread(flat: np.ndarray) -> np.ndarray:
+    """The standard deviation of the resamples' means, in place of each: a figure that shows the law."""
+    means = flat.mean(axis=-1)
+    return np.full_like(means, means.std())
+
+
+def test_with_one_run_only_houses_are_drawn():
+    scores = np.random.default_rng(3).random(64)
+    assert interquartile_mean(scores) == interquartile_mean(scores[None])
+
+
+def test_an_interval_matches_another_implementation_of_the_definition():
+    """Resample by resample, spelt out: draw tasks, draw runs for each, trim, take percentiles."""
+    scores = np.random.default_rng(4).random((3, 20))
+    rng, figures = np.random.default_rng(5), []
+    for _ in range(3000):
+        columns = [scores[rng.integers(3, size=3), house] for house in rng.integers(20, size=20)]
+        middle = np.sort(np.concatenate(columns))[15:45]
+        figures.append(middle.mean())
+    ours = interquartile_mean(scores, resamples=3000)
+    assert (ours.low, ours.high) == pytest.approx(np.percentile(figures, [2.5, 97.5]), abs=0.01)
+
+
+def test_a_mean_counts_all():
+    assert mean(np.array([True, False, False, False])).value == 0.25
+
+
 def test_the_interval_is_a_function_of_scores_and_seed():
     scores = np.random.default_rng(2).random(32)
     assert interquartile_mean(scores) == interquartile_mean(scores)
     assert interquartile_mean(scores) != interquartile_mean(scores, seed=1)
 
 
-@pytest.mark.parametrize("scores", [[], [1.0, np.nan], [[1.0], [2.0]]])
+@pytest.mark.parametrize("scores", [[], [1.0, np.nan], [[[1.0]]]])
 def test_what_has_no_mean_is_refused(scores):
     with pytest.raises(ValueError, match="finite scores"):
         interquartile_mean(np.array(scores))

@@ -58,10 +58,26 @@ def test_what_was_seen_stays_seen_until_the_next_reset():
     assert (lookout.share() == first).all()
 
 
+def test_a_room_counts_once_the_eye_is_in_it():
+    envs = HouseVectorEnv([worlds.drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], num_envs=2, targets="mixed")
+    poses = np.array([[1.35, 3.1, np.pi / 2], [1.35, 3.1, -np.pi / 2]])
+    envs.reset(seed=0, options={"house": np.zeros(2, int), "pose": poses})
+    lookout = Lookout(envs)
+    lookout.begin()
+    entered = []
+    for _ in range(40):
+        envs.step(np.full(2, 2))
+        lookout.look()
+        entered.append(lookout.rooms().tolist())
+    assert entered[0] == [0, 0]
+    assert entered[-1] == [1, 1]
+    assert entered == sorted(entered)
+
+
 def played(envs, seed, steps):
     """The searcher's actions (steps, E), the targets it picked up (E,), and how often it was blocked."""
     envs.reset(seed=seed, options={"house": np.arange(envs.num_envs) % len(envs.houses)})
-    searcher, actions, targets, blocked = Searcher(envs), [], 0, 0
+    searcher, actions, targets, blocked = Searcher(envs), [], np.zeros(envs.num_envs), 0
     for _ in range(steps):
         actions.append(searcher.act())
         _, reward, _, _, info = envs.step(actions[-1])
@@ -98,7 +114,7 @@ def test_the_searcher_is_never_blocked_and_stands_below_the_oracle():
 def test_a_target_in_sight_is_picked_up_by_a_shortest_way():
     envs = HouseVectorEnv([HOUSE], num_envs=16)
     sees = envs.reset(seed=0)[0][..., 1].any(axis=1)
-    ways = [len(way) for way in Oracle(envs).paths()]
+    ways = [0 if way is None else len(way) for way in Oracle(envs).paths()]
     searcher, taken = Searcher(envs), np.zeros(16, int)
     for step in range(1, 1 + max(ways)):
         reward = envs.step(searcher.act())[1]

@@ -1,0 +1,95 @@
+"""Players that learn nothing, beside which an agent stands: what a rule, a search and the truth achieve.
+
+| player | knows |
+|---|---|
+| random + avoidance | its rays: the paper's random walk under the paper's rule (``RandomPolicy``) |
+| script | its rays: to a target in sight, else at random |
+| searcher | the house, and where a target may still be |
+| oracle | the house and the target |
+
+The last two are told what no agent is, by design: they say how much there is to gain by searching well, and
+what is left is luck.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.avoidance import ACTIONS, FORWARD, LEFT, RIGHT, Layer, PaperRule, random_preference, subsume
+from agent.policies import Policy, RandomPolicy
+from agent.world import shield
+from sim import HouseVectorEnv
+from sim.oracle import Oracle
+from sim.searcher import Searcher
+
+AHEAD = np.deg2rad(22.5)
+"""Radians: a target further aside is nearer to the next heading."""
+
+
+class Script:
+    """Turn to the target in sight and go there; without one, or where it may not, walk by chance."""
+
+    def __init__(self, angles: np.ndarray, avoidance: Layer, generator: torch.Generator) -> None:
+        """For rays at ``angles`` (R,), radians from the heading."""
+        self.angles = torch.tensor(angles, dtype=torch.float32)
+        self.avoidance, self.generator, self.interventions = avoidance, generator, 0
+
+    def begin(self, environments: int) -> None:
+        """Forget: an episode begins in so many environments."""
+        self.interventions = 0
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        allowed, seen = self.avoidance(observation, blocked), observation[..., -1]
+        preference = random_preference(allowed, self.generator)
+        aside = (seen * self.angles).sum(-1) / seen.sum(-1).clamp(min=1)
+        towards = torch.where(aside > AHEAD, LEFT, torch.where(aside < -AHEAD, RIGHT, FORWARD))
+        sight = seen.any(-1) & (allowed[..., FORWARD] | (towards != FORWARD))
+        preference += 1e6 * (sight[:, None] & torch.nn.functional.one_hot(towards, ACTIONS).bool())
+        actions = subsume(preference, allowed)
+        self.interventions += int((actions != preference.argmax(-1)).sum())
+        return actions
+
+
+class Told:
+    """Does what a source of actions says that knows the world: an oracle or a searcher."""
+
+    interventions = 0
+
+    def __init__(self, act: Callable[[], np.ndarray], begin: Callable[[], None] = lambda: None) -> None:
+        """``act`` gives the actions (E,) int64 from where the bodies are."""
+        self.act, self._begin = act, begin
+
+    def begin(self, environments: int) -> None:
+        """Forget: an episode begins in so many environments."""
+        self._begin()
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64; what is seen does not matter."""
+        return torch.from_numpy(self.act())
+
+
+def baselines(envs: HouseVectorEnv, seed: int) -> dict[str, Callable[[], Policy]]:
+    """By name, what makes each for these environments, the oracle last."""
+
+    def chance() -> torch.Generator:
+        return torch.Generator().manual_seed(seed)
+
+    def searcher() -> Policy:
+        searcher = Searcher(envs)
+        return Told(searcher.act, searcher.begin)
+
+    return {
+        "random + avoidance": lambda: RandomPolicy(PaperRule(rng := chance()), rng),
+        "script": lambda: Script(ray_angles(envs), shield(envs), chance()),
+        "searcher": searcher,
+        "oracle": lambda: Told(Oracle(envs).act),
+    }
+
+
+def ray_angles(envs: HouseVectorEnv) -> np.ndarray:
+    """The directions of the rays (R,), radians from the heading."""
+    world = envs.config
+    return np.deg2rad(world.first_ray - world.ray_spacing * np.arange(world.rays))
