@@ -24,7 +24,7 @@ with contextlib.redirect_stdout(io.StringIO()):
 __all__ = ["Array", "Launch", "start", "ti"]
 
 
-def _once(describe: Callable[[Any, Any], str]) -> Callable[[Any, Any], str]:
+def _once(describe: Callable[[Any, Any], str]) -> Any:
     """Taichi formats the source of every expression that it meets, for errors, each time it is inlined: half
     of the time of tracing. Once is enough.
     """
@@ -83,7 +83,7 @@ def _spread(started: list[int], workers: int | None) -> None:
     if not started:
         return
     processors = sorted(os.sched_getaffinity(0))
-    if len(processors) == (workers or os.cpu_count()) > 1:
+    if 1 < len(processors) == (workers or os.cpu_count()):
         for thread, processor in zip(started[-len(processors) :], processors, strict=False):
             os.sched_setaffinity(thread, {processor})
 
