@@ -129,9 +129,9 @@ class Episodes:
         while searching:
             turn += 1
             words = self.draw(state, 0, turn)
-            place = first + 2 * below(words[0], count)
+            place = places[first + below(words[0], count)]
             heading = ti.select(ti.static(self.config.random_start), below(words[1], 8), NORTH)
-            state.cell = ti.Vector([places[place], places[place + 1], heading])
+            state.cell = ti.Vector([place & 0xFFFF, place >> 16, heading])
             on_target = self.overlaps(state.origin, state.cell, state.target)
             searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
         return state
@@ -147,8 +147,8 @@ class Episodes:
         turn, searching = 0, 1
         while searching:
             turn += 1
-            place = first + 2 * below(self.draw(state, state.found, turn)[0], count)
-            steps = ti.Vector([ti.cast(places[place], ti.f32), ti.cast(places[place + 1], ti.f32)])
+            place = places[first + below(self.draw(state, state.found, turn)[0], count)]
+            steps = ti.Vector([ti.cast(place & 0xFFFF, ti.f32), ti.cast(place >> 16, ti.f32)])
             state.target = corner + steps * ti.static(self.config.step)
             near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
             searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
@@ -188,11 +188,13 @@ class Episodes:
                 distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
         at = e * ti.static(self.config.rays) + ray
         if ti.static(self.config.channels == 2):
+            pairs = ti.Vector([ti.u64(0) for _ in range(ti.static(lanes))])
             for r in range(ti.static(lanes)):
-                # A pair at a time: half the stores.
                 first = ti.bit_cast(distance[r] * ti.static(1 / self.config.range), ti.u32)
                 second = ti.bit_cast(ti.select(kind[r] == TARGET, 1.0, 0.0), ti.u32)
-                observation[at + r] = ti.cast(first, ti.u64) | (ti.cast(second, ti.u64) << ti.u64(32))
+                pairs[r] = ti.cast(first, ti.u64) | (ti.cast(second, ti.u64) << ti.u64(32))
+            for r in range(ti.static(lanes)):
+                observation[at + r] = pairs[r]
         else:
             for r in range(ti.static(lanes)):
                 to = (at + r) * ti.static(self.config.channels)

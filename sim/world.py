@@ -118,16 +118,18 @@ class World:
         return lattices, found
 
     def _table(self) -> Array:
-        """Places as kernels read them: the number of houses, a header for each, then steps east and south."""
+        """Places as kernels read them: the number of houses, a header for each, then steps east and south, in
+        16 bits each.
+        """
         count = len(self.places)
         header = np.zeros((count, HEADER), np.int32)
         at, rows = 1 + header.size, [np.array([count], np.int32), header.reshape(-1)]
         for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
             starts, targets = len(here.starts), len(here.targets)
             origin = np.asarray(lattice.origin, np.float32).view(np.int32)
-            header[k] = (*origin, at, starts, at + 2 * starts, targets)
-            at += 2 * (starts + targets)
-            rows += [here.starts.ravel(), here.targets.ravel()]
+            header[k] = (*origin, at, starts, at + starts, targets)
+            at += starts + targets
+            rows += [some[:, 0] | some[:, 1] << 16 for some in (here.starts, here.targets)]
         return Array.of(np.concatenate(rows))
 
     def view(self, name: str) -> np.ndarray:

@@ -172,7 +172,7 @@ the rays alone, among the boxes of one house, in vectorised NumPy.
 |---|---|---|
 {segments}
 
-Lists of what can be seen from each half metre, made when houses are packed, keep the cost of a step from
+Lists of what can be seen from each square metre, made when houses are packed, keep the cost of a step from
 growing with the house.
 
 ## By rays

@@ -46,8 +46,8 @@ static void draw_target(const Config *c, const int *places, Whole *w, Real *r, f
     for (int turn = 1; turn <= TRIES; turn++) {
         uint32_t words[4];
         philox(w->seed, w->episode, w->found, turn, words);
-        int place = first + 2 * below(words[0], count);
-        for (int k = 0; k < 2; k++) r->target[k] = origin_of(places, at + k) + places[place + k] * c->step;
+        int place = places[first + below(words[0], count)], cell[2] = {place & 0xFFFF, place >> 16};
+        for (int k = 0; k < 2; k++) r->target[k] = origin_of(places, at + k) + cell[k] * c->step;
         if (!(larger(fabsf(r->target[0] - last[0]), fabsf(r->target[1] - last[1])) < apart)) break;
     }
 }
@@ -64,8 +64,8 @@ static void begin(const Config *c, const int *places, Whole *w, Real *r) {
     draw_target(c, places, w, r, -1.0f);
     for (int turn = 1; turn <= TRIES; turn++) {
         philox(w->seed, w->episode, 0, turn, words);
-        int place = places[at + 2] + 2 * below(words[0], places[at + 3]);
-        w->i = places[place]; w->j = places[place + 1]; w->heading = below(words[1], 8);
+        int place = places[places[at + 2] + below(words[0], places[at + 3])];
+        w->i = place & 0xFFFF; w->j = place >> 16; w->heading = below(words[1], 8);
         if (!overlaps(c, r->origin, w->i, w->j, r->target)) break;
     }
 }
@@ -128,11 +128,11 @@ static void look(const Config *c, const float *table, const float *numbers, cons
     const float *lines = numbers + indices[w->house * HEADER + FIRST_LINE];
     for (int k = row[0]; k < row[1]; k++) {
         const float *l = lines + 4 * lists[k];
-        meet(nearest, over_x, slope_x, l[0] - ex, 0.5f * (l[1] + l[2]) - ey, 0.5f * (l[2] - l[1]) + c->seam);
+        meet(nearest, over_x, slope_x, l[0] - ex, l[1] - ey, l[2]);
     }
     for (int k = row[1]; k < row[2]; k++) {
         const float *l = lines + 4 * lists[k];
-        meet(nearest, over_y, slope_y, l[0] - ey, 0.5f * (l[1] + l[2]) - ex, 0.5f * (l[2] - l[1]) + c->seam);
+        meet(nearest, over_y, slope_y, l[0] - ey, l[1] - ex, l[2]);
     }
     float half = c->target / 2, ox = r->target[0] - ex, oy = r->target[1] - ey;
     float radius = half * 1.41421356f, away = sqrtf(ox * ox + oy * oy);

@@ -5,10 +5,11 @@ A house is divided into cells of ``CELL`` metres. Each has a list of the boxes t
 one action, and for each heading two lists of the lines that an eye in it may see: those across x, and those
 across y. A list leaves out only what it surely may: what is out of range, out of the field of view,
 turned away, or hidden behind one wall from every place of the cell. So it loses nothing, and a step meets
-about a tenth of a house.
+about a sixth of a house.
 
-    numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, low, high, kind)
-              | by house: floor, then each room and its door (x, y, half width, half height)
+    numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, middle, reach, kind), where
+              reach is half of a line's length and a seam | by house: floor, then each room and its door
+              (x, y, half width, half height)
     indices   H x header | for each cell where its block is | blocks; all cells out of doors share the first
     header    first box, boxes, first piece, floor, rooms, first cell, columns, rows, first line
     block     how many numbers the lists have up to the end of each | lists; numbers of 16 bits, two in each
@@ -28,7 +29,7 @@ from sim.geometry import Geometry, geometry
 from sim.rays import SEAM
 from sim.runtime import Array, Launch, start, ti
 
-CELL = 0.5
+CELL = 1.0
 """Metres: the side of a cell. Smaller ones make shorter lists, and more of them."""
 
 MARGIN = 1e-3
@@ -98,7 +99,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         floor = at + 4 * (boxes + lines)
         counts = at, boxes, at + 4 * part.walls, floor, len(part.rooms) - 1
         header[k] = (*counts, cell, *part.size, at + 4 * boxes)
-        rows = np.concatenate([part.boxes, part.lines, part.rooms.reshape(-1, 4)]).astype(np.float32).ravel()
+        rows = np.concatenate([part.boxes, part.lines, part.rooms.reshape(-1, 4)], dtype=np.float32).ravel()
         numbers.append(rows)
         at += len(rows)
         cell += part.size[0] * part.size[1]
@@ -107,7 +108,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
 
 @dataclass(frozen=True)
 class _Part:
-    """A house's share of a bank: rows for ``numbers``, float64."""
+    """A house's share of a bank: rows for ``numbers``."""
 
     corner: tuple[float, float]
     size: tuple[int, int]
@@ -132,7 +133,9 @@ class _Part:
 
 
 def _lines(walls: np.ndarray, pieces: np.ndarray, axis: int) -> np.ndarray:
-    """Lines across an axis (n, 4): where, from, to, kind; a piece's side is negative where it looks west."""
+    """Lines across an axis (n, 4) float32: where, middle, reach, kind; a piece's side is negative where it
+    looks west.
+    """
     other = 1 - axis
     rows = [
         np.column_stack([walls[:, axis], walls[:, other], walls[:, other + 2], np.full(len(walls), WALL)])
@@ -140,7 +143,9 @@ def _lines(walls: np.ndarray, pieces: np.ndarray, axis: int) -> np.ndarray:
     for side, sign in ((axis, -1), (axis + 2, 1)):
         kind = np.full(len(pieces), sign * PIECE)
         rows.append(np.column_stack([pieces[:, side], pieces[:, other], pieces[:, other + 2], kind]))
-    return np.vstack(rows)
+    at, low, high, kind = np.vstack(rows).astype(np.float32).T
+    half = np.float32(0.5)
+    return np.column_stack([at, half * (low + high), half * (high - low) + np.float32(SEAM), kind])
 
 
 def _lists(
@@ -298,7 +303,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
     @ti.func
     def line_at(numbers: ti.template(), k):
         """A line (at, from, to), as far as rays meet it."""
-        return ti.Vector([numbers[k], numbers[k + 1] - SEAM, numbers[k + 2] + SEAM])
+        return ti.Vector([numbers[k], numbers[k + 1] - numbers[k + 2], numbers[k + 1] + numbers[k + 2]])
 
     @ti.kernel
     def find(numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices):

@@ -5,7 +5,7 @@ from sim.backend import TARGET
 from sim.body import Body
 from sim.config import Config
 from sim.continuous.pack import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
-from sim.rays import SEAM, Rays
+from sim.rays import Rays
 from sim.runtime import ti
 
 
@@ -59,7 +59,6 @@ class Sight:
 
     @ti.func
     def line(self, numbers: ti.template(), at, along, across):
-        """A line as the eye has it: how far ahead, its middle, half its length, its kind."""
-        low, high = numbers[at + 1], numbers[at + 2]
+        """A line as the eye has it: how far ahead, its middle, its reach from there, its kind."""
         kind = ti.cast(ti.abs(numbers[at + 3]), ti.u32)
-        return numbers[at] - along, 0.5 * (low + high) - across, 0.5 * (high - low) + ti.static(SEAM), kind
+        return numbers[at] - along, numbers[at + 1] - across, numbers[at + 2], kind
