@@ -90,7 +90,7 @@ def timed(
 
 def kernel(envs: HouseVectorEnv) -> Callable[[torch.Tensor], None]:
     """A step without what surrounds the kernel, but for its launch."""
-    action, run = envs.world.view("action"), envs.world.run
+    action, run = envs.world.arrays["action"].view(), envs.world.run
 
     def step(actions: torch.Tensor) -> None:
         action[:] = actions.numpy()
@@ -168,7 +168,7 @@ def test_loops(benchmark, loop):
 @pytest.mark.parametrize("count", HOUSES)
 def test_different_houses(benchmark, count):
     envs = ready(MANY, bank(count))
-    size = sum(envs.world.arrays[name].length * 4 for name in ("numbers", "indices", "places"))
+    size = sum(4 * envs.world.arrays[name].shape[0] for name in ("numbers", "indices", "places"))
     timed(benchmark, kernel(envs), MANY, houses=count, bytes=size, panel=BY_OTHERS)
 
 

@@ -9,9 +9,12 @@ import io
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    import torch
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 # Else Taichi takes the redirection for a notebook's, says so, and wraps each launch to print through it.
@@ -65,7 +68,9 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
         runtime = impl.get_runtime()
     running = impl.current_cfg().arch
     if (running == ti.cuda) != (device == "cuda"):
-        raise ValueError(f"device {device!r} cannot be had: in this process Taichi runs on {running.name}")
+        names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
+        now = names.get(running, running.name)
+        raise ValueError(f"device {device!r} cannot be had: Taichi runs on {now} in this process")
     return runtime.prog
 
 
@@ -96,7 +101,8 @@ class Array:
 
     def __init__(self, dtype: Any, length: int, width: int = 1) -> None:
         """``length`` elements, each a number, or a vector of ``width`` if that is more than one."""
-        self.length, self.width, self.dtype = length, width, dtype
+        self.shape = (length,) if width == 1 else (length, width)
+        self.dtype: type = _NUMPY[dtype]
         # Taichi has no arrays of nothing.
         allotted = max(1, length)
         if width == 1:
@@ -114,46 +120,60 @@ class Array:
 
     def fill(self, values: np.ndarray) -> None:
         """Let it hold ``values``: (length,), or (length, width)."""
-        if impl.current_cfg().arch != ti.cuda:
+        if not on_gpu():
             self.view()[:] = values
-        elif self.length:
+        elif self.shape[0]:
             self.ndarray.from_numpy(np.ascontiguousarray(values))
 
     def numpy(self) -> np.ndarray:
         """A copy of what it holds now: (length,), or (length, width)."""
-        if impl.current_cfg().arch == ti.cuda:
-            return self.ndarray.to_numpy()[: self.length]
+        if on_gpu():
+            return self.ndarray.to_numpy()[: self.shape[0]]
         return self.view().copy()
-
-    @property
-    def interface(self) -> dict[str, Any]:
-        """Where its memory lies, as NumPy's and CUDA's array interfaces say it."""
-        shape = (self.length,) if self.width == 1 else (self.length, self.width)
-        program: Any = impl.get_runtime().prog
-        pointer = program.get_ndarray_data_ptr_as_int(self.ndarray.arr)
-        typestr = next(np.dtype(ours).str for ours, theirs in _TYPES.items() if theirs == self.dtype)
-        return {"data": (pointer, False), "shape": shape, "typestr": typestr, "version": 3}
 
     def view(self) -> np.ndarray:
         """Its memory, which the view keeps alive, as a NumPy array: only where the device is the CPU."""
-        return np.asarray(_Memory(self))
+        return np.asarray(_Memory(self, {"__array_interface__": self._interface(self.shape, self.dtype)}))
+
+    def tensor(self, dtype: type, shape: tuple[int, ...]) -> "torch.Tensor":
+        """Its memory, which the tensor keeps alive, as one of this NumPy type and shape on the device."""
+        import torch
+
+        if not on_gpu():
+            return torch.from_numpy(self.view().view(dtype).reshape(shape))
+        interface = self._interface(shape, dtype)
+        return torch.as_tensor(_Memory(self, {"__cuda_array_interface__": interface}), device="cuda")
+
+    def _interface(self, shape: tuple[int, ...], dtype: type) -> dict[str, Any]:
+        """Where its memory lies, as NumPy's and CUDA's array interfaces say it."""
+        program: Any = impl.get_runtime().prog
+        pointer = program.get_ndarray_data_ptr_as_int(self.ndarray.arr)
+        return {"data": (pointer, False), "shape": shape, "typestr": np.dtype(dtype).str, "version": 3}
 
 
 class _Memory:
-    """What NumPy asks for an array's memory; it lives as long as a view of it."""
+    """What NumPy or torch asks for an array's memory; it lives as long as a view of it."""
 
-    def __init__(self, array: Array) -> None:
-        self.array, self.__array_interface__ = array, array.interface
+    def __init__(self, array: Array, interface: dict[str, Any]) -> None:
+        self.array = array
+        self.__dict__.update(interface)
+
+
+def on_gpu() -> bool:
+    """Whether what runs, runs on a GPU."""
+    return impl.current_cfg().arch == ti.cuda
 
 
 _TYPES = {
     np.float32: ti.f32,
     np.int32: ti.i32,
     np.int64: ti.i64,
+    np.int16: ti.i16,
     np.uint8: ti.u8,
     np.uint16: ti.u16,
     np.uint64: ti.u64,
 }
+_NUMPY = {theirs: ours for ours, theirs in _TYPES.items()}
 
 
 class Launch:

@@ -158,15 +158,8 @@ class HouseVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
         self._seed, self._ready = seed, False
-        self._tensors: tuple[Any, ...] | None = None
+        self._tensors: tuple[torch.Tensor, tuple[Any, ...]] | None = None
         self._cameras: list[Camera] | None = None
-        views = {
-            name: self.world.view(name) for name in ("observation", "final", "flags", "reward", "action")
-        }
-        self._observation = views["observation"].view(np.float32).reshape(num_envs, *shape)
-        self._final = views["final"].view(np.float32)
-        self._flags = views["flags"].reshape(3, num_envs)
-        self._reward, self._action = views["reward"], views["action"]
 
     @property
     def houses(self) -> list[House]:
@@ -203,9 +196,11 @@ class HouseVectorEnv(VectorEnv):
             super().reset(seed=int(seed[0]))
             self.world.sow(words, mask)
         self.world.reset(wish, wish_at)
-        self._flags[:, mask] = 0
+        flags = self._flags()
+        flags[:, mask] = False
+        self.world.arrays["flags"].fill(flags.view(np.uint8).ravel())
         self._ready = True
-        return self._observation.copy(), self._info()
+        return self._seen(), self._info(flags)
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One action (E,) for each environment; fresh arrays come back.
@@ -219,9 +214,11 @@ class HouseVectorEnv(VectorEnv):
         actions = np.asarray(actions)
         if not np.issubdtype(actions.dtype, np.integer):
             raise ValueError(f"actions must be integers 0, 1 or 2, not {actions.dtype}")
-        self._advance(actions)
-        flags = self._flags.view(bool).copy()
-        observation, reward, info = self._observation.copy(), self._reward.copy(), self._info()
+        self._check(actions)
+        self.world.arrays["action"].fill(actions)
+        self.world.run("step")
+        flags, observation, reward = self._flags(), self._seen(), self.world.arrays["reward"].numpy()
+        info = self._info(flags)
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             self._tell_finals(flags[TERMINATED] | flags[TRUNCATED], info)
         return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
@@ -231,23 +228,36 @@ class HouseVectorEnv(VectorEnv):
     ) -> tuple["torch.Tensor", "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, "torch.Tensor"]]:
         """``step`` with tensors and without copies: the batched path.
 
-        ``actions`` is (E,) int64 on the CPU. What comes back (observations, rewards, terminated, truncated,
-        and of the info ``blocked``, and ``final_obs`` where the mode is ``SAME_STEP``) is the same memory at
-        each call: clone what must outlive the next one.
+        ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,
+        terminated, truncated, and of the info ``blocked``, and ``final_obs`` where the mode is ``SAME_STEP``)
+        is the same memory at each call: clone what must outlive the next one.
         """
         import torch
 
-        if actions.dtype != torch.int64 or actions.device.type != "cpu" or not actions.is_contiguous():
-            raise ValueError("actions must be a contiguous int64 tensor on the CPU")
-        self._advance(actions.numpy())
+        if actions.dtype != torch.int64 or actions.device.type != self.device:
+            raise ValueError(f"actions must be an int64 tensor on the device {self.device!r}")
+        self._check(actions)
         if self._tensors is None:
-            flags = torch.from_numpy(self._flags.view(bool))
-            views = torch.from_numpy(self._observation), torch.from_numpy(self._reward)
-            info = {"blocked": flags[BLOCKED]}
-            if self.autoreset_mode is AutoresetMode.SAME_STEP:
-                info["final_obs"] = torch.from_numpy(self._final.reshape(self._observation.shape))
-            self._tensors = (*views, flags[TERMINATED], flags[TRUNCATED], info)
-        return self._tensors
+            self._tensors = self._shared()
+        action, told = self._tensors
+        action.copy_(actions)
+        self.world.run("step")
+        return told
+
+    def _shared(self) -> tuple["torch.Tensor", tuple[Any, ...]]:
+        """The actions, and what ``step_torch`` gives, in the world's own memory."""
+        arrays, count = self.world.arrays, self.num_envs
+        shape = count, self.config.rays, self.config.channels
+        flags = arrays["flags"].tensor(np.bool_, (3, count))
+        info = {"blocked": flags[BLOCKED]}
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            info["final_obs"] = arrays["final"].tensor(np.float32, shape)
+        observation, reward = (
+            arrays["observation"].tensor(np.float32, shape),
+            arrays["reward"].tensor(np.float32, (count,)),
+        )
+        told = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
+        return arrays["action"].tensor(np.int64, (count,)), told
 
     def targets(self, count: int) -> np.ndarray:
         """Each environment's target and those that follow it in this episode, (E, count, 2), metres.
@@ -265,7 +275,7 @@ class HouseVectorEnv(VectorEnv):
         With them every environment goes on bit for bit, in this or another environment of the same
         arguments.
         """
-        return self.world.state | {"flags": self._flags.copy(), "observation": self._observation.copy()}
+        return self.world.state | {"flags": self._flags(), "observation": self._seen()}
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
@@ -276,7 +286,9 @@ class HouseVectorEnv(VectorEnv):
         if house >= len(self.houses):
             raise ValueError(f"a state of another bank: a body is in house {house} of {len(self.houses)}")
         self.world.state = state
-        self._flags[:], self._observation[:] = state["flags"], state["observation"]
+        for name in ("flags", "observation"):
+            array = self.world.arrays[name]
+            array.fill(np.ascontiguousarray(state[name]).view(array.dtype).ravel())
         self._ready = True
 
     def render(self) -> tuple[np.ndarray, ...] | None:
@@ -300,7 +312,7 @@ class HouseVectorEnv(VectorEnv):
         from sim.film import Scene
 
         info, column = self._info(), int(self.config.sees_angle)
-        seen, state = self._observation[index], self.world.environment(index)
+        seen, state = self._seen()[index], self.world.environment(index)
         return Scene(
             house=self.houses[info["house"][index]],
             config=self.config,
@@ -312,36 +324,45 @@ class HouseVectorEnv(VectorEnv):
             found=state["found"] - 1,
         )
 
-    def _advance(self, actions: np.ndarray) -> None:
+    def _check(self, actions: Any) -> None:
+        """Raise an error if these actions, an array or a tensor, cannot be done now."""
         if not self._ready:
             raise ResetNeeded("call reset() before step()")
         if actions.shape != (self.num_envs,):
             raise ValueError(
-                f"actions have shape {actions.shape}: one for each of {self.num_envs} environments"
+                f"actions have shape {tuple(actions.shape)}: one for each of {self.num_envs} environments"
             )
-        if actions.min() < 0 or actions.max() >= ACTIONS:
-            raise ValueError(f"actions go from 0 to 2, found {actions.min()} to {actions.max()}")
+        least, greatest = int(actions.min()), int(actions.max())
+        if least < 0 or greatest >= ACTIONS:
+            raise ValueError(f"actions go from 0 to 2, found {least} to {greatest}")
         if self.autoreset_mode is AutoresetMode.DISABLED:
-            over = self._flags[TERMINATED] | self._flags[TRUNCATED]
+            flags = self._flags()
+            over = flags[TERMINATED] | flags[TRUNCATED]
             if over.any():
                 raise ResetNeeded(
                     f"the episode of environment {int(over.argmax())} has ended: reset it by "
                     'reset(options={"reset_mask": ...})'
                 )
-        self._action[:] = actions
-        self.world.run("step")
 
-    def _info(self, last: bool = False) -> dict[str, np.ndarray]:
+    def _seen(self, name: str = "observation") -> np.ndarray:
+        """Observations (E, R, C) float32: a copy."""
+        return self.world.arrays[name].numpy().view(np.float32).reshape(self.observation_space.shape)
+
+    def _flags(self) -> np.ndarray:
+        """Which environments terminated, were truncated, were blocked (3, E) bool: a copy."""
+        return self.world.arrays["flags"].numpy().view(bool).reshape(3, self.num_envs)
+
+    def _info(self, flags: np.ndarray | None = None, last: bool = False) -> dict[str, np.ndarray]:
         pose, target, house = self.world.describe(last)
-        blocked = self._flags[BLOCKED].astype(bool)
-        return {"pose": pose, "blocked": blocked, "house": house, "target": target}
+        flags = self._flags() if flags is None else flags
+        return {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
 
     def _tell_finals(self, ended: np.ndarray, info: dict[str, Any]) -> None:
         """Add to an info what was seen last in the episodes that ended in this step."""
         if not ended.any():
             return
-        final = np.zeros_like(self._observation)
-        final[ended] = self._final.reshape(final.shape)[ended]
+        final = self._seen("final")
+        final[~ended] = 0
         told = self._info(last=True)
         masks = {f"_{name}": ended.copy() for name in told}
         info["blocked"][ended] = False

@@ -132,10 +132,6 @@ class World:
             rows += [some[:, 0] | some[:, 1] << 16 for some in (here.starts, here.targets)]
         return Array.of(np.concatenate(rows))
 
-    def view(self, name: str) -> np.ndarray:
-        """An array's memory, on the CPU."""
-        return self.arrays[name].view()
-
     def run(self, name: str) -> None:
         """Run a kernel, ``reset``, ``step`` or ``describe``, on the world's arrays."""
         if name not in self.launches:
@@ -203,7 +199,7 @@ class World:
 
     def environment(self, e: int) -> dict[str, int]:
         """One environment's counts: steps and targets drawn in its episode, if it is over, its number."""
-        whole = self.view("wholes")[e]
+        whole = self.arrays["wholes"].numpy()[e]
         return {
             "time": int(whole[4]),
             "found": int(whole[5]),
