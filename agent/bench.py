@@ -126,7 +126,14 @@ def _plot(report: dict[str, Any]) -> bytes:
         shown = {name: points for name, points in series.items() if panels[name] == (title, axis)}
         for name, points in shown.items():
             _draw(axes, name, points, rate)
-        axes.set(title=title, xscale="log", yscale="log", xlabel=AXES[axis])
+        axes.set(title=title, xscale="log", xlabel=AXES[axis])
+        values = np.concatenate([points[:, 1] for points in shown.values()])
+        if values.max() > 10 * values.min():
+            axes.set_yscale("log")
+        else:  # less than a decade has too few ticks on a logarithmic axis
+            axes.set_ylim(bottom=0)
+            if rate:
+                axes.yaxis.set_major_formatter(lambda value, _: f"{value / 1e6:g} M")
         axes.set_ylabel("environment steps a second" if rate else "seconds")
         sizes = sorted({size for points in shown.values() for size in points[:, 0]})
         axes.set_xticks(sizes, [f"{size:,.0f}" for size in sizes])

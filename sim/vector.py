@@ -158,7 +158,7 @@ class HouseVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
         self._seed, self._ready = seed, False
-        self._tensors: tuple[torch.Tensor, tuple[Any, ...]] | None = None
+        self._tensors: tuple[Any, tuple[Any, ...]] | None = None
         self._cameras: list[Camera] | None = None
 
     @property
@@ -236,15 +236,17 @@ class HouseVectorEnv(VectorEnv):
 
         if actions.dtype != torch.int64 or actions.device.type != self.device:
             raise ValueError(f"actions must be an int64 tensor on the device {self.device!r}")
-        self._check(actions)
+        # By NumPy where that can be: torch's threads would stay awake, and in the way of those that step.
+        given: Any = actions.numpy() if self.device == "cpu" else actions
+        self._check(given)
         if self._tensors is None:
             self._tensors = self._shared()
         action, told = self._tensors
-        action.copy_(actions)
+        action[:] = given
         self.world.run("step")
         return told
 
-    def _shared(self) -> tuple["torch.Tensor", tuple[Any, ...]]:
+    def _shared(self) -> tuple[Any, tuple[Any, ...]]:
         """The actions, and what ``step_torch`` gives, in the world's own memory."""
         arrays, count = self.world.arrays, self.num_envs
         shape = count, self.config.rays, self.config.channels
@@ -257,7 +259,8 @@ class HouseVectorEnv(VectorEnv):
             arrays["reward"].tensor(np.float32, (count,)),
         )
         told = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
-        return arrays["action"].tensor(np.int64, (count,)), told
+        action = arrays["action"]
+        return action.view() if self.device == "cpu" else action.tensor(np.int64, (count,)), told
 
     def targets(self, count: int) -> np.ndarray:
         """Each environment's target and those that follow it in this episode, (E, count, 2), metres.

@@ -1,5 +1,6 @@
 """What is drawn is drawn fairly: gaps on their simplex, sizes in their range, layouts alike; and counted."""
 
+import json
 from collections import Counter
 from collections.abc import Iterable
 from itertools import combinations_with_replacement, permutations, product
@@ -175,3 +176,10 @@ def test_what_cannot_be_counted_in_time_is_stated(capsys: pytest.CaptureFixture[
     with pytest.raises(SystemExit, match="4"):
         main(["generate", "--rooms", "2", "--count-layouts", "--seconds", "0.2"])
     assert "bedroom: in 0.2 s, more than " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("subject", ["4 rooms", "5 rooms"])
+def test_the_published_layouts_are_drawn_often_and_evenly(subject: str) -> None:
+    published = json.loads((Path(__file__).parents[1] / "docs/sampling.json").read_text())["layouts"][subject]
+    assert published["draws"] >= 50 * published["layouts"]
+    assert published["share"] >= 0.95
