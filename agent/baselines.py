@@ -3,7 +3,7 @@
 | player | knows |
 |---|---|
 | random + avoidance | its rays: the paper's random walk under the paper's rule (``RandomPolicy``) |
-| script | its rays: to a target in sight, else at random |
+| script | its rays: to a target in sight, else around and at random (``Script``) |
 | searcher | the house, and where a target may still be |
 | oracle | the house and the target |
 
@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from agent.avoidance import ACTIONS, FORWARD, LEFT, RIGHT, Layer, PaperRule, random_preference, subsume
 from agent.policies import Policy, RandomPolicy
@@ -24,30 +24,46 @@ from sim import HouseVectorEnv
 from sim.oracle import Oracle
 from sim.searcher import Searcher
 
+AROUND, WALK, DETOUR = 8, 64, 16
+"""Turns that a full one takes; steps from one look around to the next; steps by chance around an obstacle."""
+
+SURELY = 1e6
+"""More than any preference by chance."""
+
 AHEAD = np.deg2rad(22.5)
 """Radians: a target further aside is nearer to the next heading."""
 
 
 class Script:
-    """Turn to the target in sight and go there; without one, or where it may not, walk by chance."""
+    """Turn to the target in sight and go there; without one look all around, walk by chance, look again.
+
+    Where something is in the way to the target it walks by chance for a while, or it would never leave there.
+    """
 
     def __init__(self, angles: np.ndarray, avoidance: Layer, generator: torch.Generator) -> None:
         """For rays at ``angles`` (R,), radians from the heading."""
         self.angles = torch.tensor(angles, dtype=torch.float32)
         self.avoidance, self.generator, self.interventions = avoidance, generator, 0
+        self.time = self.detour = torch.zeros(0)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
-        self.interventions = 0
+        self.interventions, self.time, self.detour = 0, torch.zeros(environments), torch.zeros(environments)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         allowed, seen = self.avoidance(observation, blocked), observation[..., -1]
-        preference = random_preference(allowed, self.generator)
         aside = (seen * self.angles).sum(-1) / seen.sum(-1).clamp(min=1)
         towards = torch.where(aside > AHEAD, LEFT, torch.where(aside < -AHEAD, RIGHT, FORWARD))
-        sight = seen.any(-1) & (allowed[..., FORWARD] | (towards != FORWARD))
-        preference += 1e6 * (sight[:, None] & torch.nn.functional.one_hot(towards, ACTIONS).bool())
+        sight = seen.any(-1)
+        stuck = sight & (towards == FORWARD) & ~allowed[..., FORWARD]
+        self.detour = torch.where(stuck, DETOUR, (self.detour - 1).clamp(min=0))
+        going, around = sight & (self.detour == 0), ~sight & (self.time % WALK < AROUND)
+        self.time = torch.where(going, 0, self.time + 1)
+
+        wish = nn.functional.one_hot(torch.where(going, towards, LEFT), ACTIONS)
+        preference = random_preference(allowed, self.generator)
+        preference += SURELY * wish * (going | around)[:, None]
         actions = subsume(preference, allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         return actions

@@ -5,14 +5,17 @@ Cheap to import: torch, taichi and all that needs them are imported when a comma
 
 import json
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from agent.config import Config
 from logic.errors import RequestError
+
+if TYPE_CHECKING:
+    from agent.network import QNetwork
 
 Targets = Literal["main", "secondary", "mixed"]
 
@@ -32,63 +35,100 @@ class Train:
 
     def run(self) -> int:
         """Train to the end; a checkpoint is written every half minute on the way."""
+        from agent.banks import require_training
         from agent.report import learning_curve
         from agent.runs import run
         from logic import load
         from logic.files import write_whole
 
-        path = self.out / "agent.pt"
-        _, history = run(load(self.houses), self.config, path)
+        path, houses = self.out / "agent.pt", load(self.houses)
+        require_training(houses, self.houses)
+        _, history = run(houses, self.config, path)
         write_whole(self.out / "learning-curve.png", learning_curve(history))
         last = history[-1]
         _say(
             f"{path}: {last.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
             f"{last.targets:.1f} targets per 1500 steps while learning. "
-            f"Next: vitruvius evaluate {path} HOUSES, with houses that it has not seen"
+            f"Next: vitruvius evaluate {path}"
         )
         return 0
 
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Measure an agent beside random + avoidance and the shortest-path oracle, one episode a house."""
+    """Measure an agent in houses that it has not seen, beside random + avoidance, a script, a searcher that
+    knows the house and the shortest-path oracle. One episode a house, the same targets for all.
+    """
 
-    agent: tyro.conf.Positional[Path]
-    """Checkpoint: vitruvius train makes one."""
+    agents: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Checkpoints: training runs of one config, by several seeds. None: the baselines alone."""
 
-    houses: tyro.conf.Positional[Path]
-    """House file to measure in, of houses that the agent has not seen."""
+    houses: Path | None = None
+    """House file to measure in; by default the benchmark bank, 256 houses of 2 to 6 rooms."""
 
-    targets: Targets = "main"
-    """Where targets lie."""
+    targets: tyro.conf.UseAppendAction[tuple[Targets, ...]] = ()
+    """Where targets lie. Repeat for several; by default main, secondary and mixed, one after the other."""
 
     seed: int = 0
     """Draws starts and targets, the same for every player."""
 
+    out: Path | None = None
+    """Folder for evaluation.json, evaluation.md and evaluation.png."""
+
     json: bool = False
-    """Print the players' targets in each house as JSON."""
+    """Print all figures, and each house's, as JSON."""
 
     def run(self) -> int:
-        """Print the table, or the JSON."""
+        """Print the tables, or the JSON."""
         from rich.console import Console
 
-        from agent import checkpoint, report
-        from agent.evaluate import evaluate
+        from agent import scoreboard
+        from agent.banks import bank_hash, benchmark, benchmark_path
         from agent.progress import progress
-        from agent.world import make_worlds
+        from agent.protocol import MODES, measure
         from logic import load
+        from logic.files import write_whole
 
-        agent, houses = checkpoint.load(self.agent, shape=(40, 2)), load(self.houses)
+        networks = self._networks()
+        houses = load(self.houses) if self.houses else benchmark()
+        bank = {
+            "file": str(self.houses or benchmark_path().name),
+            "houses": len(houses),
+            "hash": bank_hash(houses),
+        }
+        results = []
         with progress("measuring") as tell:
-            envs = make_worlds(houses, len(houses), self.targets)
-            scores = evaluate(agent.network, envs, seed=self.seed, tell=tell)
+            results += measure(networks, houses, self.targets or MODES, self.seed, tell)
+        agents = [str(path) for path in self.agents]
+        record = {"agents": agents, "bank": bank, "seed": self.seed} | scoreboard.record(results)
+        sheets = [sheet for result in results for sheet in scoreboard.sheets(result)]
+        title = f"{bank['file']}, hash {bank['hash'][:12]}, seed {self.seed}"
         if self.json:
-            print(json.dumps({score.player: score.targets.astype(int).tolist() for score in scores}))
+            print(json.dumps(record))
         else:
-            title = f"{self.houses}: houses {len(houses)}, targets {self.targets}"
-            Console().print(report.table(report.rows(scores), title))
+            Console().print(*(sheet.table() for sheet in sheets), f"\n{title}\n\n{scoreboard.NOTE}")
+        if self.out:
+            page = [f"# Evaluation\n\n{title}", "![Ratios to the oracle](evaluation.png)"]
+            page += [sheet.markdown() for sheet in sheets]
+            write_whole(self.out / "evaluation.json", json.dumps(record).encode())
+            write_whole(self.out / "evaluation.png", scoreboard.picture(results))
+            write_whole(self.out / "evaluation.md", "\n\n".join([*page, scoreboard.NOTE, ""]).encode())
+            _say(f"{self.out}: evaluation.md, evaluation.png, evaluation.json")
         return 0
+
+    def _networks(self) -> list["QNetwork"]:
+        """The agents' networks, which must differ in nothing but their training seeds."""
+        from agent import checkpoint
+
+        found = [checkpoint.load(path, shape=(40, 2)) for path in self.agents]
+        for path, each in zip(self.agents, found, strict=True):
+            if replace(each.config, seed=0) != replace(found[0].config, seed=0):
+                raise RequestError(
+                    f"{path}: not of the config of {self.agents[0]}, so no other run of that agent. "
+                    "Evaluate them one after the other"
+                )
+        return [each.network for each in found]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Evaluation: every player plays one episode in every house, with the same targets in the same order."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,11 @@ from agent.progress import Report
 from agent.statistics import Estimate, interquartile_mean
 from agent.world import shield
 from sim import HouseVectorEnv
+from sim.lookout import Lookout
 from sim.oracle import Oracle
+
+MARKS = (500, 1500)
+"""Steps after which coverage is noted, or at the episode's end if that comes before."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,15 @@ class Score:
     interventions: int = 0
     """Actions that the avoidance layer changed."""
 
+    first: np.ndarray = field(default_factory=lambda: np.empty(0))
+    """(H,) steps until the first target was picked up; infinite where none was."""
+
+    coverage: np.ndarray = field(default_factory=lambda: np.empty((2, 0)))
+    """(2, H) share of the house that it had looked at after each of ``MARKS``; see ``sim.lookout``."""
+
+    rooms: np.ndarray = field(default_factory=lambda: np.empty(0))
+    """(H,) secondary rooms that it was in."""
+
     def count(self) -> Estimate:
         """Targets in an episode: interquartile mean over the houses."""
         return interquartile_mean(self.targets)
@@ -45,7 +58,7 @@ class Score:
 
 
 class Scores(NamedTuple):
-    """The players of an evaluation, in the order of its table."""
+    """The players of a short evaluation, in the order of its table. For the whole one see ``protocol``."""
 
     agent: Score
     walk: Score
@@ -72,31 +85,52 @@ def evaluate(
 
 
 def play(
-    player: str, envs: HouseVectorEnv, policy: Policy, seed: int, houses: np.ndarray | None = None
+    player: str,
+    envs: HouseVectorEnv,
+    policy: Policy,
+    seed: int,
+    houses: np.ndarray | None = None,
+    watch: Lookout | None = None,
 ) -> Score:
     """One episode of the policy in each environment: environment i in house i, or in ``houses[i]``.
 
     Starts and targets are drawn by (seed + i, episode, counter) and never depend on the player, so that all
-    players of one seed face the same.
+    players of one seed face the same. With a ``watch`` over the environments it is noted, too, how much of
+    its house the player looked at, and the rooms that it was in.
     """
-    observation = _begin(envs, seed, houses)
+    observation = begin(envs, seed, houses)
     policy.begin(envs.num_envs)
     targets, playing = torch.zeros(envs.num_envs), torch.ones(envs.num_envs, dtype=torch.bool)
-    blocked, steps, bumps = torch.zeros_like(playing), 0, 0
+    first = torch.full((envs.num_envs,), torch.inf)
+    blocked, steps, bumps, time = torch.zeros_like(playing), 0, 0, 0
+    seen = _Seen(watch, envs.num_envs)
     while playing.any():
         actions = policy(observation, blocked)
         observation, reward, terminated, truncated, info = envs.step_torch(actions)
+        time += 1
+        first[(targets == 0) & (reward > 0) & playing] = time
         targets += reward * playing
         steps += int(playing.sum())
         blocked = info["blocked"]
         bumps += int((blocked & playing).sum())
-        playing &= ~(terminated | truncated)
-    return Score(player, targets.numpy(), steps, bumps, policy.interventions)
+        still = playing & ~(terminated | truncated)
+        seen.note(time, playing.numpy(), still.numpy())
+        playing = still
+    return Score(
+        player,
+        targets.numpy(),
+        steps,
+        bumps,
+        policy.interventions,
+        first=first.numpy(),
+        coverage=seen.coverage,
+        rooms=seen.rooms,
+    )
 
 
 def play_oracle(envs: HouseVectorEnv, seed: int) -> Score:
     """The same episodes by shortest ways on the true map, one target after the other."""
-    _begin(envs, seed)
+    begin(envs, seed)
     oracle = Oracle(envs)
     try:
         return Score("shortest-path oracle", oracle.play())
@@ -104,7 +138,31 @@ def play_oracle(envs: HouseVectorEnv, seed: int) -> Score:
         oracle.close()
 
 
-def _begin(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> torch.Tensor:
+def begin(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> torch.Tensor:
     """Begin the episodes of the protocol; observations (E, R, C)."""
     houses = np.arange(envs.num_envs) if houses is None else houses
     return torch.as_tensor(envs.reset(seed=seed, options={"house": houses})[0])
+
+
+class _Seen:
+    """What a watch saw of each environment's one episode; nothing without a watch."""
+
+    def __init__(self, watch: Lookout | None, count: int) -> None:
+        self.watch = watch
+        self.coverage, self.rooms = np.zeros((len(MARKS), count)), np.zeros(count, int)
+        if watch is not None:
+            watch.begin()
+
+    def note(self, time: int, playing: np.ndarray, still: np.ndarray) -> None:
+        """After a step that those environments made that were ``playing``; some are ``still``."""
+        if self.watch is None:
+            return
+        self.watch.look()
+        ended = playing & ~still
+        if ended.any():
+            self.rooms[ended] = self.watch.rooms()[ended]
+        if ended.any() or time in MARKS:
+            share = self.watch.share()
+            for coverage, mark in zip(self.coverage, MARKS, strict=True):
+                now = playing if time == mark else ended & (time < mark)
+                coverage[now] = share[now]

@@ -13,11 +13,8 @@ import numpy as np
 
 from sim.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
 from sim.geometry import Geometry
-from sim.places import places
 from sim.rays import Rays
 from sim.runtime import Array, Launch, start, ti
-from sim.survey import survey
-from sim.tasks import Collect
 from sim.vector import HouseVectorEnv
 from sim.world import World
 
@@ -59,12 +56,20 @@ class Looks:
         return distance
 
     @ti.func
-    def furthest(self, distance: ti.template()):
-        """The end of the longest ray, metres."""
-        most = ti.f32(0.0)
+    def window(self, distance: ti.template(), corner, origin, cell):
+        """Where the spots are that a look may show: the least and the greatest i, then j (ivec4)."""
+        eye, row = self.backend.body.eye(origin, cell), self.rays.first(cell[2], 0)
+        low, high = eye - ti.static(max(self.config.body)), eye + ti.static(max(self.config.body))
         for r in range(ti.static(self.config.rays)):
-            most = ti.max(most, distance[r])
-        return most
+            for axis in ti.static(range(2)):
+                end = (
+                    eye[axis] + distance[r] / self.rays.table[row + r + ti.static(2 * axis * self.rays.count)]
+                )
+                low[axis], high[axis] = ti.min(low[axis], end), ti.max(high[axis], end)
+        low = (low - ti.static(self.half) - corner) / ti.static(self.config.step)
+        high = (high + ti.static(self.half) - corner) / ti.static(self.config.step)
+        low, high = ti.floor(low), ti.ceil(high)
+        return ti.cast(ti.Vector([low[0], high[0], low[1], high[1]]), ti.i32)
 
     @ti.func
     def spot(self, corner, i, j):
@@ -72,26 +77,23 @@ class Looks:
         return corner + ti.Vector([ti.cast(i, ti.f32), ti.cast(j, ti.f32)]) * ti.static(self.config.step)
 
     @ti.func
-    def meets(self, distance: ti.template(), furthest, origin, cell, spot):
-        """Whether a target at a spot is under the body or before the end of one of the rays, of which none
-        goes further than ``furthest`` (i32).
-        """
+    def meets(self, distance: ti.template(), origin, cell, spot):
+        """Whether a target at a spot is under the body or before the end of one of the rays (i32)."""
         met = self.episodes.overlaps(origin, cell, spot)
-        offset = spot - self.backend.body.eye(origin, cell)
-        if not met and self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]]):
+        if not met:
+            offset = spot - self.backend.body.eye(origin, cell)
             away = offset.norm()
-            if away < furthest + ti.static(self.reach):
-                # Only rays whose bearing is about the spot's can meet a target there.
-                bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - 45.0 * cell[2]
-                bearing -= 360.0 * ti.round(bearing / 360.0)
-                middle = (ti.static(self.config.first_ray) - bearing) / ti.static(self.config.ray_spacing)
-                width = ti.f32(ti.static(180 / self.config.ray_spacing))
-                if away > ti.static(self.reach):
-                    width = ti.asin(self.reach / away) * ti.static(180 / np.pi / self.config.ray_spacing)
-                first = ti.max(0, ti.cast(ti.ceil(middle - width), ti.i32))
-                last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(middle + width), ti.i32))
-                for ray in range(first, last + 1):
-                    met |= self.crosses(offset, self.rays.first(cell[2], ray), distance[ray])
+            # Only rays whose bearing is about the spot's can meet a target there.
+            bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - 45.0 * cell[2]
+            bearing -= 360.0 * ti.round(bearing / 360.0)
+            middle = (ti.static(self.config.first_ray) - bearing) / ti.static(self.config.ray_spacing)
+            width = ti.f32(ti.static(180 / self.config.ray_spacing))
+            if away > ti.static(self.reach):
+                width = ti.asin(self.reach / away) * ti.static(180 / np.pi / self.config.ray_spacing)
+            first = ti.max(0, ti.cast(ti.ceil(middle - width), ti.i32))
+            last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(middle + width), ti.i32))
+            for ray in range(first, last + 1):
+                met |= self.crosses(offset, self.rays.first(cell[2], ray), distance[ray])
         return met
 
     @ti.func
@@ -109,15 +111,15 @@ class Looks:
 class Lookout:
     """How much of its house each of E environments has looked at, and which rooms it has been in.
 
-    Its spots are the places where a target may lie, in the main room or in secondary ones, wherever this
-    environment's targets lie, on a square grid of ``PITCH``. Only on the CPU.
+    Its spots are the places where this world's targets may lie, on a square grid of ``PITCH``. Only on the
+    CPU.
     """
 
     def __init__(self, envs: HouseVectorEnv) -> None:
         """Watch these environments; the bank must stay as it is. ``begin`` it at each reset."""
         self.world: World = envs.unwrapped.world
         pitch = in_steps(PITCH, self.world)
-        spots = [each[thinned(each, pitch)] for each in self._floor()]
+        spots = [here.targets[thinned(here.targets, pitch)] for here in self.world.places]
         self.arrays = {
             "spots": Array.of(np.concatenate(spots).astype(np.int32).ravel()),
             "starts": Array.of(np.cumsum([0, *map(len, spots)]).astype(np.int32)),
@@ -158,13 +160,6 @@ class Lookout:
     def _shapes(self) -> list[Geometry]:
         return self.world.bank.geometries
 
-    def _floor(self) -> list[np.ndarray]:
-        """Where targets may lie in each house, (n, 2) int32."""
-        world = self.world
-        tables = survey(world.backend, world.bank, list(range(len(world.houses))), world.lattices)
-        rows = zip(world.houses, self._shapes, world.lattices, tables, strict=True)
-        return [places(*row, world.config, Collect()).targets for row in rows]
-
 
 def origins_of(world: World) -> np.ndarray:
     """Where each house's places are counted from, (2 H,) float32, metres."""
@@ -195,16 +190,17 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
         for e in range(reals.shape[0]):
             state, words = loaded(reals, wholes, e), seen.shape[0] // reals.shape[0]
             distance = looks.distances(numbers, indices, state.house, state.origin, state.cell)
-            furthest = looks.furthest(distance)
             first, end = starts[state.house], starts[state.house + 1]
             corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-            count = 0
+            window, count = looks.window(distance, corner, state.origin, state.cell), 0
             for k in range(end - first):
-                word, at = e * words + k // ti.static(WORD), 2 * (first + k)
+                word = e * words + k // ti.static(WORD)
                 if not (seen[word] & bit(k)):
-                    spot = looks.spot(corner, spots[at], spots[at + 1])
-                    if looks.meets(distance, furthest, state.origin, state.cell, spot):
-                        seen[word] |= bit(k)
+                    i, j = spots[2 * (first + k)], spots[2 * (first + k) + 1]
+                    # Nested: Taichi's ``and`` computes both sides.
+                    if window[0] <= i <= window[1] and window[2] <= j <= window[3]:  # noqa: SIM102
+                        if looks.meets(distance, state.origin, state.cell, looks.spot(corner, i, j)):
+                            seen[word] |= bit(k)
                 count += ti.cast((seen[word] & bit(k)) != 0, ti.i32)
             counts[e] = count
 

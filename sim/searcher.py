@@ -137,12 +137,14 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                 if ti.cast(ways[row[WAY] + i * row[LINES] + j], ti.i32) >> (8 + heading % 2) & 1:
                     cell = ti.Vector([i, j, heading])
                     distance = looks.distances(numbers, indices, house, corner, cell)
-                    furthest = looks.furthest(distance)
+                    window = looks.window(distance, corner, corner, cell)
                     for k in range(row[SAMPLED]):
                         at = 2 * (row[SPOT] + samples[row[SAMPLE] + k])
-                        spot = looks.spot(corner, spots[at], spots[at + 1])
-                        if looks.meets(distance, furthest, corner, cell, spot):
-                            shown[(8 * view + heading) * words + k // ti.static(WORD)] |= bit(k)
+                        i_, j_ = spots[at], spots[at + 1]
+                        # Nested: Taichi's ``and`` computes both sides.
+                        if window[0] <= i_ <= window[1] and window[2] <= j_ <= window[3]:  # noqa: SIM102
+                            if looks.meets(distance, corner, cell, looks.spot(corner, i_, j_)):
+                                shown[(8 * view + heading) * words + k // ti.static(WORD)] |= bit(k)
 
     @ti.kernel
     def act(
@@ -234,14 +236,21 @@ class _Thought:
         for r in range(ti.static(self.looks.config.rays)):
             known |= ti.cast(kinds[r] == ti.static(TARGET), ti.i32)
         if not known:
-            words, furthest = left.shape[0] // count, self.looks.furthest(distance)
+            words = left.shape[0] // count
             corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-            for k in range(row[SPOTS]):
-                word, at = e * words + k // ti.static(WORD), 2 * (row[SPOT] + k)
-                if left[word] & bit(k):
-                    spot = self.looks.spot(corner, spots[at], spots[at + 1])
-                    if self.looks.meets(distance, furthest, state.origin, state.cell, spot):
-                        left[word] ^= bit(k)
+            window = self.looks.window(distance, corner, state.origin, state.cell)
+            for word in range((row[SPOTS] + ti.static(WORD - 1)) // ti.static(WORD)):
+                first = row[SPOT] + word * ti.static(WORD)
+                end = ti.min(first + ti.static(WORD), row[SPOT] + row[SPOTS])
+                # Spots are in the order of their i: most words are outside the window as a whole.
+                if left[e * words + word] != 0 and spots[2 * first] <= window[1]:  # noqa: SIM102
+                    if spots[2 * (end - 1)] >= window[0]:
+                        for k in range(first, end):
+                            i, j = spots[2 * k], spots[2 * k + 1]
+                            if left[e * words + word] & bit(k - row[SPOT]) and window[2] <= j <= window[3]:
+                                spot = self.looks.spot(corner, i, j)
+                                if self.looks.meets(distance, state.origin, state.cell, spot):
+                                    left[e * words + word] ^= bit(k - row[SPOT])
         return known
 
     @ti.func

@@ -74,10 +74,10 @@ def test_the_film_shows_the_whole_episode(made):
 def test_a_checkpoint_of_the_demo_can_be_measured_and_filmed_again(made, tmp_path, capsys):
     agent, houses = made[0] / "agent.pt", made[0] / "houses-held-out.jsonl"
     assert load_checkpoint(agent).steps >= 2000
-    assert Evaluate(agent, houses, json=True).run() == 0
-    counts = json.loads(capsys.readouterr().out)
-    assert set(counts) == {"agent", "random + avoidance", "shortest-path oracle"}
-    assert all(len(targets) == 2 for targets in counts.values())
+    assert Evaluate((agent,), houses=houses, targets=("main",), json=True).run() == 0
+    players = json.loads(capsys.readouterr().out)["targets"]["main"]["players"]
+    assert list(players) == ["agent", "random + avoidance", "script", "searcher", "oracle"]
+    assert all(len(each["runs"][0]["targets"]) == 2 for each in players.values())
     Record(agent, houses, house=1, out=tmp_path / "film.gif", steps=8).run()
     with Image.open(tmp_path / "film.gif") as image:
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]
