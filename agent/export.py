@@ -1,0 +1,108 @@
+"""The network for other runtimes: one ONNX file, a pure function of what the agent sees and remembers.
+
+| input | shape | |
+|---|---|---|
+| ``observation`` | (B, R, C) float32 | distance / range, is target |
+| ``memory`` | (B, M, 6) float32 | traces; zeros where an episode begins |
+| ``blocked`` | (B,) bool | whether the last move was |
+| ``features`` | (B, F) float32 | what a map tells (``agent.map``); only of a network that reads one |
+
+| output | shape | |
+|---|---|---|
+| ``q`` | (B, A) float32 | what each action is worth, in discounted targets |
+| ``memories`` | (B, A, M, 6) float32 | the memory to go on with, for each action that may be made |
+
+Which action is made is for the layers above to say, the shield and the rest: so ``memories`` has one for
+each, and the caller takes that of the action made. Nothing is kept between two calls.
+"""
+
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import torch
+from torch import Tensor, nn
+
+from agent.memory import SIGNALS
+from agent.network import QNetwork
+from agent.pqn import ACTIONS
+from logic.errors import VitruviusError
+from logic.files import write_whole
+
+INPUTS, OUTPUTS = ("observation", "memory", "blocked", "features"), ("q", "memories")
+
+
+class NoExporter(VitruviusError):
+    """The packages that write ONNX files are missing."""
+
+    exit_code = 69
+
+
+class Step(nn.Module):
+    """A network and its memory as the one function that is exported."""
+
+    def __init__(self, network: QNetwork) -> None:
+        """Share the network's weights."""
+        super().__init__()
+        self.network = network
+
+    def forward(
+        self, observation: Tensor, memory: Tensor, blocked: Tensor, features: Tensor | None = None
+    ) -> tuple[Tensor, Tensor]:
+        """Q-values (B, A), and the memory (B, A, M, 6) after each action; for the inputs see above."""
+        same = torch.zeros_like(blocked)
+        each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(ACTIONS)]
+        memories = [self.network.memory(memory, observation, blocked, action, same) for action in each]
+        known = () if features is None else (features,)
+        return self.network(observation, memory, *known), torch.stack(memories, dim=1)
+
+    def example(self, size: int, seed: int = 0) -> tuple[Tensor, ...]:
+        """Random inputs for a batch of that size, in the order of ``forward``."""
+        generator = torch.Generator().manual_seed(seed)
+        rays, channels, half_lives, *features = self.network.shape
+        shapes = [(rays, channels), (len(half_lives), SIGNALS), (), *((each,) for each in features if each)]
+        observation, memory, blocked, *known = (
+            torch.rand(size, *shape, generator=generator) for shape in shapes
+        )
+        observation[..., -1].round_()
+        return observation, memory, blocked < 0.5, *known
+
+
+def export(network: QNetwork, path: str | Path) -> None:
+    """Write the network with its memory to an ONNX file, whole or not at all, for batches of any size.
+
+    Raises ``NoExporter`` where the packages ``onnx`` and ``onnxscript`` are missing.
+    """
+    step = Step(network).eval()
+    example = step.example(2)  # of two: an axis of length one would be taken for a constant
+    names = INPUTS[: len(example)]
+    batch = torch.export.Dim("batch")
+    try:
+        with _quiet():
+            program = torch.onnx.export(
+                step,
+                example,
+                input_names=names,
+                output_names=OUTPUTS,
+                dynamic_shapes={name: {0: batch} for name in names},
+                verbose=False,
+            )
+    except ImportError as error:
+        raise NoExporter(f"ONNX needs the package {error.name}. Try: pip install onnx onnxscript") from None
+    assert program is not None
+    write_whole(path, program.model_proto.SerializeToString())
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without the exporter's remarks on packages and axes that do not matter here."""
+    before = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.disable(before)
