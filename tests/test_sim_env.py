@@ -387,3 +387,13 @@ def test_importing_and_starting_print_nothing(bank):
     program = f"import sim; sim.HouseVectorEnv({bank!r}).reset(seed=0)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == done.stderr == ""
+
+
+def test_a_reward_in_an_episodes_last_step_is_not_given_again_as_the_next_begins():
+    envs = HouseVectorEnv([worlds.drawn(worlds.ONE_ROOM)], max_episode_steps=1)
+    here = {"house": [0], "pose": [[4.5, 1.35, 0.0]], "target": [[4.95, 1.35]]}
+    envs.reset(seed=0, options=here)
+    _, reward, _, truncated, _ = envs.step(np.array([2]))
+    assert (reward[0], truncated[0]) == (1, True)
+    _, reward, _, truncated, _ = envs.step(np.array([2]))
+    assert (reward[0], truncated[0]) == (0, False)
