@@ -59,8 +59,8 @@ def load(path: str | Path, shape: tuple[int, int] | None = None) -> Checkpoint:
             f"{path}: not a checkpoint of this version ({FORMAT}). Train anew: vitruvius train"
         )
     try:
-        rays, channels, half_lives = record["shape"]
-        network = QNetwork(rays, channels, tuple(half_lives))
+        rays, channels, half_lives, *features = record["shape"]
+        network = QNetwork(rays, channels, tuple(half_lives), *features)
         network.load_state_dict(record["network"])
         checkpoint = Checkpoint(network.eval(), Config(**record["config"]), int(record["steps"]))
     except (KeyError, TypeError, ValueError, RuntimeError) as error:

@@ -39,6 +39,19 @@ class Config:
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Half-lives of the memory's traces, in steps."""
 
+    map: bool = False
+    """Whether the network reads a map of the house, made of the agent's own rays and actions."""
+
+    novelty: float = 0.0
+    """Reward for a step that brings the goal of its map nearer, and for seeing 40 new cells; it fades to 0 by
+    ``fading`` of the run."""
+
+    fading: float = 0.7
+    """Fraction of the run over which ``novelty`` fades."""
+
+    guided: float = 0.0
+    """Share of the random actions that are the map's advice instead."""
+
     discount: float = 0.99
     """Worth of a reward one step later (gamma)."""
 
@@ -82,6 +95,8 @@ class Config:
                 raise RequestError(f"{name} must lie between 0 and 1, not {getattr(self, name)}")
         if not all(half_life > 0 for half_life in self.half_lives):
             raise RequestError(f"half_lives must be above 0, not {self.half_lives}")
+        if not self.map and (self.novelty or self.guided):
+            raise RequestError("novelty and guided need map: there is no map that they could come from")
         if self.minibatches > self.environments * self.rollout:
             raise RequestError(f"minibatches must not exceed environments x rollout, not {self.minibatches}")
 
@@ -90,7 +105,13 @@ POSITIVE = (
     *("environments", "rollout", "steps", "seconds", "learning_rate", "clip"),
     *("epochs", "minibatches", "threads"),
 )
-SHARES = ("discount", "trace", "final_rate", "epsilon", "final_epsilon", "exploration", "forward")
+SHARES = (
+    *("discount", "trace", "final_rate", "epsilon", "final_epsilon", "exploration", "forward"),
+    *("novelty", "fading", "guided"),
+)
 
-PRESETS = {"pqn": Config()}
+PRESETS = {
+    "pqn": Config(),
+    "pqn-map": Config(targets="secondary", map=True, novelty=0.02, guided=0.9, epsilon=1.0),
+}
 """Configs that run by name."""

@@ -1,4 +1,4 @@
-"""The Q-network: what each action is worth, from one look at the rays and the memory."""
+"""The Q-network: what each action is worth, from one look at the rays, the memory and the map."""
 
 import torch
 from torch import Tensor, nn
@@ -19,15 +19,19 @@ class QNetwork(nn.Module):
         rays: int = 40,
         channels: int = 2,
         half_lives: tuple[float, ...] = (1, 4, 16, 64),
+        features: int = 0,
         width: int = 128,
     ) -> None:
-        """Draw first weights from torch's generator: ``seeded_network`` seeds it around this call."""
+        """Draw first weights from torch's generator: ``seeded_network`` seeds it around this call.
+
+        ``features`` is how many numbers of a map it reads: ``agent.map.FEATURES``, or 0 for none.
+        """
         super().__init__()
-        self.shape = (rays, channels, half_lives)
+        self.shape = (rays, channels, half_lives, features)
         self.memory = Memory(half_lives)
         self.look = nn.Conv1d(channels, 16, kernel_size=5, stride=2)
         self.judge = nn.Sequential(
-            nn.Linear(16 * ((rays - 5) // 2 + 1) + SIGNALS * len(half_lives), width),
+            nn.Linear(16 * ((rays - 5) // 2 + 1) + SIGNALS * len(half_lives) + features, width),
             nn.LayerNorm(width),
             nn.ReLU(),
             nn.Linear(width, width),
@@ -36,19 +40,25 @@ class QNetwork(nn.Module):
             nn.Linear(width, ACTIONS),
         )
 
-    def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
+    def forward(self, observation: Tensor, memory: Tensor, features: Tensor | None = None) -> Tensor:
         """Q-values (B, A), in discounted targets.
 
-        Reads observations (B, R, C), distance/range and is_target, and memories (B, M, 6).
+        Reads observations (B, R, C), distance/range and is_target, memories (B, M, 6), and a map's features
+        (B, F) if it was made for them.
         """
         seen = torch.relu(self.look(observation.transpose(1, 2))).flatten(1)
-        return self.judge(torch.cat([seen, memory.flatten(1)], dim=1))
+        known = [memory.flatten(1)] if features is None else [memory.flatten(1), features]
+        return self.judge(torch.cat([seen, *known], dim=1))
 
 
 def seeded_network(
-    seed: int, rays: int = 40, channels: int = 2, half_lives: tuple[float, ...] = (1, 4, 16, 64)
+    seed: int,
+    rays: int = 40,
+    channels: int = 2,
+    half_lives: tuple[float, ...] = (1, 4, 16, 64),
+    features: int = 0,
 ) -> QNetwork:
     """A new network whose weights are a function of the seed; torch's own generator is left as it was."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        return QNetwork(rays, channels, half_lives)
+        return QNetwork(rays, channels, half_lives, features)

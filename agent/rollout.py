@@ -7,9 +7,13 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import Layer, best_value, subsume
+from agent.map import Map
 from agent.network import QNetwork
 from agent.policies import explore
 from sim import HouseVectorEnv
+
+NEW = 40
+"""New cells in a step that earn the whole bonus."""
 
 
 @dataclass
@@ -25,6 +29,9 @@ class Rollout:
     memory: Tensor
     """What is remembered at each state (T + 1, E, M, 6) float32."""
 
+    features: Tensor
+    """What the map tells at each state (T + 1, E, F) float32; F is 0 where there is none."""
+
     v: Tensor
     """Greatest allowed Q-value (T + 1, E) float32 of each state."""
 
@@ -33,6 +40,9 @@ class Rollout:
 
     r: Tensor
     """Rewards (T, E) float32."""
+
+    bonus: Tensor
+    """What the map finds good about a step (T, E) float32: progress to its goal, cells that are new."""
 
     terminated: Tensor
     """Whether a step ended the episode for good (T, E) bool."""
@@ -43,29 +53,42 @@ class Rollout:
     valid: Tensor
     """Which steps count (T, E) bool: all but those after an end, whose action the world ignored."""
 
+    map: Map | None = None
+    """The maps, where the network reads them."""
+
     overruled: int = 0
     """How many actions the avoidance layer changed."""
 
     simulating: float = 0.0
     """Seconds spent in the simulator."""
 
+    mapping: float = 0.0
+    """Seconds spent on maps."""
+
     @classmethod
-    def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
+    def starting(cls, steps: int, observation: Tensor, memory: Tensor, map: Map | None = None) -> "Rollout":
         """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 6)."""
         size = (steps, len(observation))
         ended = torch.zeros(size, dtype=torch.bool)
+        features = observation.new_zeros(len(observation), 0)
+        if map is not None:
+            map.step(observation, ended[0], torch.zeros(len(observation)), ~ended[0])
+            features = map.features
         rollout = cls(
             s=observation.new_empty(steps + 1, *observation.shape),
             blocked=torch.zeros(steps + 1, len(observation), dtype=torch.bool),
             memory=memory.new_empty(steps + 1, *memory.shape),
+            features=features.new_empty(steps + 1, *features.shape),
             v=observation.new_empty(steps + 1, len(observation)),
             a=torch.empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
+            bonus=observation.new_zeros(size),
             terminated=ended.clone(),
             truncated=ended.clone(),
             valid=ended.clone(),
+            map=map,
         )
-        rollout.s[-1], rollout.memory[-1] = observation, memory
+        rollout.s[-1], rollout.memory[-1], rollout.features[-1] = observation, memory, features
         return rollout
 
     @torch.no_grad()
@@ -78,15 +101,20 @@ class Rollout:
         epsilon: float,
         forward: float,
         generator: torch.Generator,
+        guided: float = 0.0,
     ) -> None:
-        """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random."""
+        """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random, or a
+        share ``guided`` of that by the map.
+        """
         ended = self.terminated[-1] | self.truncated[-1]
-        for states in (self.s, self.blocked, self.memory):
+        for states in (self.s, self.blocked, self.memory, self.features):
             states[0] = states[-1]
-        self.overruled, self.simulating = 0, 0.0
+        self.overruled, self.simulating, self.mapping = 0, 0.0, 0.0
         for t in range(len(self.a)):
-            q, allowed = network(self.s[t], self.memory[t]), avoidance(self.s[t], self.blocked[t])
-            preference = explore(q, generator, epsilon, forward)
+            q = network(self.s[t], self.memory[t], self.features[t])
+            allowed = avoidance(self.s[t], self.blocked[t])
+            advice = self.map.advice if self.map and guided else None
+            preference = explore(q, generator, epsilon, forward, advice, guided)
             self.v[t], self.a[t], self.valid[t] = best_value(q, allowed), subsume(preference, allowed), ~ended
             self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
             before = perf_counter()
@@ -98,4 +126,11 @@ class Rollout:
             # The step after an end begins the next episode: it is no memory of that one.
             begun, ended = ended, self.terminated[t] | self.truncated[t]
             self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.blocked[t], self.a[t], begun)
-        self.v[-1] = best_value(network(self.s[-1], self.memory[-1]), avoidance(self.s[-1], self.blocked[-1]))
+            if self.map:
+                before = perf_counter()
+                self.map.step(observation, self.blocked[t + 1], self.a[t], begun)
+                self.mapping += perf_counter() - before
+                self.features[t + 1] = self.map.features
+                self.bonus[t] = self.map.progress.clamp(-1, 1) + self.map.new.clamp(max=NEW) / NEW
+        q = network(self.s[-1], self.memory[-1], self.features[-1])
+        self.v[-1] = best_value(q, avoidance(self.s[-1], self.blocked[-1]))

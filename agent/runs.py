@@ -9,6 +9,7 @@ import torch
 from agent import checkpoint
 from agent.checkpoint import Checkpoint
 from agent.config import Config
+from agent.map import FEATURES
 from agent.network import seeded_network
 from agent.progress import progress
 from agent.train import Progress, learn
@@ -28,7 +29,8 @@ def run(
     """
     torch.set_num_threads(config.threads)
     envs = make_worlds(houses, config.environments, config.targets)
-    network = seeded_network(config.seed, envs.config.rays, envs.config.channels, config.half_lives)
+    features = FEATURES if config.map else 0
+    network = seeded_network(config.seed, envs.config.rays, envs.config.channels, config.half_lives, features)
     history: list[Progress] = []
     saved = perf_counter()
     with progress("training", every) as tell:

@@ -90,7 +90,7 @@ def test_every_second_epoch_learns_from_the_mirror(monkeypatch):
     rollout.a[:], rollout.r[:], rollout.v[:], rollout.valid[:] = LEFT, 1.0, 0.0, True
     optimizer = torch.optim.SGD(network.parameters(), lr=0.1)
     train.update(network, optimizer, rollout, Config(epochs=2, minibatches=1), torch.Generator())
-    s, memory, a, s_mirror, memory_mirror, a_mirror = seen
+    s, memory, _, a, s_mirror, memory_mirror, _, a_mirror = seen
     assert torch.equal(s_mirror, s.flip(1))
     assert torch.equal(memory_mirror, mirrored_memory(memory))
     assert (a.item(), a_mirror.item()) == (LEFT, RIGHT)

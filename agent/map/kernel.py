@@ -1,0 +1,322 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
+"""A step of all maps: move, see, remember, choose a goal, advise, describe."""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+from agent.map.cells import WIDEST, Bytes, Cells, Floats, Grid, Longs, Wholes
+from agent.map.ways import FAR, Ways
+from sim.runtime import ti
+
+WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
+"""Steps east and south that ``forward`` makes at each of the eight headings."""
+
+NONE, SEARCH, TARGET = range(3)
+"""What a goal is: none, a place where a target may hide, the target that was seen."""
+
+(TIME, X, Y, HEADING, SINCE, KNOWN, KIND, GOAL, QUEUED, AGE, STALE) = range(11)
+(NEW, SEEN, LAST_NEW, FOUND, WAY, PROGRESS) = range(11, 17)
+"""What a map counts: steps; the eye's place in half cells and its heading; since when a target that is not
+known may have lain where it lies; whether one is known; the goal; how long the last search's queue is, how
+old it is and how many cells were occupied since; cells that are new, and all; when there were new ones last;
+targets picked up as far as it knows; half cells to the goal, and how many fewer than before the last action.
+"""
+
+COUNTS = 17
+
+PATIENCE = 8
+"""Steps between two searches for no other reason than that more is known to be occupied."""
+
+SAME = 4.5
+"""A target seen so many cells from the one that is known is another: this one was picked up."""
+
+WITHIN = 12.0
+"""Cells from which a target's place is known well enough to say that it is not there."""
+
+LOOKS = (4, 8, 16, 32)
+"""Cells ahead at which the features tell whether something may hide, and whether it is occupied."""
+
+SCALARS, SIDES = 14, 3 + 2 * len(LOOKS)
+FEATURES = SCALARS + 8 * SIDES
+"""Numbers that describe a map: some of the whole, some for each of the eight headings."""
+
+
+class Body(NamedTuple):
+    """What a map must know of the body and its rays."""
+
+    rays: int
+    channels: int
+    distance: int  # the channel that has it
+    step: int  # half cells
+    target: float  # half its side, cells
+    bits: int
+
+
+@cache
+def step_kernel(program: Any, body: Body) -> Any:
+    """The kernel for a running Taichi. Arguments are named for the map's arrays."""
+    grid = Grid(body.bits)
+    ways = Ways(grid)
+    rays, channels, distance_at, step_by, half = body[:5]
+
+    @ti.func
+    def diagonal(observation: ti.template(), directions: ti.template(), o):
+        """Whether the heading lies at 45 degrees to the walls. Where two neighbouring rays end on one wall,
+        the line through both ends runs along an axis in one of the two cases: the pairs vote.
+        """
+        votes = ti.Vector([0, 0])
+        for r in range(rays - 1):
+            one, other = (
+                observation[o + r * channels + distance_at],
+                observation[o + (r + 1) * channels + distance_at],
+            )
+            if (one < 1.0) & (other < 1.0):
+                for h in ti.static(range(2)):
+                    for axis in ti.static(range(2)):
+                        j = 2 * (h * rays + r) + axis
+                        votes[h] += ti.cast(
+                            ti.abs(one * directions[j] - other * directions[j + 2]) < 1e-3, ti.i32
+                        )
+        return ti.cast(votes[1] > votes[0], ti.i32)
+
+    @ti.func
+    def ahead(heading):
+        """Steps east and south at a heading."""
+        x, y = 0, 0
+        for h in ti.static(range(8)):
+            if heading == h:
+                x, y = WAYS[h][0], WAYS[h][1]
+        return ti.Vector([x, y])
+
+    @ti.kernel
+    def step(
+        observation: Floats,
+        blocked: Bytes,
+        begun: Bytes,
+        action: Longs,
+        directions: Floats,
+        clear: Floats,
+        cells: Cells,
+        field: Cells,
+        queue: Cells,
+        blocks: Wholes,
+        counts: Wholes,
+        target: Floats,
+        advice: Longs,
+        features: Floats,
+    ):
+        ti.loop_config(block_dim=8)
+        for e in range(blocked.shape[0]):
+            base, w, o = e * grid.area, e * COUNTS, e * rays * channels
+            # move
+            if begun[e] != 0:
+                ways.forget(field, queue, base, counts[w + QUEUED])
+                for k in range(grid.area):
+                    cells[base + k] = ti.cast(0, ti.u16)
+                for k in range(COUNTS):
+                    counts[w + k] = 0
+                counts[w + SINCE] = 1
+                counts[w + HEADING] = diagonal(observation, directions, o)
+            elif action[e] < 2:
+                counts[w + HEADING] = (counts[w + HEADING] + ti.select(action[e] == 0, 1, 7)) & 7
+            elif blocked[e] == 0:
+                way = ahead(counts[w + HEADING])
+                counts[w + X] += step_by * way[0]
+                counts[w + Y] += step_by * way[1]
+            counts[w + TIME] += 1
+            time, px, py, heading = counts[w + TIME], counts[w + X], counts[w + Y], counts[w + HEADING]
+            x, y = 0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)
+
+            # see
+            new, hits, spotted, missed, forward = grid.see_body(cells, base, px, py, time), 0, 0, 0, 1
+            low, high, side = ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9]), ti.Vector([0.0, 0.0])
+            known, off = counts[w + KNOWN], ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
+            before, before_kind = ti.Vector([0.0, 0.0]), -1
+            for r in range(rays):
+                d, j = observation[o + r * channels + distance_at], 2 * (heading * rays + r)
+                reach = ti.Vector([directions[j], directions[j + 1]])
+                kind = ti.cast(d < 1.0, ti.i32)
+                if observation[o + r * channels + channels - 1] > 0:
+                    kind = 2
+                end = d * reach
+                if (kind != 2) & (d < clear[(heading & 1) * rays + r]):
+                    forward = 0
+                new += grid.see_line(cells, base, x, y, end[0], end[1], time)
+                if kind == 1:
+                    hits += grid.hit(cells, base, x + end[0], y + end[1], time)
+                # what lies between this ray and the last one, if both end on one line
+                gap = ti.abs(end - before)
+                if (
+                    (kind == before_kind)
+                    & (gap.max() > 1.0)
+                    & (gap.max() < WIDEST)
+                    & ((kind == 0) | (gap.min() < 1e-3))
+                ):
+                    pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
+                    for k in range(1, pieces):
+                        part = before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
+                        new += grid.see_line(cells, base, x, y, part[0], part[1], time)
+                        if kind == 1:
+                            hits += grid.hit(cells, base, x + part[0], y + part[1], time)
+                before, before_kind = end, kind
+                if kind == 2:
+                    spotted += 1
+                    side += reach / reach.norm()
+                    low, high = ti.min(low, end), ti.max(high, end)
+                elif known:
+                    along, aside = off.dot(reach) / reach.norm(), ti.abs(off.cross(reach)) / reach.norm()
+                    missed |= ti.cast((along > 0) & (aside < 0.5) & (d * reach.norm() > along + 1.0), ti.i32)
+
+            # remember
+            away, picked = ti.abs(off).max(), 0
+            if spotted > 0:
+                # The square's centre, from those of its faces that are seen.
+                middle, flat = 0.5 * (low + high), high - low < 0.02
+                if spotted == 1:
+                    middle += side
+                elif flat[0]:
+                    middle[0] += ti.select(side[0] > 0, half, -half)
+                elif flat[1]:
+                    middle[1] += ti.select(side[1] > 0, half, -half)
+                else:
+                    middle = ti.select(side > 0, low + half, high - half)
+                picked = known & ti.cast(ti.abs(middle - off).max() > SAME, ti.i32)
+                target[2 * e], target[2 * e + 1] = x + middle[0], y + middle[1]
+                known = 1
+            elif (known > 0) & ((away < 1.0 + half + 0.125) | ((missed > 0) & (away < WITHIN))):
+                known = 0
+                picked = ti.cast(away < 5.0, ti.i32)
+            if picked:
+                counts[w + SINCE] = time
+                counts[w + FOUND] += 1
+            counts[w + KNOWN], counts[w + NEW] = known, new
+            counts[w + SEEN] += new
+            if new > 0:
+                counts[w + LAST_NEW] = time
+            if blocked[e] != 0:
+                forward = 0
+            way = step_by * ahead(heading)
+            if (forward == 0) & grid.room(cells, base, px + way[0], py + way[1]):
+                # It cannot go where the map says it can: what hinders it lies between two rays.
+                grid.close(cells, base, (px + way[0] + (way[0] > 0)) >> 1, (py + way[1] + (way[1] > 0)) >> 1)
+                hits += 1
+
+            # choose
+            far = ways.far(field, base, px, py)
+            counts[w + PROGRESS] = 0
+            if (begun[e] == 0) & (far < FAR) & (counts[w + WAY] < FAR):
+                counts[w + PROGRESS] = counts[w + WAY] - far
+            kind, goal, since = counts[w + KIND], counts[w + GOAL], counts[w + SINCE]
+            stale, age, tail, anew = counts[w + STALE] + hits, counts[w + AGE] + 1, counts[w + QUEUED], 0
+            within = 0
+            if known:
+                there = grid.at(
+                    ti.cast(ti.floor(target[2 * e] + 0.5), ti.i32),
+                    ti.cast(ti.floor(target[2 * e + 1] + 0.5), ti.i32),
+                )
+                anew = ti.cast((kind != TARGET) | (goal != there), ti.i32)
+                kind, goal = TARGET, there
+                # Mostly it is in sight: no way is tried first that is twice as long as the straight one.
+                within = (
+                    2 * ti.cast(ti.max(ti.abs(target[2 * e] - x), ti.abs(target[2 * e + 1] - y)), ti.i32) + 16
+                )
+            elif kind == SEARCH:
+                gx, gy = goal & grid.mask, goal >> grid.bits
+                if (grid.hides(cells, base, gx, gy, since) == 0) | (grid.solid(cells, base, gx, gy) != 0):
+                    kind = NONE
+            else:
+                kind = NONE
+            if ((stale > 0) & (age > PATIENCE)) | (far == FAR):
+                anew = 1
+                if kind == SEARCH:
+                    kind = NONE
+            while kind == NONE:
+                ways.forget(field, queue, base, tail)
+                goal, within, tail = ways.choose(
+                    cells, field, queue, blocks, base, 2 * e * ways.blocks, px, py, since
+                )
+                anew = 1
+                if goal >= 0:
+                    kind = SEARCH
+                elif since >= time:
+                    break
+                else:
+                    # All is seen: look again where it has not looked for longest.
+                    since += ti.max(1, (time - since) // 2)
+                    counts[w + SINCE] = since
+            if (anew > 0) & (kind != NONE):
+                ways.forget(field, queue, base, tail)
+                tail = ways.measure(cells, field, queue, base, goal, 2 * (kind == TARGET), within, px, py)
+                if ways.far(field, base, px, py) == FAR:
+                    ways.forget(field, queue, base, tail)
+                    tail = ways.measure(cells, field, queue, base, goal, 2, FAR, px, py)
+                stale, age = 0, 0
+            far = ways.far(field, base, px, py)
+            counts[w + KIND], counts[w + GOAL], counts[w + QUEUED], counts[w + AGE] = kind, goal, tail, age
+            counts[w + STALE], counts[w + WAY] = stale, far
+
+            # advise, describe
+            f = e * FEATURES
+            span = ti.select((px | py) & 1 == 0, ti.max(2, step_by), step_by)
+            best, turn = 1000.0, 4
+            for k in range(8):
+                way = ahead((heading + k) & 7)
+                qx, qy = px + span * way[0], py + span * way[1]
+                free = grid.room(cells, base, qx, qy)
+                free &= grid.room(cells, base, px + step_by * way[0], py + step_by * way[1])
+                if way[0] * way[1] != 0:
+                    free &= grid.room(cells, base, qx, py) & grid.room(cells, base, px, qy)
+                if k == 0:
+                    free &= forward
+                there, gain = ways.far(field, base, qx, qy), -1.0
+                turns = ti.cast(ti.min(k, 8 - k), ti.f32)
+                if (free > 0) & (there < FAR) & (far < FAR):
+                    gain = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
+                    # One half cell nearer is worth more than all turns.
+                    if turns - 16.0 * gain < best:
+                        best, turn = turns - 16.0 * gain, k
+                g = f + SCALARS + k * SIDES
+                features[g] = ti.cast(free, ti.f32)
+                features[g + 1] = ti.max(-1.0, ti.min(1.0, gain))
+                features[g + 2] = ti.cast((turn == k) & (best < 1000.0), ti.f32)
+                for i in ti.static(range(len(LOOKS))):
+                    lx, ly = (px >> 1) + LOOKS[i] * way[0], (py >> 1) + LOOKS[i] * way[1]
+                    features[g + 3 + 2 * i] = ti.cast(grid.hides(cells, base, lx, ly, since), ti.f32)
+                    features[g + 4 + 2 * i] = ti.cast(grid.solid(cells, base, lx, ly), ti.f32)
+            if best == 1000.0:
+                turn = 1
+            act = 2
+            if turn > 4:
+                act = 1
+            elif turn > 0:
+                act = 0
+            advice[e] = act
+            for k in range(8):
+                features[f + SCALARS + k * SIDES + 2] = ti.cast(turn == k, ti.f32)
+            gx, gy = goal & grid.mask, goal >> grid.bits
+            bearing = ti.Vector(
+                [ti.cast(grid.apart(gx, px >> 1), ti.f32), ti.cast(grid.apart(gy, py >> 1), ti.f32)]
+            )
+            if known:
+                bearing = ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
+            middle_ray = 2 * (heading * rays + rays // 2)
+            nose = ti.Vector([directions[middle_ray], directions[middle_ray + 1]])
+            crow = bearing.norm() + 1e-3
+            far_cells = 0.5 * ti.cast(ti.min(far, 2000), ti.f32)
+            features[f] = ti.cast(kind == SEARCH, ti.f32)
+            features[f + 1] = ti.cast(kind == TARGET, ti.f32)
+            features[f + 2] = ti.exp(-far_cells / 8.0)
+            features[f + 3] = ti.exp(-far_cells / 40.0)
+            features[f + 4] = ti.exp(-far_cells / 160.0)
+            features[f + 5] = ti.exp(-crow / 20.0)
+            features[f + 6] = ti.min(1.0, ti.cast(new, ti.f32) / 50.0)
+            features[f + 7] = ti.min(1.0, ti.cast(time - counts[w + LAST_NEW], ti.f32) / 100.0)
+            features[f + 8] = ti.min(1.0, ti.cast(time - since, ti.f32) / 300.0)
+            features[f + 9] = ti.cast(forward, ti.f32)
+            features[f + 10] = bearing.dot(nose) / (crow * nose.norm())
+            features[f + 11] = nose.cross(bearing) / (crow * nose.norm())
+            features[f + 12] = ti.cast(act == 0, ti.f32)
+            features[f + 13] = ti.cast(act == 1, ti.f32)
+
+    return step

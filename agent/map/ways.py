@@ -1,0 +1,181 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
+"""Ways on the map: breadth-first over nodes, to the place worth looking at next and from a goal to all about.
+
+A step along a diagonal goes as far along both axes, so all eight neighbours of a node are one apart. What is
+not known to be solid counts as free: the body finds out on its way.
+"""
+
+from agent.map.cells import Grid
+from sim.runtime import ti
+
+FAR = (1 << 16) - 1
+"""A node that no search has come to."""
+
+BLOCK = 4
+"""Hiding places are weighed by blocks of 2^4 by 2^4 nodes, some 2.3 m."""
+
+FURTHER, AT_MOST = 60, 9000
+"""A search for a hiding place ends so many nodes behind the first one, or after so many in all."""
+
+DETOUR = 16
+"""Nodes by which a way may be longer than the shortest for its nodes to be measured."""
+
+NEAR, PLENTY = 4.0, 50
+"""What a way costs besides its nodes; more hiding places in a block than these do not count."""
+
+BESIDE = 3
+"""Nodes about the body that a goal's distances go beyond it, so that it may stray a little."""
+
+
+@ti.data_oriented
+class Ways:
+    """Searches on a grid: ``field`` holds nodes' distances, ``queue`` those that the last one came to."""
+
+    def __init__(self, grid: Grid) -> None:
+        """Search on this grid."""
+        self.grid = grid
+        self.blocks = 1 << 2 * (grid.bits - BLOCK)
+
+    @ti.func
+    def forget(self, field: ti.template(), queue: ti.template(), base, tail):
+        """Take back the last search, whose queue ends at ``tail``."""
+        for k in range(tail):
+            field[base + ti.cast(queue[base + k], ti.i32)] = ti.cast(FAR, ti.u16)
+
+    @ti.func
+    def push(self, field: ti.template(), queue: ti.template(), base, node, distance, tail):
+        """Come to a node, if it is the first time; the queue's new end."""
+        after = tail
+        if ti.cast(field[base + node], ti.i32) == FAR:
+            field[base + node] = ti.cast(distance, ti.u16)
+            queue[base + tail] = ti.cast(node, ti.u16)
+            after += 1
+        return after
+
+    @ti.func
+    def spread(self, cells: ti.template(), field: ti.template(), queue: ti.template(), base, node, tail):
+        """Come to the neighbours of a node: to diagonal ones only past two free corners."""
+        x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+        distance = ti.cast(field[base + node], ti.i32) + 1
+        free = ti.Vector([0, 0, 0, 0])
+        for k in ti.static(range(4)):
+            dx, dy = (1, 0, -1, 0)[k], (0, 1, 0, -1)[k]
+            if not self.grid.solid(cells, base, x + dx, y + dy):
+                free[k] = 1
+                tail = self.push(field, queue, base, self.grid.at(x + dx, y + dy), distance, tail)
+        for k in ti.static(range(4)):
+            dx, dy = (1, -1, -1, 1)[k], (1, 1, -1, -1)[k]
+            if free[k] & free[(k + 1) % 4] & (1 - self.grid.solid(cells, base, x + dx, y + dy)):
+                tail = self.push(field, queue, base, self.grid.at(x + dx, y + dy), distance, tail)
+        return tail
+
+    @ti.func
+    def start(self, cells: ti.template(), field: ti.template(), queue: ti.template(), base, px, py):
+        """Begin at the body: on the nodes within half a cell, those with room if there are any."""
+        tail = 0
+        for pass_ in ti.static(range(2)):
+            if tail == 0:
+                for k in range(4):
+                    x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
+                    if ti.static(pass_ == 1) or not self.grid.solid(cells, base, x, y):
+                        tail = self.push(field, queue, base, self.grid.at(x, y), 0, tail)
+        return tail
+
+    @ti.func
+    def choose(
+        self,
+        cells: ti.template(),
+        field: ti.template(),
+        queue: ti.template(),
+        blocks: ti.template(),
+        base,
+        first,
+        px,
+        py,
+        since,
+    ):
+        """The hiding place to look at next, -1 for none, how long ways there may be, and the queue's end.
+
+        Of all blocks with hiding places the one with the most for its way: the root of their number, as the
+        last ones of a block come into sight with the first, over the distance to the nearest.
+        """
+        for k in range(ti.static(2 * self.blocks)):
+            blocks[first + k] = 0
+        head, tail, nearest = 0, self.start(cells, field, queue, base, px, py), FAR
+        while head < tail:
+            node = ti.cast(queue[base + head], ti.i32)
+            distance = ti.cast(field[base + node], ti.i32)
+            if (distance > nearest + FURTHER) | (tail > AT_MOST):
+                break
+            head += 1
+            x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+            # One node of four tells enough.
+            if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
+                nearest = ti.min(nearest, distance)
+                block = ((y >> BLOCK) << ti.static(self.grid.bits - BLOCK)) | (x >> BLOCK)
+                if blocks[first + 2 * block] == 0:
+                    blocks[first + 2 * block + 1] = node
+                blocks[first + 2 * block] += 1
+            tail = self.spread(cells, field, queue, base, node, tail)
+        best, goal, within = 0.0, -1, 0
+        for k in range(ti.static(self.blocks)):
+            number, node = blocks[first + 2 * k], blocks[first + 2 * k + 1]
+            if number > 0:
+                way = ti.cast(field[base + node], ti.f32) + NEAR
+                worth = ti.sqrt(ti.cast(ti.min(number, PLENTY), ti.f32)) / way
+                if worth > best:
+                    best, goal, within = worth, node, ti.cast(field[base + node], ti.i32)
+        return goal, within + DETOUR, tail
+
+    @ti.func
+    def measure(
+        self,
+        cells: ti.template(),
+        field: ti.template(),
+        queue: ti.template(),
+        base,
+        goal,
+        radius,
+        within,
+        px,
+        py,
+    ):
+        """Distances from a goal, and from what is free within ``radius`` nodes of it, to all nodes up to the
+        body's and a little further that may lie on a way of ``within`` nodes; the queue's end. Where nothing
+        there is free, from further away.
+        """
+        tail, x, y = 0, goal & ti.static(self.grid.mask), goal >> ti.static(self.grid.bits)
+        for wider in range(4):
+            if tail == 0:
+                reach = radius + wider
+                for j in range(-reach, reach + 1):
+                    for i in range(-reach, reach + 1):
+                        if not self.grid.solid(cells, base, x + i, y + j):
+                            tail = self.push(field, queue, base, self.grid.at(x + i, y + j), 0, tail)
+        head, last = 0, FAR
+        while head < tail:
+            node = ti.cast(queue[base + head], ti.i32)
+            distance = ti.cast(field[base + node], ti.i32)
+            if distance > last:
+                break
+            head += 1
+            away_x = ti.abs(self.grid.apart(node & ti.static(self.grid.mask), px >> 1))
+            away_y = ti.abs(self.grid.apart(node >> ti.static(self.grid.bits), py >> 1))
+            away = ti.max(away_x, away_y)
+            if away <= 1:
+                last = ti.min(last, distance + BESIDE)
+            if distance + away <= within:
+                tail = self.spread(cells, field, queue, base, node, tail)
+        return tail
+
+    @ti.func
+    def far(self, field: ti.template(), base, px, py):
+        """Distance of a pose from the goal, in half cells, by the nodes about it; ``FAR`` if unknown."""
+        best = FAR
+        for k in range(4):
+            x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
+            distance = ti.cast(field[base + self.grid.at(x, y)], ti.i32)
+            if distance < FAR:
+                best = ti.min(best, 2 * distance + ti.max(ti.abs(2 * x - px), ti.abs(2 * y - py)))
+        return best

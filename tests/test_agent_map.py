@@ -1,0 +1,234 @@
+"""The map: odometry, what it holds against the true house, its ways, what it may depend on, its mirror."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from agent.avoidance import subsume
+from agent.evaluate import play
+from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
+from agent.map.kernel import KIND, NONE, STALE
+from agent.map.ways import FAR
+from agent.policies import Explorer
+from agent.pqn import FORWARD, LEFT, RIGHT
+from agent.world import make_worlds, shield
+from logic import Door, House, Piece, Rect, Room
+from sim import DEFAULT, HouseVectorEnv
+from tests.test_agent_world import mirror
+from tests.worlds import random_house
+
+E = 6
+STEPS = 200
+
+
+@pytest.fixture(scope="module")
+def envs() -> HouseVectorEnv:
+    """Seven furnished houses and the mirror image of the first."""
+    torch.set_num_threads(1)
+    houses = [random_house(seed) for seed in range(E - 1)]
+    return make_worlds([*houses, mirror(houses[0])], E, "mixed")
+
+
+def walked(
+    envs: HouseVectorEnv, maps: Map, steps: int, options: dict[str, Any] | None = None, seed: int = 0
+) -> list[dict[str, np.ndarray]]:
+    """Infos of a walk: the maps' advice, and at random for a fifth of the time, under the shield."""
+    number, layer = envs.num_envs, shield(envs)
+    observation, info = envs.reset(seed=0, options=options or {"house": np.arange(number)})
+    chance = torch.Generator().manual_seed(seed)
+    seen, blocked = torch.as_tensor(observation), torch.zeros(number, dtype=torch.bool)
+    action, fresh, infos = torch.zeros(number, dtype=torch.int64), torch.ones(number).bool(), [info]
+    for _ in range(steps):
+        maps.step(seen, blocked, action, fresh)
+        fresh = torch.zeros(number).bool()
+        # Chance is drawn for one environment, so that a walk does not depend on their number.
+        preference = torch.nn.functional.one_hot(maps.advice, 3).float()
+        if torch.rand((), generator=chance) < 0.2:
+            preference += 2 * torch.rand(3, generator=chance)
+        action = subsume(preference, layer(seen, blocked))
+        observation, _, _, _, info = envs.step(action.numpy())
+        seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
+        infos.append(info)
+    maps.step(seen, blocked, action, fresh)
+    return infos
+
+
+def in_house(maps: Map, e: int, start: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Points (n, 2) in cells of a map's frame as metres in the house, by the pose where the episode began."""
+    octant = round(start[2] / (np.pi / 4)) % 8
+    turn = (octant - octant % 2) * np.pi / 4
+    x, y = points.T * maps.cell
+    east, south = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
+    return np.stack([start[0] + east, start[1] + south], axis=-1)
+
+
+def test_the_map_knows_where_the_body_is(envs):
+    maps = Map(DEFAULT, E)
+    infos = walked(envs, maps, STEPS)
+    for e in range(E):
+        x, y, heading = maps.pose(e)
+        start, end = infos[0]["pose"][e], infos[-1]["pose"][e]
+        np.testing.assert_allclose(in_house(maps, e, start, np.array([[x, y]]))[0], end[:2], atol=1e-4)
+        turned = round((end[2] - start[2]) / (np.pi / 4))
+        assert (heading - turned - round(start[2] / (np.pi / 4)) % 2) % 8 == 0
+
+
+def test_what_is_free_on_the_map_is_floor_and_what_is_taken_holds_a_wall_or_a_piece(envs):
+    maps = Map(DEFAULT, E)
+    infos = walked(envs, maps, STEPS)
+    for e in range(E):
+        sides, cells = _sides(envs.houses[e]), maps.occupancy(e)
+        off = {}
+        for state in (FREE, TAKEN):
+            south, east = np.nonzero(cells == state)
+            middles = np.column_stack([east, south]) - 128 + 0.5
+            at = in_house(maps, e, infos[0]["pose"][e], middles)[:, None]
+            away = np.abs(at - np.clip(at, sides[:, :2], sides[:, 2:])).max(-1)
+            off[state] = away.min(-1) / maps.cell
+        # Every wall is in its cell or within a centimetre of it; hardly a free cell has one in its midst.
+        assert (off[TAKEN] < 0.5 + 0.08).all()
+        assert len(off[FREE]) > 500
+        assert (off[FREE] < 0.4).mean() < 0.02
+
+
+def _sides(house: House) -> np.ndarray:
+    """Sides (n, 4) of rooms and pieces, doors included: west, north, east, south ends."""
+    boxes = [house.floor.box, *(room.box for room in house.rooms)]
+    boxes += [piece.box for room in house.rooms for piece in room.pieces]
+    w, n, e, s = np.array(boxes).T
+    return np.concatenate(
+        [np.stack(side, 1) for side in ((w, n, e, n), (w, s, e, s), (w, n, w, s), (e, n, e, s))]
+    )
+
+
+def test_ways_are_as_long_as_a_graph_of_the_same_cells_has_them(envs):
+    """Against SciPy's Dijkstra: a diagonal step is as long as a straight one, and needs both corners."""
+    maps, checked = Map(DEFAULT, E), 0
+    for steps in (30, 50, 70, 90, 110):
+        walked(envs, maps, steps)
+        for e in range(E):
+            if maps._counts[e, STALE] or maps._counts[e, KIND] == NONE:
+                continue  # the map has grown since its ways were measured
+            taken, ways = maps.occupancy(e) == TAKEN, maps.ways(e)
+            free = ~taken
+            for down, right in ((0, 1), (1, 0), (1, 1)):
+                free &= ~np.roll(taken, (down, right), axis=(0, 1))
+            true = _distances(free, np.flatnonzero((ways == 0) & free))
+            x, y, _ = maps.pose(e)
+            here = (int(y) + 128, int(x) + 128)
+            if x % 1 == y % 1 == 0 and ways[here] < FAR:
+                assert ways[here] == true[here]
+                checked += 1
+            # What a search leaves aside, far from all short ways, can only make others longer.
+            assert (ways[(ways < FAR) & free] >= true[(ways < FAR) & free]).all()
+    assert checked >= E
+
+
+def _distances(free: np.ndarray, sources: np.ndarray) -> np.ndarray:
+    """Nodes from the nearest source, where nodes that are not free are in nobody's way but their own."""
+    number = np.arange(free.size).reshape(free.shape)
+    pairs = []
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        one, other = (
+            (slice(0, 256 - down), slice(max(0, -right), 256 - max(0, right))),
+            (slice(down, 256), slice(max(0, right), 256 + min(0, right))),
+        )
+        both = free[one] & free[other]
+        if down and right:
+            both &= free[other[0], one[1]] & free[one[0], other[1]]
+        pairs.append(np.stack([number[one][both], number[other][both]]))
+    rows, columns = np.concatenate(pairs, axis=1)
+    graph = csr_array((np.ones(len(rows)), (rows, columns)), shape=(free.size, free.size))
+    away = dijkstra(graph, directed=False, unweighted=True, indices=sources, min_only=True)
+    return away.reshape(free.shape)
+
+
+def test_what_was_never_seen_is_not_in_the_map():
+    """A room in the east that the body never turns to: small and empty, or large and furnished."""
+    memories = []
+    table = Piece(8.5, 1.0, 0.5, 0.5, type="table")
+    for depth, pieces in ((2.0, ()), (3.5, (table,))):
+        hidden = Room(6.0, 0.5, depth, 2.5, "hall", pieces, Door(6.0, 1.0, 0.0, 0.762))
+        near = Room(0.0, 4.0, 4.0, 3.0, "hall", (), Door(1.0, 4.0, 0.762, 0.0))
+        worlds = make_worlds([House(Rect(0, 0, 6.0, 4.0), (near, hidden))], 1, "main")
+        options = {"house": [0], "pose": [[3.0, 2.0, np.pi]], "target": [[0.6, 0.6]]}
+        observation, _ = worlds.reset(seed=0, options=options)
+        maps, blocked, fresh = Map(worlds.config, 1), torch.zeros(1).bool(), torch.ones(1).bool()
+        action = torch.tensor([LEFT])
+        for turn in [LEFT, RIGHT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT] * 4:
+            maps.step(torch.as_tensor(observation), blocked, action, fresh)
+            action, fresh = torch.tensor([turn]), torch.zeros(1).bool()
+            observation, _, _, _, info = worlds.step(action.numpy())
+            blocked = torch.as_tensor(info["blocked"])
+        memories.append([array.numpy() for array in maps.arrays.values()])
+    for one, other in zip(*memories, strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_a_map_does_not_depend_on_the_others_of_its_batch(envs):
+    together = Map(DEFAULT, E)
+    walked(envs, together, 100)
+    alone = make_worlds([envs.houses[0]], 1, "mixed")
+    maps = Map(DEFAULT, 1)
+    walked(alone, maps, 100)
+    assert torch.equal(maps.features[0], together.features[0])
+    assert np.array_equal(maps.occupancy(0), together.occupancy(0))
+
+
+def test_a_new_episode_begins_with_an_empty_map(envs):
+    maps, twice = Map(DEFAULT, E), Map(DEFAULT, E)
+    walked(envs, twice, 50, seed=1)
+    for one in (maps, twice):
+        walked(envs, one, 50)
+    assert torch.equal(maps.features, twice.features)
+    assert np.array_equal(maps.arrays["cells"].numpy(), twice.arrays["cells"].numpy())
+
+
+def test_features_of_the_mirror_are_the_mirrors_features():
+    """Rays and actions exchanged left for right, from a straight and a diagonal start; the advice may differ
+    where two ways are equally long, and with it which goal is taken.
+    """
+    house = random_house(0)
+    worlds = make_worlds([house], 2, "mixed")
+    for heading in (0.0, np.pi / 4):
+        start = worlds.reset(seed=3)[1]["pose"][0]
+        options = {"house": [0, 0], "pose": [[*start[:2], heading]] * 2}
+        observation, _ = worlds.reset(seed=0, options=options)
+        one, other = Map(DEFAULT, 1), Map(DEFAULT, 1)
+        no, fresh, action = torch.zeros(1).bool(), torch.ones(1).bool(), torch.tensor([LEFT])
+        agree = []
+        blocked = no
+        for turn in [LEFT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT, LEFT, FORWARD] * 4:
+            seen = torch.as_tensor(observation[:1])
+            flipped = torch.where(action == FORWARD, action, RIGHT - action)
+            one.step(seen, blocked, action, fresh)
+            other.step(seen.flip(1), blocked, flipped, fresh)
+            agree.append((mirrored_features(one.features) - other.features).abs() < 1e-4)
+            assert abs((one.occupancy(0) > 0).sum() / (other.occupancy(0) > 0).sum() - 1) < 0.03
+            action, fresh = torch.tensor([turn]), no
+            observation, _, _, _, info = worlds.step(np.array([turn, turn]))
+            blocked = torch.as_tensor(info["blocked"][:1])
+        assert torch.cat(agree).float().mean() > 0.9
+    features = torch.rand(3, FEATURES)
+    assert torch.equal(mirrored_features(mirrored_features(features)), features)
+
+
+def test_the_explorer_finds_targets_behind_walls(envs):
+    """Far more than a target-blind walk, in every house; and the map knows how many it picked up."""
+    worlds = make_worlds(envs.houses, E, "secondary")
+    explorer = Explorer(shield(worlds), worlds.config)
+    score = play("explorer", worlds, explorer, seed=0)
+    assert (score.targets >= 3).all()
+    assert score.blocked <= score.steps * 0.001
+    found = explorer.surveyor.map.found.numpy()
+    assert np.abs(found - score.targets).sum() <= 0.1 * score.targets.sum()
+
+
+def test_episodes_longer_than_a_cell_can_tell_are_refused():
+    with pytest.raises(ValueError, match="16,38"):
+        Map(replace(DEFAULT, steps=20_000), 1)
