@@ -176,8 +176,8 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                 if note[DONE] >= note[LENGTH]:
                     note[DONE] = 0
                     note[LENGTH] = think.plan(
-                        rows, spots, samples, ways, shown, left, sampled, distance, queue, plan,
-                        row, e, slot, slots, count, state, note[KNOWN],
+                        numbers, indices, rows, spots, samples, origins, ways, shown, left, sampled,
+                        distance, queue, plan, row, e, slot, slots, count, state, note[KNOWN],
                     )  # fmt: skip
                 answer[e] = 0
                 if note[LENGTH] > 0:
@@ -255,9 +255,10 @@ class _Thought:
 
     @ti.func
     def plan(
-        self, rows: ti.template(), spots: ti.template(), samples: ti.template(), ways: ti.template(),
-        shown: ti.template(), left: ti.template(), sampled: ti.template(), distance: ti.template(),
-        queue: ti.template(), plan: ti.template(), row, e, slot, slots, count, state, known,
+        self, numbers: ti.template(), indices: ti.template(), rows: ti.template(), spots: ti.template(),
+        samples: ti.template(), origins: ti.template(), ways: ti.template(), shown: ti.template(),
+        left: ti.template(), sampled: ti.template(), distance: ti.template(), queue: ti.template(),
+        plan: ti.template(), row, e, slot, slots, count, state, known,
     ):  # fmt: skip
         """Search for ways from here to all poses, nearest first, until no pose further away can be better;
         note the first actions of the way to the best. How many.
@@ -288,16 +289,19 @@ class _Thought:
                     goal, searching = pose, False
             elif total / cost <= best:
                 searching = False
-            elif away > 0 and i % ti.static(self.pitch) == 0 and j % ti.static(self.pitch) == 0:
-                view = (
-                    row[VIEW]
-                    + 8 * (i // ti.static(self.pitch) * across + j // ti.static(self.pitch))
-                    + heading
-                )
+            elif away > 0:
                 gain = 0
-                for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
-                    both = shown[view * words + word] & sampled[slot * words + word]
-                    gain += ti.math.popcnt(both)
+                if i == state.cell[0] and j == state.cell[1]:
+                    cell = ti.Vector([i, j, heading])
+                    gain = self.turned(
+                        numbers, indices, spots, samples, origins, sampled, row, slot * words, state, cell
+                    )
+                elif i % ti.static(self.pitch) == 0 and j % ti.static(self.pitch) == 0:
+                    view = i // ti.static(self.pitch) * across + j // ti.static(self.pitch)
+                    view = (row[VIEW] + 8 * view + heading) * words
+                    for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
+                        both = shown[view + word] & sampled[slot * words + word]
+                        gain += ti.math.popcnt(both)
                 if gain / cost > best:
                     goal, best = pose, gain / cost
             if searching:
@@ -318,6 +322,23 @@ class _Thought:
         for k in range(base, base + tail):
             distance[base + queue[k]] = ti.u16(0)
         return length
+
+    @ti.func
+    def turned(
+        self, numbers: ti.template(), indices: ti.template(), spots: ti.template(), samples: ti.template(),
+        origins: ti.template(), sampled: ti.template(), row, base, state, cell,
+    ):  # fmt: skip
+        """How many of the samples that are left a look from a cell would show."""
+        corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
+        distance = self.looks.distances(numbers, indices, state.house, state.origin, cell)
+        window, gain = self.looks.window(distance, corner, state.origin, cell), 0
+        for k in range(row[SAMPLED]):
+            at = 2 * (row[SPOT] + samples[row[SAMPLE] + k])
+            i, j = spots[at], spots[at + 1]
+            inside = window[0] <= i <= window[1] and window[2] <= j <= window[3]
+            if inside and sampled[base + k // ti.static(WORD)] & bit(k):
+                gain += self.looks.meets(distance, state.origin, cell, self.looks.spot(corner, i, j))
+        return gain
 
     @ti.func
     def found(self, distance: ti.template(), queue: ti.template(), base, tail, pose, away):
