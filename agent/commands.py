@@ -81,6 +81,7 @@ class Evaluate:
 
     def run(self) -> int:
         """Print the tables, or the JSON."""
+        import torch
         from rich.console import Console
 
         from agent import scoreboard
@@ -90,6 +91,7 @@ class Evaluate:
         from logic import load
         from logic.files import write_whole
 
+        torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         networks = self._networks()
         houses = load(self.houses) if self.houses else benchmark()
         bank = {

@@ -165,6 +165,8 @@ def _players(axes: Axes, result: Result) -> None:
         )
     _human(axes.axvline, result)
     axes.set_yticks(range(len(names)), names)
+    for label, name in zip(axes.get_yticklabels(), names, strict=True):
+        label.set_color(COLOURS.get(name, OTHER))
     axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel="ratio to the oracle")
     axes.set_title(f"Targets in {WHERE.get(result.targets, result.targets)}")
     if result.targets in HUMAN:

@@ -80,8 +80,8 @@ class Looks:
     def meets(self, distance: ti.template(), origin, cell, spot):
         """Whether a target at a spot is under the body or before the end of one of the rays (i32)."""
         met = self.episodes.overlaps(origin, cell, spot)
-        if not met:
-            offset = spot - self.backend.body.eye(origin, cell)
+        offset = spot - self.backend.body.eye(origin, cell)
+        if not met and self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]]):
             away = offset.norm()
             # Only rays whose bearing is about the spot's can meet a target there.
             bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - 45.0 * cell[2]
