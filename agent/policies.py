@@ -12,6 +12,12 @@ from agent.network import QNetwork
 from agent.pqn import ACTIONS
 from sim.config import DEFAULT, Config
 
+DEFERENCE = 0.03
+"""How much better than the action that a map advises another must look to a network for it to be preferred,
+in targets. Actions differ by a hundredth or so, and what a network knows of them is no better: without this
+it dithers where any action would do if it were kept to.
+"""
+
 
 class Policy(Protocol):
     """Anything that acts. It counts how often its avoidance layer overruled what it would have done."""
@@ -48,6 +54,38 @@ class Surveyor:
         return self.map
 
 
+class Stack:
+    """Behaviours one over the other, the highest first: each chooses among what those above it leave, and is
+    not heard where it wants nothing of that. ``Stack(shield, Explore(surveyor))`` over a network is Brooks's
+    avoid over explore over the rest.
+    """
+
+    def __init__(self, *layers: Layer) -> None:
+        """Stack these layers."""
+        self.layers = layers
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Which actions (E, A) bool are left."""
+        left = self.layers[0](observation, blocked)
+        for layer in self.layers[1:]:
+            wanted = left & layer(observation, blocked)
+            left = torch.where(wanted.any(-1, keepdim=True), wanted, left)
+        return left
+
+
+class Explore:
+    """A layer: while no target is known, go where one may hide."""
+
+    def __init__(self, surveyor: Surveyor) -> None:
+        """Read the maps that a policy keeps with ``surveyor``."""
+        self.surveyor = surveyor
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """What the map advises (E, A) bool, or anything where a target is known."""
+        map = self.surveyor.map
+        return one_hot(map.advice, ACTIONS).bool() | ~map.seeks[:, None]
+
+
 class QPolicy:
     """The network's best allowed action, or now and then a random allowed one."""
 
@@ -58,17 +96,18 @@ class QPolicy:
         generator: torch.Generator,
         epsilon: float = 0.01,
         forward: float = 0.93,
-        world: Config = DEFAULT,
+        surveyor: Surveyor | None = None,
     ) -> None:
         """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
 
-        A hundredth is what a body needs to leave a loop that it does not know it is in. A network that reads
-        a map has one of the ``world`` that it is in.
+        A hundredth is what a body needs to leave a loop that it does not know it is in. ``surveyor`` keeps
+        the maps that the network or a layer reads; a network that reads them has one of the default world.
         """
         self.network, self.avoidance, self.generator = network, avoidance, generator
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
         self.remembered = network.memory.empty(0)
-        self.surveyor = Surveyor(world) if network.shape[3] else None
+        self.reads = bool(network.shape[3])
+        self.surveyor = surveyor or (Surveyor(DEFAULT) if self.reads else None)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
@@ -80,8 +119,10 @@ class QPolicy:
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
-        features = self.surveyor.look(observation, blocked).features if self.surveyor else None
-        q = self.network(observation, self.remembered, features)
+        map = self.surveyor.look(observation, blocked) if self.surveyor else None
+        q = self.network(observation, self.remembered, map.features if map and self.reads else None)
+        if map and self.reads:
+            q = deferring(q, map.advice)
         preference = explore(q, self.generator, self.epsilon, self.forward)
         actions = subsume(preference, self.avoidance(observation, blocked))
         self.interventions += int((actions != preference.argmax(-1)).sum())
@@ -133,6 +174,11 @@ class RandomPolicy:
         actions = subsume(preference, allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         return actions
+
+
+def deferring(q: Tensor, advice: Tensor) -> Tensor:
+    """Preferences (E, A): the Q-values, with ``DEFERENCE`` more for what a map advises (E,) int64."""
+    return q + DEFERENCE * one_hot(advice, ACTIONS).to(q.dtype)
 
 
 def explore(

@@ -9,7 +9,7 @@ from torch import Tensor
 from agent.avoidance import Layer, best_value, subsume
 from agent.map import Map
 from agent.network import QNetwork
-from agent.policies import explore
+from agent.policies import deferring, explore
 from sim import HouseVectorEnv
 
 NEW = 40
@@ -33,7 +33,7 @@ class Rollout:
     """What the map tells at each state (T + 1, E, F) float32; F is 0 where there is none."""
 
     v: Tensor
-    """Greatest allowed Q-value (T + 1, E) float32 of each state."""
+    """Q-value (T + 1, E) float32 of what the network, under avoidance, would do in each state."""
 
     a: Tensor
     """Executed actions (T, E) int64: what the avoidance layer let through."""
@@ -112,10 +112,11 @@ class Rollout:
         self.overruled, self.simulating, self.mapping = 0, 0.0, 0.0
         for t in range(len(self.a)):
             q = network(self.s[t], self.memory[t], self.features[t])
-            allowed = avoidance(self.s[t], self.blocked[t])
-            advice = self.map.advice if self.map and guided else None
-            preference = explore(q, generator, epsilon, forward, advice, guided)
-            self.v[t], self.a[t], self.valid[t] = best_value(q, allowed), subsume(preference, allowed), ~ended
+            allowed, advice = avoidance(self.s[t], self.blocked[t]), self.map.advice if self.map else None
+            self.v[t] = value(q, allowed, advice)
+            preference = q if advice is None else deferring(q, advice)
+            preference = explore(preference, generator, epsilon, forward, advice if guided else None, guided)
+            self.a[t], self.valid[t] = subsume(preference, allowed), ~ended
             self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
             before = perf_counter()
             observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
@@ -133,4 +134,12 @@ class Rollout:
                 self.features[t + 1] = self.map.features
                 self.bonus[t] = self.map.progress.clamp(-1, 1) + self.map.new.clamp(max=NEW) / NEW
         q = network(self.s[-1], self.memory[-1], self.features[-1])
-        self.v[-1] = best_value(q, avoidance(self.s[-1], self.blocked[-1]))
+        allowed = avoidance(self.s[-1], self.blocked[-1])
+        self.v[-1] = value(q, allowed, self.map.advice if self.map else None)
+
+
+def value(q: Tensor, allowed: Tensor, advice: Tensor | None) -> Tensor:
+    """The Q-value (E,) of what will be done: the best allowed, or what is preferred to a map's advice."""
+    if advice is None:
+        return best_value(q, allowed)
+    return q.gather(1, subsume(deferring(q, advice), allowed)[:, None]).squeeze(1)

@@ -10,12 +10,16 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from agent.avoidance import subsume
+from agent.config import Config
 from agent.evaluate import play
 from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
 from agent.map.kernel import KIND, NONE, STALE
 from agent.map.ways import FAR
-from agent.policies import Explorer
+from agent.network import seeded_network
+from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
 from agent.pqn import FORWARD, LEFT, RIGHT
+from agent.rollout import value
+from agent.train import learn
 from agent.world import make_worlds, shield
 from logic import Door, House, Piece, Rect, Room
 from sim import DEFAULT, HouseVectorEnv
@@ -227,6 +231,62 @@ def test_the_explorer_finds_targets_behind_walls(envs):
     assert score.blocked <= score.steps * 0.001
     found = explorer.surveyor.map.found.numpy()
     assert np.abs(found - score.targets).sum() <= 0.1 * score.targets.sum()
+
+
+def test_behaviours_stack_avoid_over_explore_over_network(envs):
+    """While no target is known the map decides, then the network does; the shield overrules both."""
+    network, surveyor, layer = seeded_network(0), Surveyor(envs.config), shield(envs)
+    stacked = QPolicy(
+        *(network, Stack(layer, Explore(surveyor)), torch.Generator().manual_seed(0)),
+        epsilon=0.0,
+        surveyor=surveyor,
+    )
+    seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(E).bool()
+    stacked.begin(E)
+    sought = 0
+    for _ in range(150):
+        remembered = stacked.remembered
+        actions, seeks = stacked(seen, blocked), surveyor.map.seeks
+        with torch.no_grad():
+            alone = subsume(network(seen, remembered), layer(seen, blocked))
+        assert torch.equal(actions, torch.where(seeks, surveyor.map.advice, alone))
+        sought += int(seeks.sum())
+        observation, _, _, _, info = envs.step(actions.numpy())
+        seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
+    assert 0 < sought < 150 * E
+
+
+def test_a_layer_that_wants_what_is_forbidden_is_not_heard():
+    def only(*actions: int) -> Any:
+        wanted = torch.tensor([[action in actions for action in range(3)]])
+        return lambda observation, blocked: wanted
+
+    scene, no = torch.zeros(1, 40, 2), torch.zeros(1).bool()
+    assert Stack(only(LEFT, RIGHT), only(FORWARD))(scene, no).tolist() == [[True, True, False]]
+    assert Stack(only(LEFT, RIGHT), only(FORWARD, LEFT))(scene, no).tolist() == [[True, False, False]]
+    assert Stack(only(LEFT, RIGHT), only(RIGHT), only(LEFT))(scene, no).tolist() == [[False, True, False]]
+
+
+def test_a_network_defers_to_the_map_where_actions_are_worth_the_same():
+    q = torch.tensor([[0.5, 0.51, 0.5], [0.5, 0.6, 0.5]])
+    advice = torch.tensor([FORWARD, FORWARD])
+    assert deferring(q, advice).argmax(-1).tolist() == [FORWARD, RIGHT]
+    everything = torch.ones(2, 3).bool()
+    assert value(q, everything, advice).tolist() == pytest.approx([0.5, 0.6])
+    assert value(q, everything, None).tolist() == pytest.approx([0.51, 0.6])
+
+
+def test_learning_with_a_map_is_a_function_of_the_seed(envs):
+    config = Config(map=True, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200)
+
+    def trained() -> dict[str, torch.Tensor]:
+        network = seeded_network(0, features=FEATURES)
+        progress = list(learn(envs, network, shield(envs), config))
+        assert progress[-1].map > 0
+        return network.state_dict()
+
+    one, same = trained(), trained()
+    assert all(torch.equal(one[name], same[name]) for name in one)
 
 
 def test_episodes_longer_than_a_cell_can_tell_are_refused():

@@ -15,8 +15,8 @@ FAR = (1 << 16) - 1
 BLOCK = 4
 """Hiding places are weighed by blocks of 2^4 by 2^4 nodes, some 2.3 m."""
 
-FURTHER, AT_MOST = 60, 9000
-"""A search for a hiding place ends so many nodes behind the first one, or after so many in all."""
+AT_MOST = 9000
+"""A search for a hiding place ends after so many nodes."""
 
 DETOUR = 16
 """Nodes by which a way may be longer than the shortest for its nodes to be measured."""
@@ -102,31 +102,34 @@ class Ways:
         """
         for k in range(ti.static(2 * self.blocks)):
             blocks[first + k] = 0
-        head, tail, nearest = 0, self.start(cells, field, queue, base, px, py), FAR
+        head, tail = 0, self.start(cells, field, queue, base, px, py)
+        best, goal, within = 0.0, -1, 0
         while head < tail:
             node = ti.cast(queue[base + head], ti.i32)
             distance = ti.cast(field[base + node], ti.i32)
-            if (distance > nearest + FURTHER) | (tail > AT_MOST):
+            # So far away, no block can be worth more than the best one.
+            if (self.worth(PLENTY, distance) < best) | (tail > AT_MOST):
                 break
             head += 1
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
             # One node of four tells enough.
             if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
-                nearest = ti.min(nearest, distance)
-                block = ((y >> BLOCK) << ti.static(self.grid.bits - BLOCK)) | (x >> BLOCK)
-                if blocks[first + 2 * block] == 0:
-                    blocks[first + 2 * block + 1] = node
-                blocks[first + 2 * block] += 1
-            tail = self.spread(cells, field, queue, base, node, tail)
-        best, goal, within = 0.0, -1, 0
-        for k in range(ti.static(self.blocks)):
-            number, node = blocks[first + 2 * k], blocks[first + 2 * k + 1]
-            if number > 0:
-                way = ti.cast(field[base + node], ti.f32) + NEAR
-                worth = ti.sqrt(ti.cast(ti.min(number, PLENTY), ti.f32)) / way
+                block = first + 2 * (((y >> BLOCK) << ti.static(self.grid.bits - BLOCK)) | (x >> BLOCK))
+                if blocks[block] == 0:
+                    blocks[block + 1] = node
+                blocks[block] += 1
+                near = ti.cast(field[base + blocks[block + 1]], ti.i32)
+                worth = self.worth(blocks[block], near)
                 if worth > best:
-                    best, goal, within = worth, node, ti.cast(field[base + node], ti.i32)
+                    best, goal, within = worth, blocks[block + 1], near
+            tail = self.spread(cells, field, queue, base, node, tail)
         return goal, within + DETOUR, tail
+
+    @ti.func
+    def worth(self, number, distance):
+        """What so many hiding places are worth so far away, squared."""
+        way = ti.cast(distance, ti.f32) + NEAR
+        return ti.cast(ti.min(number, PLENTY), ti.f32) / (way * way)
 
     @ti.func
     def measure(
