@@ -408,7 +408,15 @@ class Learner:
             self.learn_after(begun.nonzero().flatten().tolist())
         every = self.config.every
         if every and self.replay.written % every == 0 and self.warm:
-            self.update(*self.replay.draw(self.config.batch, self.config.horizon, self.generator))
+            self.update(self.sample(*self.draw()))
+
+    def draw(self) -> tuple[Tensor, Tensor]:
+        """Rows and worlds, (B,) int64 each, of a batch by chance."""
+        return self.replay.draw(self.config.batch, self.config.horizon, self.generator)
+
+    def sample(self, rows: Tensor, worlds: Tensor) -> Batch:
+        """What the memory holds of these steps."""
+        return self.replay.batch(rows, worlds, self.config.horizon, self.config.discount)
 
     @property
     def warm(self) -> bool:
@@ -460,18 +468,18 @@ class Learner:
             begin, self.began[world] = int(self.began[world]), now
             if config.every or not self.warm:
                 continue
-            rows, of = self.replay.draw(config.batch, config.horizon, self.generator)
+            rows, of = self.draw()
             if config.rewarded:
                 found = self.replay.rewarded(world, begin, now - config.horizon)[: config.batch]
                 rows[: len(found)], of[: len(found)] = found, world
             mixed = torch.randperm(config.batch, generator=self.generator)
-            for part in mixed.chunk(config.minibatches):
-                self.update(rows[part], of[part])
+            batch = self.sample(rows[mixed], of[mixed])
+            for part in zip(*(field.chunk(config.minibatches) for field in batch), strict=True):
+                self.update(Batch(*part))
 
-    def update(self, rows: Tensor, worlds: Tensor) -> None:
-        """Learn from the steps at these rows (B,) of these worlds (B,)."""
+    def update(self, batch: Batch) -> None:
+        """Learn from a batch."""
         config = self.config
-        batch = self.replay.batch(rows, worlds, config.horizon, config.discount)
         if config.mirror and self.updates % 2:
             batch = batch.seen_in_the_mirror()
         with torch.no_grad():
@@ -497,7 +505,8 @@ class Learner:
     def state(self) -> dict[str, Any]:
         """All that the run's next steps depend on: tensors and plain values, for ``torch.save``.
 
-        Between two reports of ``train_dqn``; with it a run goes on bit for bit on the CPU.
+        Between two reports of ``train_dqn``; with it a run goes on bit for bit on the CPU. The tensors are
+        the run's own: write them before it goes on.
         """
         return {
             "config": asdict(self.config),

@@ -144,7 +144,7 @@ def test_steps_that_the_world_ignored_teach_nothing(envs):
     for _ in range(8):
         learner.act()
     learner.replay.kept["valid"][:] = False
-    learner.update(*learner.replay.draw(16, 3, learner.generator))
+    learner.update(learner.sample(*learner.replay.draw(16, 3, learner.generator)))
     assert float(learner.losses[-1]) == 0
     assert all(float(weight.grad.abs().max()) == 0 for weight in learner.network.parameters())
 
@@ -229,14 +229,15 @@ def test_the_papers_rate_and_epsilon_fall_as_theirs_did(envs):
     assert learner.epsilon == 0.025
     for _ in range(8):
         learner.act()
-    learner.update(*learner.replay.draw(1, 1, learner.generator))
+    learner.update(learner.sample(*learner.replay.draw(1, 1, learner.generator)))
     assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(2e-6, rel=1e-3)
 
 
 def test_the_paper_replays_once_after_each_episode_with_all_that_brought_reward(envs, monkeypatch):
     config = replace(PRESETS["paper"], world="default", network="traces", environments=E, minibatches=1)
     learner, replayed = Learner(config, envs), []
-    monkeypatch.setattr(learner, "update", lambda rows, worlds: replayed.append((rows, worlds)))
+    sample = learner.sample
+    monkeypatch.setattr(learner, "sample", lambda *at: replayed.append(at) or sample(*at))
     for _ in range(205):
         learner.advance()
     assert learner.episodes == len(replayed) == 2 * E
