@@ -39,6 +39,10 @@ class QNetwork(nn.Module):
             nn.ReLU(),
             nn.Linear(width, ACTIONS),
         )
+        if features:
+            # All actions are worth nothing at first, so that a new network does what its map advises.
+            for weights in self.judge[-1].parameters():
+                nn.init.zeros_(weights)
 
     def forward(self, observation: Tensor, memory: Tensor, features: Tensor | None = None) -> Tensor:
         """Q-values (B, A), in discounted targets.

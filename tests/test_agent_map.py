@@ -276,6 +276,18 @@ def test_a_network_defers_to_the_map_where_actions_are_worth_the_same():
     assert value(q, everything, None).tolist() == pytest.approx([0.51, 0.6])
 
 
+def test_a_new_network_with_a_map_does_what_it_advises(envs):
+    policy = QPolicy(seeded_network(0, features=FEATURES), shield(envs), torch.Generator(), epsilon=0.0)
+    seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(E).bool()
+    policy.begin(E)
+    for _ in range(50):
+        actions = policy(seen, blocked)
+        assert policy.surveyor
+        assert torch.equal(actions, policy.surveyor.map.advice)
+        observation, _, _, _, info = envs.step(actions.numpy())
+        seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
+
+
 def test_learning_with_a_map_is_a_function_of_the_seed(envs):
     config = Config(map=True, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200)
 
