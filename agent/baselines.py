@@ -4,6 +4,7 @@
 |---|---|
 | random + avoidance | its rays: the paper's random walk under the paper's rule (``RandomPolicy``) |
 | script | its rays: to a target in sight, else around and at random (``Script``) |
+| explorer | its rays, and its own map of what they showed: to where a target may be (``Explorer``) |
 | searcher | the house, and where a target may still be |
 | oracle | the house and the target |
 
@@ -18,7 +19,7 @@ import torch
 from torch import Tensor, nn
 
 from agent.avoidance import ACTIONS, FORWARD, LEFT, RIGHT, Layer, PaperRule, random_preference, subsume
-from agent.policies import Policy, RandomPolicy
+from agent.policies import Explorer, Policy, RandomPolicy
 from agent.world import shield
 from sim import HouseVectorEnv
 from sim.oracle import Oracle
@@ -100,6 +101,7 @@ def baselines(envs: HouseVectorEnv, seed: int) -> dict[str, Callable[[], Policy]
     return {
         "random + avoidance": lambda: RandomPolicy(PaperRule(rng := chance()), rng),
         "script": lambda: Script(ray_angles(envs), shield(envs), chance()),
+        "explorer": lambda: Explorer(shield(envs), envs.config),
         "searcher": searcher,
         "oracle": lambda: Told(Oracle(envs).act),
     }

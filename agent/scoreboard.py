@@ -17,6 +17,7 @@ COLOURS = {
     "agent": "#1f5ea8",
     "random + avoidance": "#8b8f96",
     "script": "#7a9a3a",
+    "explorer": "#2f9c95",
     "searcher": "#a5518e",
     "oracle": "#c96a12",
 }
