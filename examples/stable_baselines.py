@@ -1,0 +1,70 @@
+"""Stable-Baselines3 in our houses: its DQN or PPO.
+
+./run python examples/stable_baselines.py houses.jsonl --algorithm dqn --avoid
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import torch
+import tyro
+from stable_baselines3 import DQN, PPO
+from task import Task
+from torch import Tensor
+from torch.nn.functional import one_hot
+
+from sim.stable_baselines import StableBaselinesVecEnv
+
+
+@dataclass(frozen=True)
+class Example(Task):
+    """Train an agent of Stable-Baselines3 and measure it beside the oracle."""
+
+    algorithm: Literal["dqn", "ppo"] = "ppo"
+    """How it learns."""
+
+    def run(self) -> None:
+        """Learn from all the steps, then play."""
+        envs, seed = StableBaselinesVecEnv(self.worlds()), self.seed
+        if self.algorithm == "dqn":
+            # A batch for every 16 steps: so often is each one seen.
+            model = DQN(
+                "MlpPolicy",
+                envs,
+                learning_rate=1e-3,
+                buffer_size=200_000,
+                learning_starts=min(10_000, self.steps // 10),
+                batch_size=256,
+                train_freq=1,
+                gradient_steps=max(1, self.environments // 16),
+                target_update_interval=2_000,
+                exploration_fraction=0.3,
+                policy_kwargs={"net_arch": [128, 128]},
+                seed=seed,
+                device="cpu",
+            )
+        else:
+            model = PPO(
+                "MlpPolicy",
+                envs,
+                n_steps=max(2, min(64, self.steps // self.environments)),
+                batch_size=1024,
+                n_epochs=4,
+                learning_rate=1e-3,
+                ent_coef=0.01,
+                policy_kwargs={"net_arch": [128, 128]},
+                seed=seed,
+                device="cpu",
+            )
+        model.learn(self.steps)
+
+        def act(observation: Tensor) -> Tensor:
+            """By chance, as both explore a little: a body that remembers nothing would turn to and fro."""
+            actions, _ = model.predict(observation.numpy(), deterministic=False)
+            return one_hot(torch.from_numpy(actions), 3).float()
+
+        self.score(f"SB3 {self.algorithm.upper()}", act)
+
+
+if __name__ == "__main__":
+    tyro.cli(Example).run()

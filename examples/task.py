@@ -1,0 +1,143 @@
+"""What the examples share: their options, our avoidance layer as a wrapper, and the score at the end.
+
+It is that of ``vitruvius evaluate``: an episode in each held-out house, the same starts and the same targets
+in the same order for all players, as a ratio to the oracle. The JSON has the form of that command's.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import gymnasium
+import numpy as np
+import torch
+import tyro
+from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
+from torch import Tensor
+from torch.nn.functional import one_hot
+
+from agent import banks, scoreboard
+from agent.avoidance import ACTIONS, subsume
+from agent.baselines import baselines
+from agent.evaluate import begin, play
+from agent.protocol import Result
+from agent.world import make_worlds, shield
+from logic import load
+from logic.files import write_whole
+from sim import Oracle
+from sim.lookout import Lookout
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is learnt in, for how long, and what is measured in."""
+
+    houses: Annotated[Path, tyro.conf.Positional]
+    """House file to learn in: vitruvius generate makes one."""
+
+    held_out: Path | None = None
+    """House file to be measured in; by default the benchmark bank."""
+
+    targets: Literal["main", "secondary", "mixed"] = "main"
+    """Where targets lie."""
+
+    steps: int = 500_000
+    """Environment steps to learn from."""
+
+    environments: int = 64
+    """Worlds stepped at once."""
+
+    avoid: bool = False
+    """Put our avoidance layer over the agent: a step into something becomes a turn."""
+
+    seed: int = 0
+    """Of the training. Starts and targets that are measured with do not depend on it."""
+
+    json: Path | None = None
+    """File for all figures, and each house's."""
+
+    def worlds(self) -> VectorEnv:
+        """The worlds to learn in. They begin the next episode in the step that ends one."""
+        banks.require_training(load(self.houses), self.houses)
+        envs = gymnasium.make_vec(
+            "sim:Vitruvius/House-v0",
+            num_envs=self.environments,
+            houses=str(self.houses),
+            targets=self.targets,
+            seed=self.seed,
+            autoreset_mode="SameStep",
+        )
+        return Avoiding(envs) if self.avoid else envs
+
+    def score(self, name: str, act: Callable[[Tensor], Tensor]) -> Result:
+        """Measure, print and write how good a player is: preferences (E, 3) for observations (E, 40, 2)."""
+        name += " + avoidance" if self.avoid else ""
+        houses = load(self.held_out) if self.held_out else banks.benchmark()
+        envs = make_worlds(houses, len(houses), self.targets)
+        begin(envs, seed=0)
+        shortest = np.array([np.inf if way is None else len(way) for way in Oracle(envs).paths()])
+        players = {name: Player(act, envs if self.avoid else None), "oracle": baselines(envs, 0)["oracle"]()}
+        watch = Lookout(envs)
+        scores = {each: (play(each, envs, player, 0, watch=watch),) for each, player in players.items()}
+        result = Result(self.targets, np.array([len(house.rooms) for house in houses]), shortest, scores)
+        if self.json:
+            file = str(self.held_out or banks.NAME)
+            bank = {"file": file, "houses": len(houses), "hash": banks.bank_hash(houses)}
+            record = {"agents": [name], "steps": self.steps, "bank": bank, "seed": 0}
+            write_whole(self.json, json.dumps(record | scoreboard.record([result])).encode())
+        print(
+            f"{name}, {self.steps:,} steps: {scores[name][0].count().text(1)} targets, "
+            f"{result.ratio(name).text()} of the oracle's, {self.targets}, {len(houses)} houses"
+        )
+        return result
+
+
+class Avoiding(VectorWrapper):
+    """Worlds under our avoidance layer: an agent's step into something becomes a turn to the left."""
+
+    def __init__(self, env: VectorEnv) -> None:
+        """Guard the worlds' body as its rays tell."""
+        super().__init__(env)
+        self.autoreset_mode: AutoresetMode = env.metadata["autoreset_mode"]  # TorchRL asks for it
+        self.shield = shield(env.unwrapped)  # pyright: ignore[reportArgumentType]
+
+    def reset(self, **kwargs: Any) -> tuple[Any, dict[str, Any]]:
+        """As the worlds do."""
+        seen, info = self.env.reset(**kwargs)
+        self.allowed = self.allows(seen, info)
+        return seen, info
+
+    def step(self, actions: Any) -> tuple[Any, ...]:
+        """Make those of the actions (E,) that are allowed."""
+        made = subsume(one_hot(torch.as_tensor(actions), ACTIONS).float(), self.allowed)
+        seen, *rest, info = self.env.step(made.numpy())
+        self.allowed = self.allows(seen, info)
+        return seen, *rest, info
+
+    def allows(self, seen: Any, info: dict[str, Any]) -> Tensor:
+        """Which actions (E, 3) bool may come next. Found at once, as what is returned is the caller's."""
+        return self.shield(torch.from_numpy(seen), torch.from_numpy(info["blocked"]))
+
+
+class Player:
+    """A function from observations to preferences as a ``Policy``, by itself or under avoidance."""
+
+    def __init__(self, act: Callable[[Tensor], Tensor], envs: Any = None) -> None:
+        """Avoid what the body of the worlds meets, if they are given."""
+        self.act, self.avoidance, self.interventions = act, shield(envs) if envs else None, 0
+
+    def begin(self, environments: int) -> None:
+        """An episode begins: these players remember nothing."""
+        self.interventions = 0
+
+    @torch.no_grad()
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        preference = self.act(observation)
+        if self.avoidance is None:
+            return preference.argmax(1)
+        actions = subsume(preference, self.avoidance(observation, blocked))
+        self.interventions += int((actions != preference.argmax(1)).sum())
+        return actions

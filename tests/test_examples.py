@@ -1,0 +1,103 @@
+"""Other people's learners in our houses: each example learns, plays, and writes what ``evaluate`` would."""
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from gymnasium.vector import AutoresetMode
+
+from agent.banks import benchmark
+from logic import HouseFileError, generate, save
+from sim import check_vector_env
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+LIBRARIES = {"stable_baselines": "stable_baselines3", "torchrl_ppo": "torchrl", "one_file": "torch"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def path():
+    """Scripts import what lies beside them; batches are small, so that one thread is best."""
+    torch.set_num_threads(1)
+    sys.path.insert(0, str(EXAMPLES))
+    yield
+    sys.path.remove(str(EXAMPLES))
+
+
+@pytest.fixture(scope="module")
+def houses(tmp_path_factory):
+    file = tmp_path_factory.mktemp("banks") / "houses.jsonl"
+    save(generate(rooms=2, seed=0, count=2), file)
+    return file
+
+
+def example(name: str) -> ModuleType:
+    """The script as a module, which the library that it needs is there for."""
+    pytest.importorskip(LIBRARIES.get(name, "torch"))
+    spec = importlib.util.spec_from_file_location(f"example_{name}", EXAMPLES / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("stable_baselines", {"algorithm": "dqn", "avoid": True}),
+        ("stable_baselines", {"algorithm": "ppo"}),
+        ("torchrl_ppo", {"avoid": True}),
+        ("one_file", {"avoid": True}),
+    ],
+)
+def test_an_example_learns_plays_and_writes_its_score(name, options, houses, tmp_path, capsys):
+    file = tmp_path / "score.json"
+    run = example(name).Example(houses, held_out=houses, steps=256, environments=4, json=file, **options).run
+    run()
+    line = capsys.readouterr().out.splitlines()[-1]
+    record: dict[str, Any] = json.loads(file.read_text())
+    (player,) = record["agents"]
+    assert line.startswith(f"{player}, 256 steps: ")
+    assert player.endswith(" + avoidance") == options.get("avoid", False)
+    assert record["bank"]["houses"] == 2
+    mode = record["targets"]["main"]
+    assert set(mode["players"]) == {player, "oracle"}
+    assert mode["players"]["oracle"]["figures"]["ratio"]["value"] == 1
+    (run,) = mode["players"][player]["runs"]
+    assert run["steps"] == 2 * 1500
+    if "avoid" in options:
+        assert run["interventions"] > 0
+        assert run["blocked"] < 100
+
+
+def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bump(houses):
+    task = example("task")
+    free, avoiding = (task.Task(houses, environments=4, avoid=avoid).worlds() for avoid in (False, True))
+    assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
+    check_vector_env(avoiding, steps=1600, skip=["close"])
+    bumps = []
+    for envs in (free, avoiding):
+        envs.reset(seed=0)
+        bumps.append(sum(envs.step(np.full(4, 2))[-1]["blocked"].sum() for _ in range(300)))
+    assert bumps[0] > 500
+    assert bumps[1] < 10
+
+
+def test_nobody_learns_in_the_benchmark_bank(tmp_path):
+    file = tmp_path / "houses.jsonl"
+    save(benchmark()[:1], file)
+    with pytest.raises(HouseFileError, match="kept for measuring"):
+        example("task").Task(file).worlds()
+
+
+@pytest.mark.parametrize("name", LIBRARIES)
+def test_an_example_is_short(name):
+    lines = (EXAMPLES / f"{name}.py").read_text().splitlines()
+    assert len(lines) <= 80
