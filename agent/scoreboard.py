@@ -166,7 +166,7 @@ def _players(axes: Axes, result: Result) -> None:
         )
     _human(axes.axvline, result)
     axes.set_yticks(range(len(names)), names)
-    for label, name in zip(axes.get_yticklabels(), names, strict=True):
+    for label, name in zip(axes.get_yticklabels(), names, strict=False):  # only the first mode has labels
         label.set_color(COLOURS.get(name, OTHER))
     axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel="ratio to the oracle")
     axes.set_title(f"Targets in {WHERE.get(result.targets, result.targets)}")

@@ -195,6 +195,14 @@ def test_the_tables_fit_a_terminal_of_80_columns(measured):
     assert "human of the paper" in shown
 
 
+def test_the_picture_shows_modes_side_by_side(measured):
+    widths = []
+    for results in (measured, measured * 3):
+        with Image.open(io.BytesIO(scoreboard.picture(results))) as image:
+            widths.append(image.width)
+    assert widths[1] > 2 * widths[0]
+
+
 def test_evaluate_without_an_agent_measures_the_baselines(tmp_path, capsys):
     save(HOUSES[:2], tmp_path / "houses.jsonl")
     assert (
