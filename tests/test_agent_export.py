@@ -17,10 +17,10 @@ pytest.importorskip("onnxscript")
 def network(features: int) -> QNetwork:
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(features)
-        return QNetwork(**({"features": features} if features else {}))
+        return QNetwork(features=features)
 
 
-@pytest.fixture(scope="module", params=[0], ids=["pqn"])
+@pytest.fixture(scope="module", params=[0, 30], ids=["pqn", "with a map"])
 def exported(request, tmp_path_factory):
     """A network's step, and the file of it in the other runtime."""
     step = Step(network(request.param)).eval()
