@@ -112,6 +112,6 @@ SHARES = (
 
 PRESETS = {
     "pqn": Config(),
-    "pqn-map": Config(targets="secondary", map=True, novelty=0.02, guided=0.9, epsilon=1.0),
+    "pqn-map": Config(targets="secondary", steps=4_500_000, map=True, novelty=0.02, guided=0.9, epsilon=1.0),
 }
 """Configs that run by name."""

@@ -10,7 +10,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from agent.avoidance import subsume
-from agent.config import Config
+from agent.checkpoint import Checkpoint, load, save
+from agent.config import PRESETS, Config
 from agent.evaluate import play
 from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
 from agent.map.kernel import KIND, NONE, STALE
@@ -286,6 +287,22 @@ def test_a_new_network_with_a_map_does_what_it_advises(envs):
         assert torch.equal(actions, policy.surveyor.map.advice)
         observation, _, _, _, info = envs.step(actions.numpy())
         seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
+
+
+def test_a_checkpoint_keeps_a_network_with_a_map(tmp_path):
+    network = seeded_network(0, features=FEATURES)
+    torch.nn.init.normal_(next(network.judge[-1].parameters()))
+    save(Checkpoint(network, PRESETS["pqn-map"], steps=1), tmp_path / "agent.pt")
+    found = load(tmp_path / "agent.pt", shape=(40, 2))
+    given = torch.rand(2, 40, 2), torch.rand(2, 4, 6), torch.rand(2, FEATURES)
+    assert found.config == PRESETS["pqn-map"]
+    assert torch.equal(found.network(*given), network(*given))
+
+
+def test_novelty_and_guidance_need_a_map():
+    for name in ("novelty", "guided"):
+        with pytest.raises(ValueError, match="need map"):
+            replace(Config(), **{name: 0.5})
 
 
 def test_learning_with_a_map_is_a_function_of_the_seed(envs):
