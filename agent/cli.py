@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.progress import track
 
 from agent.bench import Bench
-from agent.commands import Demo, Evaluate, Record, Train
+from agent.commands import Demo, Evaluate, Export, Record, Train
 from logic import House, VitruviusError
 from logic.errors import RequestError
 
@@ -251,6 +251,7 @@ COMMANDS: dict[str, Any] = {
     "train": Train,
     "evaluate": Evaluate,
     "record": Record,
+    "export": Export,
     "demo": Demo,
     "bench": Bench,
 }

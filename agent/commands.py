@@ -134,6 +134,26 @@ class Evaluate:
 
 
 @dataclass(frozen=True)
+class Export:
+    """Write an agent's network as an ONNX file, its memory an input and an output: see agent/export.py."""
+
+    agent: tyro.conf.Positional[Path]
+    """Checkpoint: vitruvius train makes one."""
+
+    out: Path = Path("agent.onnx")
+    """The file."""
+
+    def run(self) -> int:
+        """Write the file."""
+        from agent import checkpoint
+        from agent.export import export
+
+        export(checkpoint.load(self.agent, shape=(40, 2)).network, self.out)
+        _say(f"{self.out}")
+        return 0
+
+
+@dataclass(frozen=True)
 class Record:
     """Film an agent in a house: its rays, its trail and its targets."""
 

@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 import torch
 
+from agent import checkpoint
+from agent.checkpoint import Checkpoint
+from agent.cli import main
+from agent.config import Config
 from agent.export import INPUTS, OUTPUTS, NoExporter, Step, export
-from agent.network import QNetwork
+from agent.network import QNetwork, seeded_network
 
 onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")
@@ -82,3 +86,14 @@ def test_without_the_exporter_one_line_says_what_to_install_and_nothing_is_writt
         export(network(0), tmp_path / "agent.onnx")
     assert error.value.exit_code == 69
     assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_a_checkpoints_network(tmp_path):
+    config = Config()
+    saved = tmp_path / "agent.pt"
+    checkpoint.save(Checkpoint(seeded_network(0), config, 0), saved)
+    with pytest.raises(SystemExit) as done:
+        main(["export", str(saved), "--out", str(tmp_path / "agent.onnx")])
+    assert not done.value.code
+    session = onnxruntime.InferenceSession(tmp_path / "agent.onnx", providers=["CPUExecutionProvider"])
+    assert [each.name for each in session.get_outputs()] == list(OUTPUTS)
