@@ -259,18 +259,25 @@ COMMANDS: dict[str, Any] = {
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
-    sys.exit(_exit_code(arguments))
+    sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
 
 
-def _exit_code(arguments: list[str] | None) -> int:
+def _command(arguments: list[str]) -> Any:
+    """The command that the arguments ask for, or the end of the process by their help or an error."""
+    if arguments[:1] == ["train"]:  # its defaults are a preset's
+        rest = arguments[1:]
+        return tyro.cli(Train, prog="vitruvius train", args=rest, default=Train.like(rest))
+    return tyro.extras.subcommand_cli_from_dict(
+        COMMANDS,
+        prog="vitruvius",
+        description="Furnished houses from rules, simulated by thousands, an agent that learns in them.",
+        args=arguments,
+    )
+
+
+def _exit_code(arguments: list[str]) -> int:
     try:
-        command = tyro.extras.subcommand_cli_from_dict(
-            COMMANDS,
-            prog="vitruvius",
-            description="Furnished houses from rules, simulated by thousands, an agent that learns in them.",
-            args=arguments,
-        )
-        return command.run()
+        return _command(arguments).run()
     except VitruviusError as error:
         if error.exit_code == VitruviusError.exit_code:
             _say(f"error, a fault of ours, please report it: {error}")

@@ -5,13 +5,15 @@ Cheap to import: torch, taichi and all that needs them are imported when a comma
 
 import json
 import sys
+from argparse import ArgumentParser
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from agent.config import Config
+from agent.config import PRESETS, Config
 from logic.errors import RequestError
 
 if TYPE_CHECKING:
@@ -30,8 +32,21 @@ class Train:
     out: Path = Path("runs/train")
     """Folder for agent.pt and learning-curve.png."""
 
+    preset: Literal["pqn", "pqn-map"] = "pqn"
+    """What all that is not said here is taken from: --help shows its values."""
+
     config: Annotated[Config, tyro.conf.arg(name="")] = field(default_factory=Config)
     """How to learn."""
+
+    @classmethod
+    def like(cls, arguments: Sequence[str]) -> "Train":
+        """The command's defaults: those of the preset that the arguments name."""
+        parser = ArgumentParser(add_help=False, allow_abbrev=False)
+        parser.add_argument("--preset", default="pqn")
+        preset = parser.parse_known_args(arguments)[0].preset
+        # A name that is none is left for the real parser to tell.
+        config = PRESETS.get(preset, Config())
+        return cls(tyro.MISSING, preset=preset if preset in PRESETS else "pqn", config=config)
 
     def run(self) -> int:
         """Train to the end; a checkpoint is written every half minute on the way."""

@@ -5,11 +5,15 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import tyro
 
-from agent.cli import COMMANDS
+from agent.cli import COMMANDS, main
+from agent.commands import Train
+from agent.config import PRESETS
 from logic import load
 
 ROOT = Path(__file__).parents[1]
@@ -120,3 +124,17 @@ def test_help_names_every_command_and_comes_without_torch() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
     shown = vitruvius("--help").stdout
     assert all(name in shown for name in COMMANDS)
+
+
+def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
+    said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
+    command = tyro.cli(Train, args=said, default=Train.like(said))
+    assert command.config == replace(PRESETS["pqn-map"], targets="main", seed=3)
+    assert tyro.cli(Train, args=said[:1], default=Train.like(said[:1])).config == PRESETS["pqn"]
+
+
+def test_a_preset_that_is_none_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as done:
+        main(["train", "houses.jsonl", "--preset", "best"])
+    assert done.value.code == 2
+    assert "invalid choice 'best'" in capsys.readouterr().err
