@@ -162,8 +162,9 @@ class Cover(VectorWrapper):
 
     def _begin(self, mask: np.ndarray, info: dict[str, Any]) -> None:
         """Forget what these environments (E,) bool covered, but for where they are."""
-        self._visited[mask], self._covered[mask], self._over[mask] = False, 0, False
+        self._visited[mask], self._covered[mask] = False, 0
         self._visit(info["pose"], info["house"], mask)
+        self._over = self._over & ~mask
 
     def _visit(self, pose: np.ndarray, house: np.ndarray, mask: np.ndarray | None = None) -> np.ndarray:
         """Note where these environments are; whether they are there for the first time (E,) bool."""

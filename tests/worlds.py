@@ -20,11 +20,6 @@ aaaa....
 """
 """A room ``a`` with a piece in it, west of the main room; ``+`` is its door's cell."""
 
-TWO_ROOMS = """
-aa+aa.bbb
-.......bb
-"""
-
 Sides = tuple[float, float, float, float]
 
 
