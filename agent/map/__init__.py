@@ -6,7 +6,6 @@ along two axes, so odometry is exact. Axes: E environments, R rays, C channels, 
 """
 
 import numpy as np
-import torch
 from torch import Tensor
 
 from agent.map.cells import LATEST, OCCUPIED
@@ -99,7 +98,7 @@ class Map:
         half = config.target / 2 / self.cell
         body = Body(rays, config.channels, int(config.sees_angle), step, half, BITS)
         self._launch = Launch(step_kernel(program, body), self.arrays)
-        tensors = {name: torch.from_numpy(array.view()) for name, array in self.arrays.items()}
+        tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._inputs = [tensors[name] for name in ("observation", "blocked", "action", "begun")]
         self._counts = tensors["counts"].view(count, COUNTS)
         self.advice, self.features = tensors["advice"], tensors["features"].view(count, FEATURES)

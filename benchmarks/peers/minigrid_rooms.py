@@ -10,11 +10,13 @@ vectorisation, which resets at the step after an end. With more than one thread 
 """
 
 import gymnasium
-import minigrid  # noqa: F401 (registers its environments)
+import minigrid
 import numpy as np
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 from minigrid.wrappers import ImgObsWrapper
 from rounds import Case, Play, measure, threads
+
+gymnasium.register_envs(minigrid)
 
 
 def single():

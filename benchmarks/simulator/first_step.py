@@ -7,33 +7,31 @@ Taichi's cache on the disk; ``TI_OFFLINE_CACHE=0`` forbids the cache.
 
 import json
 import sys
-from collections.abc import Sequence
 from time import perf_counter
+from typing import Any
 from unittest.mock import patch
-
-begun = perf_counter()
-
-import numpy as np  # noqa: E402
-
-import sim  # noqa: E402
-from logic import House, load  # noqa: E402
-from sim.world import World  # noqa: E402
-
-imported = perf_counter() - begun
 
 
 def main(file: str) -> None:
+    begun = perf_counter()
+    import numpy as np
+
+    from logic import load
+    from sim import HouseVectorEnv
+    from sim.world import World
+
+    imported = perf_counter() - begun
     houses = load(file)
     packing, take_in = [], World.load
 
-    def load_timed(world: World, bank: Sequence[House]) -> None:
+    def load_timed(world: World, bank: Any) -> None:
         before = perf_counter()
         take_in(world, bank)
         packing.append(perf_counter() - before)
 
     with patch.object(World, "load", load_timed):
         before = perf_counter()
-        envs = sim.HouseVectorEnv(houses, num_envs=4096)
+        envs = HouseVectorEnv(houses, num_envs=4096)
         envs.reset(seed=0)
         envs.step(np.zeros(4096, int))
         first = perf_counter() - before - packing[0]
