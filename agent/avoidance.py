@@ -11,7 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.pqn import ACTIONS, FORWARD, LEFT, RIGHT
+from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
 
 
 class Layer(Protocol):

@@ -23,11 +23,12 @@ from typing import Any, Literal, NamedTuple
 import torch
 from torch import Tensor, nn
 
+from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT, mirrored
 from agent.avoidance import Layer, PaperRule, best_value, random_preference, subsume
 from agent.banks import bank_hash
 from agent.memory import Memory, mirrored_memory
 from agent.network import seeded_network
-from agent.pqn import ACTIONS, FORWARD, LEFT, RIGHT, linear, mirrored
+from agent.pqn import linear
 from agent.train import EPISODE, Progress
 from agent.world import shield
 from logic.errors import RequestError

@@ -25,9 +25,9 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
+from agent.actions import ACTIONS
 from agent.memory import SIGNALS
 from agent.network import QNetwork
-from agent.pqn import ACTIONS
 from logic.errors import VitruviusError
 from logic.files import write_whole
 

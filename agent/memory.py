@@ -11,7 +11,7 @@ Axes: E environments, M half-lives, 6 signals.
 import torch
 from torch import Tensor, nn
 
-from agent.pqn import ACTIONS
+from agent.actions import ACTIONS
 
 SIGNALS = 6
 MIRROR = (1, 0, 2, 3, 5, 4)

@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor, nn
 
+from agent.actions import ACTIONS
 from agent.memory import SIGNALS, Memory
-from agent.pqn import ACTIONS
 
 
 class QNetwork(nn.Module):

@@ -6,10 +6,10 @@ import torch
 from torch import Tensor
 from torch.nn.functional import one_hot
 
+from agent.actions import ACTIONS
 from agent.avoidance import Layer, random_preference, subsume
 from agent.map import Map
 from agent.network import QNetwork
-from agent.pqn import ACTIONS
 from sim.config import DEFAULT, Config
 
 DEFERENCE = 0.03

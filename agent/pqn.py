@@ -7,12 +7,6 @@ follow the transition: ``s_tm1, a_tm1`` lead to ``r_t`` and ``s_t``.
 import torch
 from torch import Tensor
 
-LEFT, RIGHT, FORWARD = range(3)
-"""The actions: turn left by 45 degrees, turn right, one step forward."""
-
-ACTIONS = 3
-"""How many there are."""
-
 
 def lambda_returns(
     r_t: Tensor, terminated_t: Tensor, truncated_t: Tensor, v_t: Tensor, *, discount: float, trace: float
@@ -41,15 +35,6 @@ def q_loss(q_tm1: Tensor, a_tm1: Tensor, g_tm1: Tensor, valid: Tensor) -> Tensor
     """
     error = q_tm1.gather(1, a_tm1[:, None]).squeeze(1) - g_tm1
     return 0.5 * (error.square() * valid).sum() / valid.sum().clamp(min=1)
-
-
-def mirrored(actions: Tensor) -> Tensor:
-    """The same actions (B,) in a mirror: left for right; rays are mirrored by ``flip(1)``.
-
-    Houses are as likely as their mirror images and the rays lie symmetrically about the heading, so a
-    mirrored transition is as good as the one that was lived.
-    """
-    return torch.where(actions == FORWARD, actions, RIGHT - actions)
 
 
 def linear(start: float, end: float, progress: float) -> float:

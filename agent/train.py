@@ -8,12 +8,13 @@ from time import perf_counter
 
 import torch
 
+from agent.actions import mirrored
 from agent.avoidance import Layer
 from agent.config import Config
 from agent.map import Map, mirrored_features
 from agent.memory import mirrored_memory
 from agent.network import QNetwork
-from agent.pqn import lambda_returns, linear, mirrored, q_loss
+from agent.pqn import lambda_returns, linear, q_loss
 from agent.rollout import Rollout
 from sim import HouseVectorEnv
 

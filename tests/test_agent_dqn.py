@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
 from agent.dqn import (
     PRESETS,
@@ -20,7 +21,6 @@ from agent.dqn import (
 )
 from agent.evaluate import play
 from agent.policies import QPolicy, RandomPolicy
-from agent.pqn import FORWARD, LEFT, RIGHT
 from agent.world import shield
 from logic import House, Rect
 from sim import HouseVectorEnv

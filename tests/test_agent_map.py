@@ -9,6 +9,7 @@ import torch
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import subsume
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, Config
@@ -18,7 +19,6 @@ from agent.map.kernel import KIND, NONE, STALE
 from agent.map.ways import FAR
 from agent.network import seeded_network
 from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
-from agent.pqn import FORWARD, LEFT, RIGHT
 from agent.rollout import value
 from agent.train import learn
 from agent.world import make_worlds, shield

@@ -3,8 +3,8 @@
 import pytest
 import torch
 
+from agent.actions import FORWARD, LEFT, mirrored
 from agent.memory import Memory, mirrored_memory
-from agent.pqn import FORWARD, LEFT, mirrored
 
 NO = torch.zeros(1, dtype=torch.bool)
 NOTHING = torch.zeros(1, 40, 2)

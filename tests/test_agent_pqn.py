@@ -4,10 +4,11 @@ import pytest
 import torch
 
 from agent import train
+from agent.actions import FORWARD, LEFT, RIGHT, mirrored
 from agent.config import Config
 from agent.memory import mirrored_memory
 from agent.network import QNetwork, seeded_network
-from agent.pqn import FORWARD, LEFT, RIGHT, lambda_returns, linear, mirrored, q_loss
+from agent.pqn import lambda_returns, linear, q_loss
 from agent.rollout import Rollout
 
 HALF = {"discount": 0.5, "trace": 0.5}

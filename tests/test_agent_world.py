@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import torch
 
+from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
 from agent.config import Config
 from agent.evaluate import evaluate, play, play_oracle
 from agent.network import QNetwork, seeded_network
 from agent.policies import QPolicy, RandomPolicy
-from agent.pqn import FORWARD, LEFT, RIGHT
 from agent.rollout import Rollout
 from agent.train import Progress, learn
 from agent.world import make_worlds, shield
