@@ -23,6 +23,9 @@ NORTH = 2
 EPISODE, SENSOR = 0, 1
 """What a draw is for: the fourth word of its counter."""
 
+HOUSE = 3
+"""Where the house is among the whole numbers of an environment's state."""
+
 HEADER = 6
 """Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
 targets."""

@@ -14,6 +14,7 @@ from gymnasium.vector.utils import batch_space
 from logic import House, load
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
+from sim.episodes import HOUSE
 from sim.runtime import start
 from sim.tasks import Targets, named
 from sim.world import (
@@ -94,6 +95,10 @@ class HouseVectorEnv(VectorEnv):
     to environment i by ``reset(seed=0, options={"house": np.arange(n)})`` and step one episode: each agent
     meets the same starts and the same targets in the same order, those that ``targets`` lists.
 
+    ## Houses
+    Each episode draws its house, unless ``deal`` has said in which one it takes place: so a learner can
+    choose the houses in which there is most to learn. Targets and starts are drawn as ever.
+
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
     ``{"rooms": 4, "count": 64}``. ``targets``: where they lie, ``main`` room, ``secondary`` rooms or
@@ -166,6 +171,15 @@ class HouseVectorEnv(VectorEnv):
         """The bank that episodes draw from."""
         return self.world.houses
 
+    def deal(self, houses: Any) -> None:
+        """Say in which houses (E,) of the bank the next episodes take place, -1 for one that is drawn.
+
+        It holds for each environment's next episode, however it begins, and all after it, until dealt anew;
+        a reset's option ``house`` goes before it, and another bank ends it. Episodes under way go on as they
+        are. Raises ``ValueError``, and changes nothing, for other shapes, kinds or numbers.
+        """
+        self.world.arrays["deal"].fill(self._numbers("deal", houses, DRAW))
+
     def set_houses(self, houses: Houses) -> None:
         """Take another bank in place of this one; then ``reset``. Nothing is compiled anew.
 
@@ -180,9 +194,9 @@ class HouseVectorEnv(VectorEnv):
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
-        ``target`` (E, 2) in metres and radians, in place of those drawn; ``reset_mask`` (E,) bool, those
-        environments that begin a new episode, all but the first time. ``ValueError`` for wrong ones, before
-        anything is changed.
+        ``target`` (E, 2) in metres and radians, in place of those drawn or dealt; ``reset_mask`` (E,) bool,
+        those environments that begin a new episode, all but the first time. ``ValueError`` for wrong ones,
+        before anything is changed.
         """
         mask, wish, wish_at = self._read(options or {})
         if seed is None and not self._ready:
@@ -229,8 +243,8 @@ class HouseVectorEnv(VectorEnv):
         """``step`` with tensors and without copies: the batched path.
 
         ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,
-        terminated, truncated, and of the info ``blocked``, and ``final_obs`` where the mode is ``SAME_STEP``)
-        is the same memory at each call: clone what must outlive the next one.
+        terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and ``final_obs`` where the
+        mode is ``SAME_STEP``) is the same memory at each call: clone what must outlive the next one.
         """
         import torch
 
@@ -251,7 +265,8 @@ class HouseVectorEnv(VectorEnv):
         arrays, count = self.world.arrays, self.num_envs
         shape = count, self.config.rays, self.config.channels
         flags = arrays["flags"].tensor(np.bool_, (3, count))
-        info = {"blocked": flags[BLOCKED]}
+        wholes = arrays["wholes"].tensor(np.int32, arrays["wholes"].shape)
+        info = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             info["final_obs"] = arrays["final"].tensor(np.float32, shape)
         observation, reward = (
@@ -285,9 +300,10 @@ class HouseVectorEnv(VectorEnv):
         kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
         if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
             raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
-        house = int(state["wholes"][:, 3].max())
-        if house >= len(self.houses):
-            raise ValueError(f"a state of another bank: a body is in house {house} of {len(self.houses)}")
+        house, dealt = int(state["wholes"][:, HOUSE].max()), int(state["deal"].max())
+        if max(house, dealt) >= len(self.houses):
+            where = f"a body is in house {house}" if house > dealt else f"house {dealt} is dealt"
+            raise ValueError(f"a state of another bank: {where} of {len(self.houses)}")
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]
@@ -380,7 +396,8 @@ class HouseVectorEnv(VectorEnv):
             raise ValueError(f"unknown reset option {min(unknown)!r}: there are {', '.join(known)}")
         count = self.num_envs
         mask = np.ones(count, bool)
-        wish, wish_at = np.full((count, 4), DRAW, np.int32), np.full((count, 4), np.nan, np.float32)
+        wish, wish_at = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
+        wish[:, 0] = self.world.arrays["deal"].numpy()
         if options.get("reset_mask") is not None:
             mask = np.asarray(options["reset_mask"])
             if mask.shape != (count,) or mask.dtype != bool:
@@ -390,12 +407,7 @@ class HouseVectorEnv(VectorEnv):
             if not self._ready and not mask.all():
                 raise ResetNeeded("the first reset is everywhere's: leave out reset_mask")
         if options.get("house") is not None:
-            given = np.asarray(options["house"])
-            if given.shape != (count,) or not np.issubdtype(given.dtype, np.integer):
-                raise ValueError(f"option house: {count} integers, found {given.dtype} {given.shape}")
-            if given.min() < 0 or given.max() >= len(self.houses):
-                raise ValueError(f"option house: the bank has houses 0 to {len(self.houses) - 1}")
-            wish[:, 0] = given
+            wish[:, 0] = self._numbers("option house", options["house"], 0)
         if options.get("pose") is not None:
             if options.get("house") is None:
                 raise ValueError("option pose: say in which houses, by option house")
@@ -405,6 +417,16 @@ class HouseVectorEnv(VectorEnv):
             wish_at[:, 2:] = _floats("target", options["target"], (count, 2))
         wish[~mask, 0] = KEEP
         return mask, wish, wish_at
+
+    def _numbers(self, name: str, value: Any, least: int) -> np.ndarray:
+        """Numbers (E,) of houses in the bank, from ``least`` on."""
+        given = np.asarray(value)
+        if given.shape != (self.num_envs,) or not np.issubdtype(given.dtype, np.integer):
+            raise ValueError(f"{name}: {self.num_envs} integers, found {given.dtype} {given.shape}")
+        if given.min() < least or given.max() >= len(self.houses):
+            drawn = ", or -1 to draw one" if least == DRAW else ""
+            raise ValueError(f"{name}: the bank has houses 0 to {len(self.houses) - 1}{drawn}")
+        return given
 
 
 def _backend(name: str) -> type[Backend]:

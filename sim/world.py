@@ -30,6 +30,9 @@ NEXT_STEP, SAME_STEP, DISABLED = range(3)
 DRAW, KEEP = -1, -2
 """In place of a wished house: draw one; do not begin an episode."""
 
+STATE = "reals", "wholes", "deal"
+"""Arrays that a step depends on and that are not the bank's."""
+
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
 
@@ -77,6 +80,7 @@ class World:
             "fetched": Array(ti.i32, count),
             "wish": Array(ti.i32, count, 4),
             "wish_at": Array(ti.f32, count, 4),
+            "deal": Array(ti.i32, count),
             "pose": Array(ti.f32, 3 * count),
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
@@ -86,7 +90,8 @@ class World:
         self.launches: dict[str, Launch] = {}
 
     def load(self, houses: Sequence[House]) -> None:
-        """Take in another bank; nothing is compiled. Reset all environments before they are stepped again.
+        """Take in another bank, of which none is dealt; nothing is compiled. Reset all environments before
+        they are stepped again.
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
@@ -97,6 +102,7 @@ class World:
         self.lattices, self.places = self._places(houses, bank)
         self.houses, self.bank = list(houses), bank
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
+        self.arrays["deal"].fill(np.full(self.num_envs, DRAW, np.int32))
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
@@ -209,12 +215,12 @@ class World:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that a step depends on, but for the bank: copies (E, 4) float32 and (E, 10) int32."""
-        return {name: self.arrays[name].numpy() for name in ("reals", "wholes")}
+        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, 10) and (E,) int32."""
+        return {name: self.arrays[name].numpy() for name in STATE}
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        for name in ("reals", "wholes"):
+        for name in STATE:
             self.arrays[name].fill(state[name])
 
 
@@ -303,6 +309,7 @@ def _kernels(
         reals: Reals,
         wholes: Wholes,
         action: Longs,
+        deal: Indices,
         observation: Observation,
         final: Observation,
         reward: ti.types.ndarray(ti.f32, 1),
@@ -311,9 +318,9 @@ def _kernels(
         last_wholes: Wholes,
         fetched: Indices,
     ):
-        """One step of every environment. ``action`` (E,); fills ``observation``, ``reward`` (E,), ``flags``
-        (3, E): terminated, truncated, blocked; and where the same step begins the next episode ``final`` and
-        the ``last`` state.
+        """One step of every environment. ``action`` (E,); ``deal`` (E,), the house of an episode that begins,
+        or ``DRAW``; fills ``observation``, ``reward`` (E,), ``flags`` (3, E): terminated, truncated, blocked;
+        and where the same step begins the next episode ``final`` and the ``last`` state.
         """
         for e in range(reals.shape[0]):
             if ti.static(all_rays):
@@ -322,7 +329,7 @@ def _kernels(
                 fetched[e] = backend.fetch(numbers, indices, after.house, after.origin, after.cell)
             state = loaded(reals, wholes, e)
             if ti.static(mode == NEXT_STEP) and state.over:
-                state = episodes.begin(places, state, -1)
+                state = episodes.begin(places, state, deal[e])
                 reward[e] = 0.0
                 flag(flags, e, reals.shape[0], 0, 0, 0)
             else:
@@ -335,7 +342,7 @@ def _kernels(
                 store(last_reals, last_wholes, e, state)
                 if ti.static(all_rays):
                     episodes.look(numbers, indices, state, 0, rays, final, e)
-                    state = episodes.begin(places, state, -1)
+                    state = episodes.begin(places, state, deal[e])
             store(reals, wholes, e, state)
             if ti.static(all_rays):
                 episodes.look(numbers, indices, state, 0, rays, observation, e)
@@ -346,7 +353,7 @@ def _kernels(
                         episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, final, e)
                 for e in range(reals.shape[0]):
                     if wholes[e][6]:
-                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), -1))
+                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), deal[e]))
             for e, r in ti.ndrange(reals.shape[0], rays):
                 episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
 
