@@ -47,15 +47,21 @@ class Shield:
             diagonal = np.sqrt(2) * np.minimum((half + step) / (cosine + sine), half / sine)
         self.reach = reach
         self.clear = torch.tensor(np.stack([straight, diagonal]) / reach, dtype=torch.float32)
-        turned = angles[:, None] + np.pi / 4 * np.arange(4)
+        # Where the body stands straight, the walls run along the first two; diagonally, along the others.
+        turned = angles + np.pi / 4 * np.array([[0], [2], [1], [3]])
         self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed."""
-        distance, is_target = observation[..., -2], observation[..., -1] > 0
-        clear = self.clear.to(distance.device)[self.diagonal(distance).long()]
-        allowed = torch.ones(*distance.shape[:-1], ACTIONS, dtype=torch.bool, device=distance.device)
-        allowed[..., FORWARD] = ((distance >= clear) | is_target).all(-1) & ~blocked
+        distance, is_target = observation[..., -2], observation[..., -1]
+        far = (distance + is_target)[..., None, :]  # 1 or more where the target is: it is never in the way
+        free = (far - self.clear.to(distance.device)).amin(-1) >= 0
+        free, free_diagonally = free.unbind(-1)
+        # The vote is dear, and seldom asked: only where a heading is free and the other one is not.
+        asked = free != free_diagonally
+        free[asked] = free[asked] ^ self.diagonal(distance[asked])
+        allowed = blocked.new_ones(*blocked.shape, ACTIONS)
+        allowed[..., FORWARD] = free & ~blocked
         return allowed
 
     def diagonal(self, distance: Tensor) -> Tensor:
@@ -64,10 +70,10 @@ class Shield:
         Where two neighbouring rays meet one wall, the line through both points runs along an axis: along or
         across the heading if that is straight, at 45 degrees to it if it is diagonal. The pairs vote.
         """
-        place = distance[..., None] * self.across.to(distance.device)
-        same = (place[..., 1:, :] - place[..., :-1, :]).abs() < 1e-4
-        votes = (same & (distance[..., 1:, None] < 1)).sum(-2)
-        return votes[..., 1::2].sum(-1) > votes[..., ::2].sum(-1)
+        place = distance[..., None, :] * self.across.to(distance.device)
+        same = (place[..., 1:] - place[..., :-1]).abs_() < 1e-4
+        votes = (same & (distance[..., None, 1:] < 1)).sum(-1)
+        return votes[..., 2:].sum(-1) > votes[..., :2].sum(-1)
 
 
 class PaperRule:

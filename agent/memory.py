@@ -41,9 +41,10 @@ class Memory(nn.Module):
         """
         rays = observation.shape[1]
         sides = observation[..., -1].unflatten(1, (2, rays // 2)).amax(-1)
-        signals = torch.cat([nn.functional.one_hot(actions, ACTIONS), blocked[:, None], sides], dim=1)
+        each = torch.arange(ACTIONS, device=actions.device)
+        signals = torch.cat([actions[:, None] == each, blocked[:, None], sides], dim=1)
         faded = torch.lerp(signals[:, None], memory, self.decay)
-        return faded.masked_fill(ended[:, None, None], 0.0)
+        return faded.masked_fill_(ended[:, None, None], 0.0)
 
 
 def mirrored_memory(memory: Tensor) -> Tensor:

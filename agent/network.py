@@ -33,10 +33,10 @@ class QNetwork(nn.Module):
         self.judge = nn.Sequential(
             nn.Linear(16 * ((rays - 5) // 2 + 1) + SIGNALS * len(half_lives) + features, width),
             nn.LayerNorm(width),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
             nn.Linear(width, width),
             nn.LayerNorm(width),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
             nn.Linear(width, ACTIONS),
         )
         if features:
@@ -50,7 +50,7 @@ class QNetwork(nn.Module):
         Reads observations (B, R, C), distance/range and is_target, memories (B, M, 6), and a map's features
         (B, F) if it was made for them.
         """
-        seen = torch.relu(self.look(observation.transpose(1, 2))).flatten(1)
+        seen = self.look(observation.transpose(1, 2)).relu_().flatten(1)
         known = [memory.flatten(1)] if features is None else [memory.flatten(1), features]
         return self.judge(torch.cat([seen, *known], dim=1))
 

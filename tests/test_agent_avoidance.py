@@ -70,7 +70,7 @@ def test_a_margin_keeps_that_much_air():
 
 
 def test_a_turn_is_always_allowed_and_a_target_never_in_the_way():
-    near = torch.full((1, 40, 2), 0.01)
+    near = torch.tensor([0.01, 1.0]).repeat(1, 40, 1)
     assert SHIELD(near, smooth(near))[0].tolist() == [True, True, True]
     near[..., 1] = 0
     assert SHIELD(near, smooth(near))[0].tolist() == [True, True, False]
