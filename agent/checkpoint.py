@@ -1,17 +1,22 @@
-"""Checkpoints: a network with the config that made it, in one file that is whole or absent."""
+"""Checkpoints: a network with the config that made it, in one safetensors file that is whole or absent."""
 
-import io
-from dataclasses import asdict, dataclass
+import json
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
-import torch
+import msgspec
+import safetensors
+import safetensors.torch
 
-from agent.config import Config
-from agent.network import QNetwork
+from agent.build import network_of
+from agent.config import Config, DQNConfig, PQNConfig
 from logic.errors import VitruviusError
 from logic.files import write_whole
 
-FORMAT = "vitruvius-agent-1"
+FORMAT = "vitruvius-agent-2"
+
+KINDS: dict[str, type[Config]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig)}
 
 
 class CheckpointError(VitruviusError):
@@ -22,52 +27,65 @@ class CheckpointError(VitruviusError):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A trained network, the config of its run and the steps that it has seen."""
+    """A trained network, the config of its run, the steps that it has seen, and where it comes from."""
 
-    network: QNetwork
+    network: Any
     config: Config
     steps: int
+    name: str = "agent"
+    """What to call it: the preset's name."""
+    houses: str = ""
+    """``agent.banks.bank_hash`` of the houses that it learnt in."""
+    command: str = ""
+    """What made it."""
 
 
 def save(checkpoint: Checkpoint, path: str | Path) -> None:
     """Write the checkpoint beside its place and rename it: a kill leaves the old file or the new one."""
-    content = io.BytesIO()
     record = {
         "format": FORMAT,
-        "shape": checkpoint.network.shape,
-        "config": asdict(checkpoint.config),
-        "steps": checkpoint.steps,
-        "network": checkpoint.network.state_dict(),
+        "algorithm": checkpoint.config.algorithm,
+        "config": json.dumps(asdict(checkpoint.config)),
+        "steps": str(checkpoint.steps),
+        "name": checkpoint.name,
+        "houses": checkpoint.houses,
+        "command": checkpoint.command,
     }
-    torch.save(record, content)
-    write_whole(path, content.getvalue())
+    tensors = {name: value.cpu().contiguous() for name, value in checkpoint.network.state_dict().items()}
+    write_whole(path, safetensors.torch.save(tensors, metadata=record))
 
 
-def load(path: str | Path, shape: tuple[int, int] | None = None) -> Checkpoint:
-    """Read a checkpoint; ``shape`` is the (rays, channels) of the world that it is to act in.
-
-    Only tensors and plain values are read, never code. Raises ``CheckpointError``.
-    """
+def load(path: str | Path) -> Checkpoint:
+    """Read a checkpoint: tensors and text, never code. Raises ``CheckpointError``."""
     try:
-        record = torch.load(path, map_location="cpu", weights_only=True)
+        Path(path).open("rb").close()  # safetensors tells less of why it cannot
+        with safetensors.safe_open(path, framework="pt") as file:
+            record = file.metadata() or {}
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except OSError as error:
         raise CheckpointError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except Exception:  # torch raises many kinds for bytes that it did not write
+    except safetensors.SafetensorError:
         raise CheckpointError(f"{path}: not a checkpoint. Make one with: vitruvius train") from None
-    if not isinstance(record, dict) or record.get("format") != FORMAT:
+    if record.get("format") != FORMAT:
         raise CheckpointError(
             f"{path}: not a checkpoint of this version ({FORMAT}). Train anew: vitruvius train"
         )
     try:
-        rays, channels, half_lives, *features = record["shape"]
-        network = QNetwork(rays, channels, tuple(half_lives), *features)
-        network.load_state_dict(record["network"])
-        checkpoint = Checkpoint(network.eval(), Config(**record["config"]), int(record["steps"]))
+        config = config_of(record["algorithm"], json.loads(record["config"]))
+        network = network_of(config)
+        network.load_state_dict(tensors)
+        told = {name: record[name] for name in ("name", "houses", "command")}
+        return Checkpoint(network.eval(), config, int(record["steps"]), **told)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train anew") from None
-    if shape is not None and (rays, channels) != shape:
-        raise CheckpointError(
-            f"{path}: the network reads {rays} rays x {channels}, this world gives {shape[0]} x {shape[1]}"
-        )
-    return checkpoint
+
+
+def config_of(algorithm: str, values: dict[str, Any]) -> Config:
+    """A config from what JSON has of it. Raises ``ValueError`` that names what is wrong."""
+    if algorithm not in KINDS:
+        raise ValueError(f"unknown algorithm {algorithm!r}")
+    kind = KINDS[algorithm]
+    if unknown := set(values) - {field.name for field in fields(kind)}:
+        raise ValueError(f"unknown field {min(unknown)!r}")
+    return msgspec.convert(values, kind)

@@ -19,6 +19,7 @@ from rich.progress import track
 
 from agent.bench import Bench
 from agent.commands import Demo, Evaluate, Export, Record, Train
+from agent.config import PQNConfig
 from logic import House, VitruviusError
 from logic.errors import RequestError
 
@@ -248,7 +249,7 @@ COMMANDS: dict[str, Any] = {
     "lint": Lint,
     "check": Check,
     "draw": Draw,
-    "train": Train,
+    "train": Train[PQNConfig],
     "evaluate": Evaluate,
     "record": Record,
     "export": Export,
@@ -266,7 +267,9 @@ def _command(arguments: list[str]) -> Any:
     """The command that the arguments ask for, or the end of the process by their help or an error."""
     if arguments[:1] == ["train"]:  # its defaults are a preset's
         rest = arguments[1:]
-        return tyro.cli(Train, prog="vitruvius train", args=rest, default=Train.like(rest))
+        like = Train.like(rest)
+        kind: Any = Train[type(like.config)]
+        return tyro.cli(kind, prog="vitruvius train", args=rest, default=like)
     return tyro.extras.subcommand_cli_from_dict(
         COMMANDS,
         prog="vitruvius",

@@ -4,80 +4,94 @@ Cheap to import: torch, taichi and all that needs them are imported when a comma
 """
 
 import json
+import os
+import shlex
 import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.config import PRESETS, Config
+from agent.config import PRESETS, Config, PQNConfig, differences
 from logic.errors import RequestError
 
 if TYPE_CHECKING:
-    from agent.network import QNetwork
+    from agent.checkpoint import Checkpoint
 
 Targets = Literal["main", "secondary", "mixed"]
+Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper"]
+Kind = TypeVar("Kind", bound=Config)
 
 
 @dataclass(frozen=True)
-class Train:
-    """Train an agent in houses and write a checkpoint and its learning curve."""
+class Train(Generic[Kind]):
+    """Train an agent in houses. Its checkpoint, learning curve and metrics lie in one folder.
+
+    Several processes learn as one by torchrun --nproc-per-node 2 -m agent.cli train ...
+    """
 
     houses: tyro.conf.Positional[Path]
     """House file to learn in: vitruvius generate makes one."""
 
     out: Path = Path("runs/train")
-    """Folder for agent.pt and learning-curve.png."""
+    """Folder for agent.safetensors, config.json, metrics.jsonl, learning-curve.png and tensorboard/."""
 
-    preset: Literal["pqn", "pqn-map"] = "pqn"
+    resume: bool = False
+    """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
+
+    preset: Preset = "pqn"
     """What all that is not said here is taken from: --help shows its values."""
 
-    config: Annotated[Config, tyro.conf.arg(name="")] = field(default_factory=Config)
+    config: Annotated[Kind, tyro.conf.arg(name="")] = field(default_factory=PQNConfig)  # pyright: ignore
     """How to learn."""
 
-    @classmethod
-    def like(cls, arguments: Sequence[str]) -> "Train":
-        """The command's defaults: those of the preset that the arguments name."""
+    @staticmethod
+    def like(arguments: Sequence[str]) -> "Train[Config]":
+        """The command with the defaults of the preset that the arguments name."""
         parser = ArgumentParser(add_help=False, allow_abbrev=False)
         parser.add_argument("--preset", default="pqn")
         preset = parser.parse_known_args(arguments)[0].preset
         # A name that is none is left for the real parser to tell.
-        config = PRESETS.get(preset, Config())
-        return cls(tyro.MISSING, preset=preset if preset in PRESETS else "pqn", config=config)
+        name: Preset = preset if preset in PRESETS else "pqn"
+        return Train(tyro.MISSING, preset=name, config=PRESETS[name])
 
     def run(self) -> int:
-        """Train to the end; a checkpoint is written every half minute on the way."""
+        """Train to the end; what is learnt is kept every half minute on the way."""
         from agent.banks import require_training
         from agent.report import learning_curve
         from agent.runs import run
         from logic import load
         from logic.files import write_whole
 
-        path, houses = self.out / "agent.pt", load(self.houses)
+        houses = load(self.houses)
         require_training(houses, self.houses)
-        _, history = run(houses, self.config, path)
+        command = shlex.join(["vitruvius", *sys.argv[1:]])
+        made, history = run(
+            houses, self.config, self.out, name=self.preset, command=command, resume=self.resume
+        )
+        if int(os.environ.get("RANK", "0")):  # the first rank tells
+            return 0
+        agent, last = self.out / "agent.safetensors", history[-1]
         write_whole(self.out / "learning-curve.png", learning_curve(history))
-        last = history[-1]
         _say(
-            f"{path}: {last.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
+            f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
-            f"{last.targets:.1f} targets per 1500 steps while learning. "
-            f"Next: vitruvius evaluate {path}"
+            f"{last.targets:.1f} targets per 1500 steps while learning. Next: vitruvius evaluate {agent}"
         )
         return 0
 
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Measure an agent in houses that it has not seen, beside random + avoidance, a script, a searcher that
+    """Measure agents in houses that they have not seen, beside random + avoidance, a script, a searcher that
     knows the house and the shortest-path oracle. One episode a house, the same targets for all.
     """
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints: training runs of one config, by several seeds. None: the baselines alone."""
+    """Checkpoints. Runs of one config by several seeds are one player. None: the baselines alone."""
 
     houses: Path | None = None
     """House file to measure in; by default the benchmark bank, 256 houses of 2 to 6 rooms."""
@@ -87,6 +101,9 @@ class Evaluate:
 
     seed: int = 0
     """Draws starts and targets, the same for every player."""
+
+    backend: str = "continuous"
+    """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
 
     out: Path | None = None
     """Folder for evaluation.json, evaluation.md and evaluation.png."""
@@ -107,7 +124,7 @@ class Evaluate:
         from logic.files import write_whole
 
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
-        networks = self._networks()
+        agents = self._players()
         houses = load(self.houses) if self.houses else benchmark()
         bank = {
             "file": str(self.houses or benchmark_path().name),
@@ -116,9 +133,10 @@ class Evaluate:
         }
         results = []
         with progress("measuring") as tell:
-            results += measure(networks, houses, self.targets or MODES, self.seed, tell)
-        agents = [str(path) for path in self.agents]
-        record = {"agents": agents, "bank": bank, "seed": self.seed} | scoreboard.record(results)
+            modes = self.targets or MODES
+            results += measure(agents, houses, modes, self.seed, tell, backend=self.backend)
+        files = [str(path) for path in self.agents]
+        record = {"agents": files, "bank": bank, "seed": self.seed} | scoreboard.record(results)
         sheets = [sheet for result in results for sheet in scoreboard.sheets(result)]
         title = f"{bank['file']}, hash {bank['hash'][:12]}, seed {self.seed}"
         if self.json:
@@ -134,18 +152,30 @@ class Evaluate:
             _say(f"{self.out}: evaluation.md, evaluation.png, evaluation.json")
         return 0
 
-    def _networks(self) -> list["QNetwork"]:
-        """The agents' networks, which must differ in nothing but their training seeds."""
+    def _players(self) -> dict[str, list["Checkpoint"]]:
+        """The agents by name: a player has runs that differ in nothing but their training seeds. One whose
+        preset was changed is named for its folder too.
+        """
         from agent import checkpoint
 
-        found = [checkpoint.load(path, shape=(40, 2)) for path in self.agents]
-        for path, each in zip(self.agents, found, strict=True):
-            if replace(each.config, seed=0) != replace(found[0].config, seed=0):
-                raise RequestError(
-                    f"{path}: not of the config of {self.agents[0]}, so no other run of that agent. "
-                    "Evaluate them one after the other"
-                )
-        return [each.network for each in found]
+        players: dict[str, list[Checkpoint]] = {}
+        for path in self.agents:
+            found = checkpoint.load(path)
+            for runs in players.values():
+                if runs[0].name == found.name and _alike(runs[0].config, found.config):
+                    runs.append(found)
+                    break
+            else:
+                name = found.name if found.name not in players else f"{found.name} ({path.parent.name})"
+                if name in players:
+                    raise RequestError(f"{path}: another config than {name}'s, by the same name")
+                players[name] = [found]
+        return players
+
+
+def _alike(one: Config, other: Config) -> bool:
+    """Whether these are runs of one agent."""
+    return set(differences(one, other)) <= {"seed"}
 
 
 @dataclass(frozen=True)
@@ -163,7 +193,7 @@ class Export:
         from agent import checkpoint
         from agent.export import export
 
-        export(checkpoint.load(self.agent, shape=(40, 2)).network, self.out)
+        export(checkpoint.load(self.agent).network, self.out)
         _say(f"{self.out}")
         return 0
 
@@ -200,14 +230,14 @@ class Record:
         from agent.record import record
         from logic import load
 
-        agent, houses = checkpoint.load(self.agent, shape=(40, 2)), load(self.houses)
+        agent, houses = checkpoint.load(self.agent), load(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
         if self.steps < 1:
             raise RequestError(f"--steps must be 1 or more, not {self.steps}")
         with progress("filming") as tell:
             record(
-                agent.network,
+                agent,
                 houses[self.house],
                 self.out,
                 targets=self.targets,

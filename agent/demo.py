@@ -1,22 +1,22 @@
 """The whole path in one command: houses from rules, an agent that learns in them, a measurement, a report."""
 
-import hashlib
 import io
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-import msgspec
 from rich.console import Console
 
 from agent import report
+from agent.banks import geometry_hash
 from agent.config import PRESETS
 from agent.evaluate import Scores, evaluate
+from agent.learner import Progress
 from agent.progress import Report, progress
 from agent.record import record
 from agent.runs import run
-from agent.train import Progress
 from agent.world import make_worlds
 from logic import House, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
@@ -43,13 +43,12 @@ SHOWN = 12
 FILES = (
     "houses.jsonl",
     "houses-held-out.jsonl",
-    "agent.pt",
     "plans.png",
     "learning-curve.png",
     "episode.gif",
     "report.md",
 )
-"""What the demo writes."""
+"""What the demo writes, beside the folder ``training``: see ``agent.runs``."""
 
 
 def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
@@ -60,13 +59,14 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     start = perf_counter()
     for name in FILES:  # so that the folder never shows two runs at once
         (out / name).unlink(missing_ok=True)
+    shutil.rmtree(out / "training", ignore_errors=True)
     with progress("houses", LINES) as tell:
         houses, held_out = banks(seed, tell)
     save(houses, out / "houses.jsonl")
     save(held_out, out / "houses-held-out.jsonl")
 
     config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
-    agent, history = run(houses, config, out / "agent.pt", LINES)
+    agent, history = run(houses, config, out / "training", name="pqn", every=LINES)
 
     with progress("measuring", LINES) as tell:
         scores = evaluate(agent.network, make_worlds(held_out, HELD_OUT), seed=seed, tell=tell)
@@ -75,12 +75,12 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     with progress("pictures", LINES) as tell:
         write_whole(out / "plans.png", _plans(held_out))
         write_whole(out / "learning-curve.png", report.learning_curve(history, scores))
-        record(agent.network, held_out[filmed], out / "episode.gif", seed=seed + filmed, tell=tell)
+        record(agent, held_out[filmed], out / "episode.gif", seed=seed + filmed, tell=tell)
     page = _page(lines, scores, history[-1], filmed=filmed, seed=seed, seconds=perf_counter() - start)
     write_whole(out / "report.md", page.encode())
 
     Console().print(report.table(lines, f"Main room of {HELD_OUT} houses that the agent had never seen"))
-    print(*(out / name for name in FILES), sep="\n")
+    print(*(out / name for name in (*FILES, "training")), sep="\n")
     return _verdict(scores)
 
 
@@ -97,11 +97,6 @@ def banks(seed: int, tell: Report) -> tuple[list[House], list[House]]:
     if len({geometry_hash(house) for house in drawn}) < len(drawn):
         raise VitruviusError(f"seed {seed} gave the same house twice. Try another --seed")
     return drawn[:TRAINING], drawn[TRAINING:]
-
-
-def geometry_hash(house: House) -> str:
-    """A name for the house's shape alone: the same rooms, doors and pieces have the same."""
-    return hashlib.sha256(msgspec.json.encode((house.floor, house.rooms))).hexdigest()
 
 
 def _typical(scores: Scores, houses: list[House]) -> int:
@@ -153,7 +148,7 @@ def _page(
         "![An episode](episode.gif)",
         "Some of the held-out houses:",
         "![Plans](plans.png)",
-        "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), [agent](agent.pt). Made by "
-        f"`vitruvius demo --seed {seed}`.",
+        "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), "
+        f"[agent](training/agent.safetensors). Made by `vitruvius demo --seed {seed}`.",
     )
     return "\n\n".join(paragraphs) + "\n"

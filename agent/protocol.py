@@ -3,22 +3,23 @@
 Every player meets the same starts and the same targets in the same order: house i's are those of seed + i.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
-import torch
 
 from agent.baselines import baselines
+from agent.build import policy_of
+from agent.checkpoint import Checkpoint
 from agent.evaluate import MARKS, Score, begin, play
-from agent.network import QNetwork
-from agent.policies import Policy, QPolicy
+from agent.policies import Policy
 from agent.progress import Report
 from agent.statistics import Estimate, interquartile_mean, mean
-from agent.world import make_worlds, shield
+from agent.world import make_worlds
 from logic import House
 from sim import HouseVectorEnv
+from sim.config import DEFAULT, PAPER, Config
 from sim.lookout import Lookout
 from sim.oracle import Oracle
 
@@ -119,33 +120,56 @@ bootstrap over training runs and houses, but blocked and interventions, over run
 
 
 def measure(
-    networks: Sequence[QNetwork],
+    agents: Mapping[str, Sequence[Checkpoint]],
     houses: Sequence[House],
     modes: Sequence[str] = MODES,
     seed: int = 0,
     tell: Report = lambda done, words: None,
+    *,
+    backend: str = "continuous",
 ) -> Iterator[Result]:
-    """Measure training runs of one agent, if any, and all baselines in a bank, mode by mode.
+    """Measure agents, by name the training runs of each, and all baselines in a bank, mode by mode.
 
-    Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
+    An agent of the paper's world plays in the others', but that its rays are the paper's: the same body, the
+    same starts and targets. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
     """
     for number, mode in enumerate(modes):
-        envs = make_worlds(houses, len(houses), mode)
+        stages = {name: Stage(houses, mode, eyes, backend) for name, eyes in EYES.items()}
+        envs = stages["default"].envs
         begin(envs, seed)
         shortest = np.array([np.inf if way is None else len(way) for way in Oracle(envs).paths()])
-        watch, scores = Lookout(envs), {}
-        makers: list[tuple[str, Callable[[], Policy]]] = [
-            ("agent", partial(agent, network, envs, seed)) for network in networks
+        scores: dict[str, tuple[Score, ...]] = {}
+        runs = [(name, each, stages[each.config.world]) for name, all in agents.items() for each in all]
+        makers: list[tuple[str, Callable[[], Policy], Stage]] = [
+            (name, partial(policy_of, each.network, each.config, stage.envs, seed), stage)
+            for name, each, stage in runs
         ]
-        makers += list(baselines(envs, seed).items())
-        for place, (name, make) in enumerate(makers):
+        makers += [(name, make, stages["default"]) for name, make in baselines(envs, seed).items()]
+        for place, (name, make, stage) in enumerate(makers):
             tell((number + place / len(makers)) / len(modes), f"{mode}: {name}")
-            score = play(name, envs, make(), seed, watch=watch)
+            score = play(name, stage.envs, make(), seed, watch=stage.watch)
             scores[name] = (*scores.get(name, ()), score)
         yield Result(mode, np.array([len(house.rooms) for house in houses]), shortest, scores)
     tell(1.0, f"{len(houses)} houses")
 
 
-def agent(network: QNetwork, envs: HouseVectorEnv, seed: int) -> Policy:
-    """A network's policy, as it is measured."""
-    return QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
+class Stage:
+    """The worlds that agents with the same eyes play in, and what watches them: made when first asked for."""
+
+    def __init__(self, houses: Sequence[House], targets: str, eyes: Config, backend: str) -> None:
+        """Worlds over these houses."""
+        self.make = partial(make_worlds, houses, len(houses), targets, preset=eyes, backend=backend)
+
+    @cached_property
+    def envs(self) -> HouseVectorEnv:
+        """An environment for each house."""
+        return self.make()
+
+    @cached_property
+    def watch(self) -> Lookout:
+        """What notes how much is looked at."""
+        return Lookout(self.envs)
+
+
+EYES = {"default": DEFAULT, "paper": replace(DEFAULT, first_ray=PAPER.first_ray, sees_angle=PAPER.sees_angle)}
+"""By the world that an agent learnt in, the world that it is measured in."""

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from agent.network import QNetwork
-from agent.policies import QPolicy
-from agent.world import make_worlds, shield
+from agent.build import policy_of
+from agent.checkpoint import Checkpoint
+from agent.protocol import EYES
+from agent.world import make_worlds
 from logic import House
 from sim.film import Camera, film
 
@@ -17,7 +18,7 @@ STRIDE = 4
 
 
 def record(
-    network: QNetwork,
+    agent: Checkpoint,
     house: House,
     path: Path,
     *,
@@ -30,10 +31,10 @@ def record(
 
     With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    envs = make_worlds([house], 1, targets)
+    envs = make_worlds([house], 1, targets, preset=EYES[agent.config.world])
     length = min(steps or envs.config.steps, envs.config.steps)
     observation = torch.as_tensor(envs.reset(seed=seed, options={"house": np.zeros(1, int)})[0])
-    policy = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
+    policy = policy_of(agent.network, agent.config, envs, seed)
     policy.begin(1)
     blocked = torch.zeros(1, dtype=torch.bool)
     camera = Camera(envs, width=640)

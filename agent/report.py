@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from agent.evaluate import Scores
-from agent.train import Progress
+from agent.learner import Progress
 
 HEADINGS = ("player", "targets", "ratio to oracle", "blocked", "overruled")
 

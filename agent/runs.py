@@ -1,45 +1,246 @@
-"""A training run around the learner: worlds, a new network, progress to be seen, checkpoints on the way."""
+"""A training run in its folder: what it learns is kept on the way, and a run that was killed goes on.
 
-from collections.abc import Sequence
+| file | |
+|---|---|
+| ``agent.safetensors`` | the network, never older than half a minute: for ``vitruvius evaluate`` |
+| ``config.json`` | what was asked for, in which houses, by which command, with which versions |
+| ``metrics.jsonl`` | a line for each report: ``agent.learner.Progress`` |
+| ``tensorboard/`` | the same for TensorBoard |
+| ``state.pt.gz`` | all that the next step depends on: for ``--resume`` |
+"""
+
+import fcntl
+import gzip
+import io
+import json
+import platform
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import torch
 
-from agent import checkpoint
-from agent.checkpoint import Checkpoint
-from agent.config import Config
-from agent.map import FEATURES
-from agent.network import seeded_network
+from agent import checkpoint, ranks
+from agent.banks import bank_hash
+from agent.checkpoint import Checkpoint, CheckpointError
+from agent.config import Config, DQNConfig, PQNConfig
+from agent.dqn import DQN
+from agent.learner import Diverged, Learner, Progress
+from agent.pqn import PQN
 from agent.progress import progress
-from agent.train import Progress, learn
-from agent.world import make_worlds, shield
+from agent.world import make_worlds
 from logic import House
+from logic.errors import RequestError
+from logic.files import write_whole
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
 
 
-def run(
-    houses: Sequence[House], config: Config, path: Path, every: float | None = None
-) -> tuple[Checkpoint, list[Progress]]:
-    """Train a new agent in the houses; the checkpoint at ``path`` is never older than half a minute.
+@dataclass(frozen=True)
+class Folder:
+    """Where a run's files lie."""
 
-    ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no lines.
+    path: Path
+
+    @property
+    def agent(self) -> Path:
+        """The checkpoint."""
+        return self.path / "agent.safetensors"
+
+    @property
+    def config(self) -> Path:
+        """What was asked for."""
+        return self.path / "config.json"
+
+    @property
+    def metrics(self) -> Path:
+        """The reports."""
+        return self.path / "metrics.jsonl"
+
+    @property
+    def state(self) -> Path:
+        """What the next step depends on."""
+        return self.path / "state.pt.gz"
+
+    @property
+    def tensorboard(self) -> Path:
+        """The reports, for TensorBoard."""
+        return self.path / "tensorboard"
+
+    @contextmanager
+    def alone(self, resume: bool) -> Iterator[None]:
+        """Hold the folder for as long as the block lasts.
+
+        Raises ``RequestError`` where another run does, or where a run lies in it and is not to go on.
+        """
+        self.path.mkdir(parents=True, exist_ok=True)
+        with (self.path / ".lock").open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise RequestError(
+                    f"{self.path}: another run is at work here. Give this one another folder"
+                ) from None
+            if self.config.exists() and not resume:
+                raise RequestError(
+                    f"{self.path}: holds a run already. Go on with it by --resume, or give another folder"
+                )
+            yield
+
+
+def run(
+    houses: Sequence[House],
+    config: Config,
+    path: str | Path,
+    *,
+    name: str = "agent",
+    command: str = "",
+    resume: bool = False,
+    every: float | None = None,
+) -> tuple[Checkpoint, list[Progress]]:
+    """Train an agent in the houses, to the end of its run; its files lie in the folder ``path``.
+
+    With ``resume`` a run that lies there goes on where it was last kept, bit for bit on the CPU; where there
+    is none, one begins. ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no
+    lines.
+
+    Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
+    number any more; the last good checkpoint is kept then.
     """
+    with ranks.joined(config.device):
+        folder = Folder(Path(path))
+        if ranks.rank():  # the first rank alone writes
+            learner = _learner(houses, config)
+            return _learn(learner, folder, name, command, resume, every)
+        with folder.alone(resume):
+            return _learn(_learner(houses, config), folder, name, command, resume, every)
+
+
+def _learner(houses: Sequence[House], config: Config) -> Learner:
+    """A new run in new worlds: this rank's share of them."""
+    share, left = divmod(config.environments, ranks.size())
+    if left:
+        raise RequestError(
+            f"environments must be a multiple of the {ranks.size()} ranks, not {config.environments}"
+        )
+    if config.device == "cuda" and not torch.cuda.is_available():
+        raise RequestError("device cuda cannot be had: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
-    envs = make_worlds(houses, config.environments, config.targets)
-    features = FEATURES if config.map else 0
-    network = seeded_network(config.seed, envs.config.rays, envs.config.channels, config.half_lives, features)
-    history: list[Progress] = []
+    envs = make_worlds(houses, share, config.targets, preset=config.world, device=config.device)
+    if isinstance(config, DQNConfig):
+        if ranks.size() > 1:
+            raise RequestError("deep Q-learning from a replay memory runs in one process alone")
+        return DQN(config, envs)
+    assert isinstance(config, PQNConfig)
+    return PQN(config, envs)
+
+
+def _learn(
+    learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
+) -> tuple[Checkpoint, list[Progress]]:
+    """Learn to the end, and keep what there is every half a minute."""
+    config, houses = learner.config, bank_hash(learner.envs.houses)
+    history = _resumed(learner, folder) if resume and folder.state.exists() else []
+    made = Checkpoint(learner.network, config, 0, name, houses, command)
+    writer = _Writer(folder, history) if not ranks.rank() else None
+    if writer:
+        write_whole(folder.config, _described(made, learner).encode())
     saved = perf_counter()
-    with progress("training", every) as tell:
-        for now in learn(envs, network, shield(envs), config):
-            history.append(now)
-            tell(now.fraction, f"{now.steps / 1e6:.2f} M steps, {now.targets:.1f} targets per 1500 steps")
-            if perf_counter() - saved > SAVE_EVERY:
-                checkpoint.save(Checkpoint(network, config, now.steps), path)
-                saved = perf_counter()
-    result = Checkpoint(network.eval(), config, history[-1].steps)
-    checkpoint.save(result, path)
+    with progress("training", every if not ranks.rank() else None) as tell:
+        try:
+            for now in learner.train():
+                history.append(now)
+                tell(now.fraction, f"{now.steps / 1e6:.2f} M steps, {now.targets:.1f} targets per 1500 steps")
+                if writer:
+                    writer.write(now)
+                if ranks.first(perf_counter() - saved) > SAVE_EVERY:
+                    _keep(learner, replace(made, steps=now.steps), folder)
+                    saved = perf_counter()
+        except Diverged as error:
+            kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
+            raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
+        finally:
+            if writer:
+                writer.close()
+    result = replace(made, network=learner.network.eval(), steps=learner.steps)
+    _keep(learner, result, folder)
     return result, history
+
+
+def _keep(learner: Learner, made: Checkpoint, folder: Folder) -> None:
+    """Write the state of all ranks, then the agent."""
+    states = ranks.gathered(learner.state())
+    if not ranks.rank():
+        content = io.BytesIO()
+        torch.save(states, content)
+        write_whole(folder.state, gzip.compress(content.getvalue(), compresslevel=1, mtime=0))
+        checkpoint.save(made, folder.agent)
+
+
+def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
+    """Take up the state that was kept last, with the reports up to there."""
+    try:
+        with gzip.open(folder.state) as file:
+            states = torch.load(io.BytesIO(file.read()), weights_only=True)
+    except (OSError, EOFError, zlib.error, RuntimeError) as error:
+        raise CheckpointError(f"{folder.state}: cannot be read: {error}") from None
+    if len(states) != ranks.size():
+        raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
+    learner.restore(states[ranks.rank()])
+    history = []
+    for line in folder.metrics.read_text().splitlines():
+        try:
+            now = Progress(**json.loads(line))
+        except (ValueError, TypeError):
+            break  # a kill may tear the last line
+        if now.steps <= learner.steps:
+            history.append(now)
+    return history
+
+
+def _described(made: Checkpoint, learner: Learner) -> str:
+    """What a reader must know to run it again."""
+    record: dict[str, Any] = {
+        "preset": made.name,
+        "algorithm": made.config.algorithm,
+        "config": asdict(made.config),
+        "houses": {"number": len(learner.envs.houses), "hash": made.houses},
+        "command": made.command,
+        "ranks": ranks.size(),
+        "python": platform.python_version(),
+        "torch": torch.__version__,
+        "machine": platform.platform(),
+    }
+    return json.dumps(record, indent=2) + "\n"
+
+
+class _Writer:
+    """Writes each report to ``metrics.jsonl`` and for TensorBoard."""
+
+    def __init__(self, folder: Folder, history: list[Progress]) -> None:
+        """Go on after these reports; what was written beyond them will be lived again."""
+        from torch.utils.tensorboard import SummaryWriter  # half a second to import
+
+        lines = "".join(json.dumps(asdict(one)) + "\n" for one in history)
+        write_whole(folder.metrics, lines.encode())
+        self.lines = folder.metrics.open("a")
+        self.board = SummaryWriter(folder.tensorboard, purge_step=history[-1].steps + 1 if history else None)
+
+    def write(self, now: Progress) -> None:
+        """Write a report, at once."""
+        values = asdict(now)
+        self.lines.write(json.dumps(values) + "\n")
+        self.lines.flush()
+        for name, value in values.items():
+            if value is not None and name != "steps":
+                self.board.add_scalar(name, value, now.steps)
+
+    def close(self) -> None:
+        """Close both."""
+        self.lines.close()
+        self.board.close()

@@ -9,15 +9,32 @@ import numpy as np
 from agent.avoidance import Shield
 from logic import House, HouseFileError
 from sim import HouseVectorEnv
+from sim.config import Config
 
 
-def make_worlds(houses: Sequence[House], number: int, targets: str = "main") -> HouseVectorEnv:
+def make_worlds(
+    houses: Sequence[House],
+    number: int,
+    targets: str = "main",
+    *,
+    preset: str | Config = "default",
+    backend: str = "continuous",
+    device: str = "cpu",
+) -> HouseVectorEnv:
     """So many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
 
     Raises ``HouseFileError`` where the body or a target has no place in one of the houses.
     """
     try:
-        envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=number, houses=houses, targets=targets)
+        envs = gymnasium.make_vec(
+            "sim:Vitruvius/House-v0",
+            num_envs=number,
+            houses=houses,
+            targets=targets,
+            preset=preset,
+            backend=backend,
+            device=device,
+        )
     except ValueError as error:
         raise HouseFileError(str(error)) from None
     return cast(HouseVectorEnv, envs.unwrapped)

@@ -1,14 +1,12 @@
 """Banks: what is kept for measuring is whole, simulable, and never learnt from."""
 
-from dataclasses import replace
-
 import msgspec
 import pytest
 
 from agent import banks
 from agent.banks import TEST, TRAINING, VALIDATION, bank_hash, benchmark, geometry_hash, require_training
 from agent.commands import Train
-from agent.config import Config
+from agent.config import PQNConfig
 from logic import House, HouseFileError, Rect, check, generate, save
 
 
@@ -60,7 +58,7 @@ def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(
 def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(bank, tmp_path):
     save(bank[:2], tmp_path / "mine.jsonl")
     with pytest.raises(HouseFileError, match="kept for measuring"):
-        Train(tmp_path / "mine.jsonl", out=tmp_path / "out", config=replace(Config(), steps=1)).run()
+        Train(tmp_path / "mine.jsonl", out=tmp_path / "out", config=PQNConfig(steps=1)).run()
     assert not (tmp_path / "out").exists()
 
 

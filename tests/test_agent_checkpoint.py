@@ -1,100 +1,103 @@
 """Checkpoints come back as they were, and anything else is refused in one line."""
 
-import io
+import json
+import pickle
+from dataclasses import asdict
 
 import pytest
+import safetensors.torch
 import torch
 
-from agent.checkpoint import Checkpoint, CheckpointError, load, save
-from agent.config import Config
+from agent.build import network_of
+from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, save
+from agent.config import PRESETS, DQNConfig, PQNConfig
 from agent.network import seeded_network
 
+CONFIG = PQNConfig(steps=1000, seed=3)
 
-def made(path):
+
+def made(path, config=CONFIG):
     """A checkpoint file."""
-    save(Checkpoint(seeded_network(3), Config(steps=1000, seed=3), steps=512), path)
+    save(Checkpoint(network_of(config), config, 512, "mine", "1234", "vitruvius train"), path)
     return path
 
 
-def spoiled(path, **changes):
-    """A checkpoint file with some entries of its record replaced."""
-    record = torch.load(made(path), weights_only=True)
-    torch.save({**record, **changes}, path)
+def spoiled(path, tensors=None, **changes):
+    """A checkpoint file with some entries of its record replaced, or its tensors."""
+    with safetensors.safe_open(made(path), framework="pt") as file:
+        record = file.metadata() | changes
+        kept = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    safetensors.torch.save_file(kept if tensors is None else tensors, path, metadata=record)
     return path
 
 
-def refusal(path, **options) -> str:
+def refusal(path) -> str:
     """The one line that says why the file is refused."""
     with pytest.raises(CheckpointError) as caught:
-        load(path, **options)
+        load(path)
     assert caught.value.exit_code == 5
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
 
-def test_a_checkpoint_comes_back_as_it_was(tmp_path):
-    checkpoint = load(made(tmp_path / "agent.pt"), shape=(40, 2))
-    assert checkpoint.config == Config(steps=1000, seed=3)
-    assert checkpoint.steps == 512
-    x, memory = torch.rand(5, 40, 2), torch.rand(5, 4, 6)
-    assert torch.equal(checkpoint.network(x, memory), seeded_network(3)(x, memory))
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_checkpoint_comes_back_as_it_was(tmp_path, preset):
+    found = load(made(tmp_path / "agent.safetensors", PRESETS[preset]))
+    assert found.config == PRESETS[preset]
+    assert (found.steps, found.name, found.houses, found.command) == (512, "mine", "1234", "vitruvius train")
+    network = network_of(PRESETS[preset])
+    given = torch.rand(5, *network.shape[:2]), network.memory.empty(5)
+    features = [torch.rand(5, network.shape[3])] if network.shape[3] else []
+    assert torch.equal(found.network(*given, *features), network(*given, *features))
 
 
 def test_saving_leaves_one_file_and_replaces_an_old_one(tmp_path):
-    made(tmp_path / "agent.pt")
-    made(tmp_path / "agent.pt")
-    assert [path.name for path in tmp_path.iterdir()] == ["agent.pt"]
+    made(tmp_path / "agent.safetensors")
+    made(tmp_path / "agent.safetensors")
+    assert [path.name for path in tmp_path.iterdir()] == ["agent.safetensors"]
 
 
 def test_a_checkpoint_that_is_absent_or_a_folder_is_refused(tmp_path):
-    assert "No such file" in refusal(tmp_path / "none.pt")
+    assert "No such file" in refusal(tmp_path / "none.safetensors")
     assert "directory" in refusal(tmp_path)
 
 
-@pytest.mark.parametrize("content", [b"", b"no checkpoint", b'{"format": 1}\n', b"PK\x03\x04 broken"])
+@pytest.mark.parametrize("content", [b"", b"no checkpoint", b'{"format": 1}\n', pickle.dumps([1])])
 def test_a_file_that_is_no_checkpoint_is_refused(tmp_path, content):
-    path = tmp_path / "agent.pt"
+    path = tmp_path / "agent.safetensors"
     path.write_bytes(content)
     assert "not a checkpoint" in refusal(path)
 
 
 def test_a_truncated_checkpoint_is_refused(tmp_path):
-    path = made(tmp_path / "agent.pt")
+    path = made(tmp_path / "agent.safetensors")
     path.write_bytes(path.read_bytes()[:-1000])
     assert "not a checkpoint" in refusal(path)
 
 
-def test_other_torch_files_are_refused(tmp_path):
-    path = tmp_path / "agent.pt"
-    torch.save({"weights": torch.ones(3)}, path)
-    assert "not a checkpoint of this version" in refusal(path)
-    torch.save(torch.ones(3), path)
-    assert "not a checkpoint of this version" in refusal(path)
-
-
-def test_a_checkpoint_never_runs_code(tmp_path):
-    class Code:
-        def __reduce__(self):
-            return (open, (str(tmp_path / "proof"), "w"))
-
-    content = io.BytesIO()
-    torch.save({"format": Code()}, content)
-    (tmp_path / "agent.pt").write_bytes(content.getvalue())
-    assert "not a checkpoint" in refusal(tmp_path / "agent.pt")
-    assert not (tmp_path / "proof").exists()
+def test_other_tensors_are_refused(tmp_path):
+    path = tmp_path / "agent.safetensors"
+    safetensors.torch.save_file({"weights": torch.ones(3)}, path)
+    assert f"not a checkpoint of this version ({FORMAT})" in refusal(path)
+    assert "not a checkpoint of this version" in refusal(spoiled(path, format="vitruvius-agent-1"))
 
 
 def test_a_network_of_another_shape_is_refused(tmp_path):
-    path = tmp_path / "agent.pt"
-    assert "40 rays x 2" in refusal(made(path), shape=(40, 3))
-    assert "another shape" in refusal(spoiled(path, network=seeded_network(0, rays=20).state_dict()))
-    assert "another shape" in refusal(spoiled(path, network={"look.weight": torch.ones(1)}))
+    path = tmp_path / "agent.safetensors"
+    other = seeded_network(0, rays=20).state_dict()
+    assert "another shape" in refusal(spoiled(path, other))
+    assert "another shape" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
+    assert "another shape" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
 
 
-def test_a_config_of_another_version_is_refused(tmp_path):
-    assert "momentum" in refusal(spoiled(tmp_path / "agent.pt", config={"momentum": 0.9}))
-    assert "discount" in refusal(spoiled(tmp_path / "agent.pt", config={"discount": 2.0}))
+def test_a_config_of_another_version_or_algorithm_is_refused(tmp_path):
+    path = tmp_path / "agent.safetensors"
+    assert "momentum" in refusal(spoiled(path, config=json.dumps({"momentum": 0.9})))
+    assert "discount" in refusal(spoiled(path, config=json.dumps({"discount": 2.0})))
+    assert "steps" in refusal(spoiled(path, config=json.dumps({"steps": "many"})))
+    assert "replay" not in refusal(spoiled(path, config=json.dumps(asdict(DQNConfig()))))
+    assert "sarsa" in refusal(spoiled(path, algorithm="sarsa"))
 
 
 @pytest.mark.parametrize(
@@ -107,8 +110,10 @@ def test_a_config_of_another_version_is_refused(tmp_path):
         ("seconds", 0.0),
         ("minibatches", 9000),
         ("half_lives", (4.0, 0.0)),
+        ("rollout", 0),
+        ("trace", 2.0),
     ],
 )
 def test_a_config_that_no_run_can_have_is_refused_by_name(field, value):
     with pytest.raises(ValueError, match=field):
-        Config(**{field: value})
+        PQNConfig(**{field: value})

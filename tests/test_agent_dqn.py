@@ -8,17 +8,9 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
-from agent.dqn import (
-    PRESETS,
-    DQNConfig,
-    Learner,
-    PaperNetwork,
-    Replay,
-    n_step_returns,
-    network_of,
-    q_targets,
-    train_dqn,
-)
+from agent.build import PaperNetwork, network_of
+from agent.config import PRESETS, DQNConfig
+from agent.dqn import DQN, Replay, n_step_returns, q_targets
 from agent.evaluate import play
 from agent.policies import QPolicy, RandomPolicy
 from agent.world import shield
@@ -27,7 +19,9 @@ from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 E = 8
-SMALL = DQNConfig(environments=E, steps=3000, memory=2048, warm_up=256, every=4, batch=64, horizon=3)
+SMALL = replace(
+    PRESETS["dqn"], environments=E, steps=3000, memory=2048, warm_up=256, every=4, batch=64, horizon=3
+)
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +134,7 @@ def test_the_mirror_exchanges_left_and_right_of_all_that_is_learnt_from():
 
 
 def test_steps_that_the_world_ignored_teach_nothing(envs):
-    learner = Learner(replace(SMALL, clip=1e9), envs)
+    learner = DQN(replace(SMALL, clip=1e9), envs)
     for _ in range(8):
         learner.act()
     learner.replay.kept["valid"][:] = False
@@ -150,7 +144,7 @@ def test_steps_that_the_world_ignored_teach_nothing(envs):
 
 
 def test_what_is_remembered_is_what_was_done_and_seen(envs):
-    learner = Learner(SMALL, envs)
+    learner = DQN(SMALL, envs)
     rule, told = PaperRule(learner.generator, threshold=2.0), []
     learner.avoidance = lambda observation, blocked: told.append(rule(observation, blocked)) or told[-1]
     seen = [learner.s]
@@ -167,19 +161,19 @@ def test_what_is_remembered_is_what_was_done_and_seen(envs):
     steps = torch.arange(250)
     assert torch.equal(kept["valid"][:250], ((steps != 100) & (steps != 201))[:, None].expand(-1, E))
     assert torch.equal(kept["truncated"][:250], ((steps == 99) | (steps == 200))[:, None].expand(-1, E))
-    assert learner.steps == 248 * E
+    assert learner.counted == 248 * E
 
 
-def run(envs, config=SMALL, steps=None) -> Learner:
+def run(envs, config=SMALL, steps=None) -> DQN:
     """A run to its end, or to the first report after so many steps."""
-    learner = Learner(config, envs)
-    for now in train_dqn(learner):
+    learner = DQN(config, envs)
+    for now in learner.train():
         if steps and now.steps >= steps:
             break
     return learner
 
 
-def weights(learner: Learner) -> torch.Tensor:
+def weights(learner: DQN) -> torch.Tensor:
     return torch.cat(
         [w.detach().flatten() for w in [*learner.network.parameters(), *learner.target.parameters()]]
     )
@@ -198,11 +192,11 @@ def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, preset):
     config = replace(PRESETS[preset], **small, batch=64, minibatches=4)
     if preset == "paper":  # its learning in the world at hand
         config = replace(config, world="default", network="traces")
-    run(envs, config, steps=2000).save(tmp_path / "run.pt")
-    whole, resumed = run(envs, config), Learner(config, envs)
-    resumed.load(tmp_path / "run.pt")
+    torch.save(run(envs, config, steps=2000).state(), tmp_path / "run.pt")
+    whole, resumed = run(envs, config), DQN(config, envs)
+    resumed.restore(torch.load(tmp_path / "run.pt", weights_only=True))
     assert 2000 <= resumed.steps < 3000
-    ends = [now.targets for now in train_dqn(resumed)]
+    ends = [now.targets for now in resumed.train()]
     assert ends
     assert (resumed.steps, resumed.updates, resumed.episodes) == (whole.steps, whole.updates, whole.episodes)
     assert torch.equal(weights(resumed), weights(whole))
@@ -211,19 +205,19 @@ def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, preset):
 
 
 def test_another_config_or_other_houses_cannot_go_on(envs):
-    learner = Learner(SMALL, envs)
+    learner = DQN(SMALL, envs)
     state = learner.state()
     with pytest.raises(ValueError, match="horizon"):
-        Learner(replace(SMALL, horizon=2), envs).restore(state)
+        DQN(replace(SMALL, horizon=2), envs).restore(state)
     with pytest.raises(ValueError, match="other houses"):
         learner.restore(state | {"houses": "others"})
-    longer = Learner(replace(SMALL, steps=8192), envs)
+    longer = DQN(replace(SMALL, steps=8192), envs)
     longer.restore(state)
 
 
 def test_the_papers_rate_and_epsilon_fall_as_theirs_did(envs):
     config = replace(PRESETS["paper"], world="default", network="traces", environments=E)
-    learner = Learner(config, envs)
+    learner = DQN(config, envs)
     assert learner.epsilon == 1.0
     learner.episodes, learner.updates = 1000, 499_999
     assert learner.epsilon == 0.025
@@ -235,11 +229,11 @@ def test_the_papers_rate_and_epsilon_fall_as_theirs_did(envs):
 
 def test_the_paper_replays_once_after_each_episode_with_all_that_brought_reward(envs, monkeypatch):
     config = replace(PRESETS["paper"], world="default", network="traces", environments=E, minibatches=1)
-    learner, replayed = Learner(config, envs), []
+    learner, replayed = DQN(config, envs), []
     sample = learner.sample
     monkeypatch.setattr(learner, "sample", lambda *at: replayed.append(at) or sample(*at))
     for _ in range(205):
-        learner.advance()
+        learner.step()
     assert learner.episodes == len(replayed) == 2 * E
     for index, (rows, worlds) in enumerate(replayed):
         world, begin = index % E, 101 * (index // E)
@@ -251,7 +245,7 @@ def test_the_paper_replays_once_after_each_episode_with_all_that_brought_reward(
 
 
 def test_exploring_goes_forward_where_the_middle_rays_see_the_target(envs):
-    learner = Learner(replace(SMALL, homing=True, forward=1e-6), envs)
+    learner = DQN(replace(SMALL, homing=True, forward=1e-6), envs)
     learner.s = torch.zeros_like(learner.s)
     learner.s[: E // 2, 19, -1] = 1
     wanted = learner.explore(torch.zeros(E, 3)).argmax(-1)
@@ -264,7 +258,7 @@ def test_the_papers_network_has_its_size_and_a_softmax():
     assert sum(weight.numel() for weight in network.parameters()) == 61_653
     values = network(torch.rand(7, 40, 3), network.memory.empty(7))
     torch.testing.assert_close(values.sum(-1), torch.ones(7))
-    one, same = (network_of(PRESETS["paper"], 40, 3).layers[0].weight for _ in range(2))
+    one, same = (network_of(PRESETS["paper"]).layers[0].weight for _ in range(2))
     assert torch.equal(one, same)
 
 
@@ -291,7 +285,9 @@ def test_a_config_that_no_run_can_have_is_refused_by_name(field, value):
 def test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk(envs):
     """By 40 times as much; a run of seconds."""
     envs = HouseVectorEnv([House(Rect(0, 0, 4, 4), ())], 32, max_episode_steps=300)
-    config = DQNConfig(environments=32, steps=32_000, memory=32_000, warm_up=2000, every=2, batch=256)
+    config = replace(
+        PRESETS["dqn"], environments=32, steps=32_000, memory=32_000, warm_up=2000, every=2, batch=256
+    )
     learner = run(envs, config)
     chance, first = torch.Generator().manual_seed(0), np.zeros(32, int)
     agent = play("agent", envs, QPolicy(learner.network, shield(envs), chance), 7, houses=first)

@@ -12,15 +12,15 @@ from scipy.sparse.csgraph import dijkstra
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import subsume
 from agent.checkpoint import Checkpoint, load, save
-from agent.config import PRESETS, Config
+from agent.config import PRESETS, PQNConfig
 from agent.evaluate import play
 from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
 from agent.map.kernel import KIND, NONE, STALE
 from agent.map.ways import FAR
 from agent.network import seeded_network
 from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
+from agent.pqn import PQN
 from agent.rollout import value
-from agent.train import learn
 from agent.world import make_worlds, shield
 from logic import Door, House, Piece, Rect, Room
 from sim import DEFAULT, HouseVectorEnv
@@ -292,8 +292,8 @@ def test_a_new_network_with_a_map_does_what_it_advises(envs):
 def test_a_checkpoint_keeps_a_network_with_a_map(tmp_path):
     network = seeded_network(0, features=FEATURES)
     torch.nn.init.normal_(next(network.judge[-1].parameters()))
-    save(Checkpoint(network, PRESETS["pqn-map"], steps=1), tmp_path / "agent.pt")
-    found = load(tmp_path / "agent.pt", shape=(40, 2))
+    save(Checkpoint(network, PRESETS["pqn-map"], steps=1), tmp_path / "agent.safetensors")
+    found = load(tmp_path / "agent.safetensors")
     given = torch.rand(2, 40, 2), torch.rand(2, 4, 6), torch.rand(2, FEATURES)
     assert found.config == PRESETS["pqn-map"]
     assert torch.equal(found.network(*given), network(*given))
@@ -302,17 +302,18 @@ def test_a_checkpoint_keeps_a_network_with_a_map(tmp_path):
 def test_novelty_and_guidance_need_a_map():
     for name in ("novelty", "guided"):
         with pytest.raises(ValueError, match="need map"):
-            replace(Config(), **{name: 0.5})
+            replace(PQNConfig(), **{name: 0.5})
 
 
 def test_learning_with_a_map_is_a_function_of_the_seed(envs):
-    config = Config(map=True, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200)
+    config = PQNConfig(map=True, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200)
 
     def trained() -> dict[str, torch.Tensor]:
-        network = seeded_network(0, features=FEATURES)
-        progress = list(learn(envs, network, shield(envs), config))
-        assert progress[-1].map > 0
-        return network.state_dict()
+        learner = PQN(config, envs)
+        speed = [now.map for now in learner.train()][-1]
+        assert speed is not None
+        assert speed > 0
+        return learner.network.state_dict()
 
     one, same = trained(), trained()
     assert all(torch.equal(one[name], same[name]) for name in one)

@@ -1,15 +1,20 @@
-"""Q(lambda), the loss and the mirror, against numbers worked out by hand."""
+"""Q(lambda), the loss and the mirror, against numbers worked out by hand; runs that stop and go on."""
 
 import pytest
 import torch
 
-from agent import train
 from agent.actions import FORWARD, LEFT, RIGHT, mirrored
-from agent.config import Config
+from agent.config import PQNConfig
+from agent.learner import Diverged
 from agent.memory import mirrored_memory
 from agent.network import QNetwork, seeded_network
-from agent.pqn import lambda_returns, linear, q_loss
-from agent.rollout import Rollout
+from agent.pqn import PQN, Batch, lambda_returns, linear, q_loss
+from agent.recurrent import RecurrentQNetwork
+from logic.errors import RequestError
+from sim import HouseVectorEnv
+from tests.worlds import random_house
+
+E = 16
 
 HALF = {"discount": 0.5, "trace": 0.5}
 
@@ -75,26 +80,118 @@ def test_the_mirror_exchanges_left_and_right_alone_and_undoes_itself():
     assert torch.equal(mirrored(mirrored(actions)), actions)
 
 
-def test_every_second_epoch_learns_from_the_mirror(monkeypatch):
-    seen = []
+@pytest.fixture(scope="module")
+def envs() -> HouseVectorEnv:
+    """One world for all tests, as each compiles its kernels; episodes of 40 steps, so that many end."""
+    torch.set_num_threads(1)
+    return HouseVectorEnv([random_house(seed) for seed in range(4)], E, max_episode_steps=40)
 
-    def loss(q_tm1, a_tm1, g_tm1, valid):
-        seen.append(a_tm1)
-        return q_loss(q_tm1, a_tm1, g_tm1, valid)
 
-    monkeypatch.setattr(train, "q_loss", loss)
-    network = seeded_network(0)
-    network.register_forward_pre_hook(lambda module, given: seen.extend(given))
-    rollout = Rollout.starting(1, torch.rand(1, 40, 2), torch.rand(1, 4, 6))
-    for state in (rollout.s, rollout.memory):
-        state[0] = state[1]
-    rollout.a[:], rollout.r[:], rollout.v[:], rollout.valid[:] = LEFT, 1.0, 0.0, True
-    optimizer = torch.optim.SGD(network.parameters(), lr=0.1)
-    train.update(network, optimizer, rollout, Config(epochs=2, minibatches=1), torch.Generator())
-    s, memory, _, a, s_mirror, memory_mirror, _, a_mirror = seen
-    assert torch.equal(s_mirror, s.flip(1))
-    assert torch.equal(memory_mirror, mirrored_memory(memory))
-    assert (a.item(), a_mirror.item()) == (LEFT, RIGHT)
+def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[Batch]]:
+    """A learner after one rollout, and what it learnt from."""
+    learner = PQN(PQNConfig(environments=E, minibatches=1, steps=100_000, **changes), envs)
+    batches, improve = [], learner.improve
+    monkeypatch.setattr(learner, "improve", lambda batch: batches.append(batch) or improve(batch))
+    learner.advance()
+    return learner, batches
+
+
+def test_every_second_epoch_learns_from_the_mirror(envs, monkeypatch):
+    _, (lived, mirror) = learnt_from(envs, monkeypatch, epochs=2)
+    _, (same, other) = learnt_from(envs, monkeypatch, epochs=2, mirror=False)
+    torch.testing.assert_close(same.s_tm1, lived.s_tm1)
+    torch.testing.assert_close(mirror.s_tm1, other.s_tm1.flip(1))
+    torch.testing.assert_close(mirror.m_tm1, mirrored_memory(other.m_tm1))
+    assert torch.equal(mirror.a_tm1, mirrored(other.a_tm1))
+    assert torch.equal(mirror.valid, other.valid)
+
+
+def test_all_steps_of_a_rollout_are_learnt_from_once_an_epoch(envs, monkeypatch):
+    learner, batches = learnt_from(envs, monkeypatch, epochs=1)
+    acted = torch.stack([batches[0].s_tm1.sum((1, 2)), batches[0].a_tm1.float()], dim=1)
+    lived = torch.stack([learner.rollout.s[:-1].sum((2, 3)), learner.rollout.a.float()], dim=2).flatten(0, 1)
+    torch.testing.assert_close(acted.sort(0).values, lived.sort(0).values)
+
+
+RECURRENT = {"network": "recurrent", "half_lives": (), "mirror": False}
+
+
+def test_a_recurrent_network_learns_from_the_memories_that_it_acted_with(envs, monkeypatch):
+    learner, [batch] = learnt_from(envs, monkeypatch, epochs=1, rollout=90, **RECURRENT)
+    acted = learner.rollout.memory[:-1]
+    assert (~learner.rollout.valid).any()  # an episode ended, and its memory with it
+    order = batch.s_tm1.unflatten(0, (90, E))[0].sum((1, 2)).argsort()
+    same = learner.rollout.s[0].sum((1, 2)).argsort()
+    told = batch.m_tm1.detach().unflatten(0, (90, E))
+    torch.testing.assert_close(told[:, order], acted[:, same], atol=1e-5, rtol=0)
+
+
+def test_gradients_of_a_recurrent_network_reach_back_to_the_first_look(envs):
+    network = RecurrentQNetwork()
+    looks = torch.rand(9, 2, 40, 2, requires_grad=True)
+    no, acts = torch.zeros(9, 2).bool(), torch.zeros(9, 2, dtype=torch.int64)
+    memories = network.memory.unrolled(network.memory.empty(2), looks, no, acts, no)
+    [reach] = torch.autograd.grad(memories[-1].sum(), looks, retain_graph=True)
+    assert reach[:-1].abs().amax((1, 2, 3)).gt(0).all()
+    cut = no.clone()
+    cut[4] = True  # the step from state 4 began another episode
+    memories = network.memory.unrolled(network.memory.empty(2), looks, no, acts, cut)
+    assert not memories[5].any()
+    [reach] = torch.autograd.grad(memories[-1].sum(), looks)
+    assert not reach[:5].any()
+    assert reach[5:-1].abs().amax((1, 2, 3)).gt(0).all()
+
+
+def learner_of(envs, **changes) -> PQN:
+    return PQN(PQNConfig(environments=E, rollout=8, steps=2000, **changes), envs)
+
+
+def weights(learner: PQN) -> torch.Tensor:
+    return torch.cat([weight.detach().flatten() for weight in learner.network.parameters()])
+
+
+MAP = {"map": True, "novelty": 0.02, "guided": 0.5}
+
+
+@pytest.mark.parametrize("changes", [{}, MAP, RECURRENT], ids=["traces", "map", "recurrent"])
+def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, changes):
+    whole = learner_of(envs, **changes)
+    told = [now.targets for now in whole.train()]
+    stopped = learner_of(envs, **changes)
+    for now in stopped.train():
+        if now.steps > 900:
+            break
+    torch.save(stopped.state(), tmp_path / "state.pt")
+    resumed = learner_of(envs, **changes)
+    resumed.restore(torch.load(tmp_path / "state.pt", weights_only=True))
+    assert 900 < resumed.steps < 2000
+    again = [now.targets for now in resumed.train()]
+    assert again == told[-len(again) :]
+    assert torch.equal(weights(resumed), weights(whole))
+    assert torch.equal(resumed.rollout.s, whole.rollout.s)
+
+
+def test_a_run_of_another_kind_does_not_go_on_here(envs):
+    state = learner_of(envs).state()
+    for changes, why in (({"trace": 0.5, "seed": 3}, "seed, trace"), (MAP, "guided, map, novelty")):
+        with pytest.raises(RequestError, match=why):
+            learner_of(envs, **changes).restore(state)
+    with pytest.raises(RequestError, match="dqn cannot go on as pqn"):
+        learner_of(envs).restore(state | {"algorithm": "dqn"})
+    with pytest.raises(RequestError, match="other houses"):
+        learner_of(envs).restore(state | {"houses": "others"})
+
+
+def test_a_loss_that_is_no_number_or_grows_without_bound_ends_the_run(envs):
+    learner = learner_of(envs)
+    reports = learner.train()
+    next(reports)
+    torch.nn.init.constant_(learner.network.judge[-1].bias, float("nan"))
+    with pytest.raises(Diverged, match="the loss is nan after 256 steps"):
+        next(reports)
+    wild = learner_of(envs, learning_rate=1e9, clip=None)
+    with pytest.raises(Diverged):
+        list(wild.train())
 
 
 def test_schedules_run_on_a_line_and_stay_at_its_end():

@@ -3,7 +3,7 @@
 import io
 import json
 import math
-from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,14 +14,14 @@ from rich.console import Console
 from agent import checkpoint, scoreboard
 from agent.avoidance import FORWARD, LEFT, RIGHT
 from agent.baselines import AROUND, Script, baselines, ray_angles
+from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.commands import Evaluate
-from agent.config import Config
+from agent.config import PRESETS, PQNConfig
 from agent.evaluate import Score, play
-from agent.network import seeded_network
-from agent.protocol import MODES, Result, measure
+from agent.protocol import EYES, MODES, Result, Stage, measure
 from agent.world import make_worlds
-from logic import RequestError, save
+from logic import save
 from sim.lookout import Lookout
 from tests.worlds import drawn, random_house
 
@@ -154,7 +154,7 @@ HOUSES = [random_house(seed) for seed in range(4)]
 @pytest.fixture(scope="module")
 def measured():
     """The baselines alone, in four small houses."""
-    return list(measure([], HOUSES, ("secondary",), seed=3))
+    return list(measure({}, HOUSES, ("secondary",), seed=3))
 
 
 def test_the_players_are_ranked_as_what_they_know(measured):
@@ -171,7 +171,7 @@ def test_the_oracles_first_target_is_as_near_as_the_shortest_way(measured):
 
 
 def test_the_same_seed_gives_the_same_figures(measured):
-    again = next(measure([], HOUSES, ("secondary",), seed=3))
+    again = next(measure({}, HOUSES, ("secondary",), seed=3))
     for name, runs in measured[0].players.items():
         assert again.players[name][0].targets.tolist() == runs[0].targets.tolist()
 
@@ -218,12 +218,37 @@ def test_evaluate_without_an_agent_measures_the_baselines(tmp_path, capsys):
         image.verify()
 
 
-def test_checkpoints_of_two_configs_are_not_one_agent(tmp_path):
-    for name, config in {"a": Config(), "b": Config(seed=1), "c": replace(Config(), trace=0.5)}.items():
-        checkpoint.save(Checkpoint(seeded_network(0), config, 0), tmp_path / f"{name}.pt")
-    assert len(Evaluate((tmp_path / "a.pt", tmp_path / "b.pt"))._networks()) == 2
-    with pytest.raises(RequestError, match=r"c.pt: not of the config of .*a.pt"):
-        Evaluate((tmp_path / "a.pt", tmp_path / "c.pt"))._networks()
+def written(folder, config, name="pqn") -> Path:
+    """A checkpoint of a network that has learnt nothing."""
+    path = folder / f"{config.seed}-{config.steps}" / "agent.safetensors"
+    checkpoint.save(Checkpoint(network_of(config), config, 0, name), path)
+    return path
+
+
+def test_runs_of_one_config_are_one_player_and_others_bear_their_folders_names(tmp_path):
+    same = [written(tmp_path, PQNConfig(seed=seed)) for seed in (0, 1)]
+    other = written(tmp_path, PQNConfig(steps=7))
+    players = Evaluate((*same, other))._players()
+    assert {name: len(runs) for name, runs in players.items()} == {"pqn": 2, "pqn (0-7)": 1}
+
+
+def test_agents_of_all_presets_play_in_one_table(tmp_path):
+    agents = {name: [checkpoint.load(written(tmp_path, config, name))] for name, config in PRESETS.items()}
+    result = next(measure(agents, HOUSES[:2], ("main",), seed=1))
+    assert list(result.players)[: len(PRESETS)] == list(PRESETS)
+    for name in PRESETS:
+        [each] = result.players[name]
+        assert (each.targets <= result.oracle).all()
+        assert each.steps == 2 * 1500
+
+
+def test_an_agent_of_the_papers_world_sees_by_its_rays_in_the_others_world():
+    default, paper = (Stage(HOUSES[:1], "main", EYES[name], "continuous").envs for name in EYES)
+    for envs in (default, paper):
+        envs.reset(seed=5)
+    assert paper.single_observation_space.shape == (40, 3)
+    assert np.array_equal(default.targets(9), paper.targets(9))
+    assert np.array_equal(default.state["wholes"], paper.state["wholes"])
 
 
 def test_baselines_and_modes_have_these_names():

@@ -10,12 +10,13 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
-from agent.config import Config
+from agent.config import PQNConfig
 from agent.evaluate import evaluate, play, play_oracle
+from agent.learner import Progress
 from agent.network import QNetwork, seeded_network
 from agent.policies import QPolicy, RandomPolicy
+from agent.pqn import PQN
 from agent.rollout import Rollout
-from agent.train import Progress, learn
 from agent.world import make_worlds, shield
 from logic import Door, House, HouseFileError, Rect, Room
 from sim import HouseVectorEnv
@@ -148,12 +149,12 @@ def test_a_rollout_goes_on_where_the_one_before_it_ended(envs):
     assert all(torch.equal(a, b) for a, b in zip(halves, whole, strict=True))
 
 
-SHORT = Config(environments=E, rollout=8, steps=600)
+SHORT = PQNConfig(environments=E, rollout=8, steps=600)
 
 
-def trained(envs: HouseVectorEnv, config: Config) -> tuple[QNetwork, list[Progress]]:
-    network = seeded_network(config.seed)
-    return network, list(learn(envs, network, shield(envs), config))
+def trained(envs: HouseVectorEnv, config: PQNConfig) -> tuple[QNetwork, list[Progress]]:
+    learner = PQN(config, envs)
+    return learner.network, list(learner.train())
 
 
 def test_a_short_run_learns_something_and_says_how_it_goes(envs):

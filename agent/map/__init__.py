@@ -6,6 +6,7 @@ along two axes, so odometry is exact. Axes: E environments, R rays, C channels, 
 """
 
 import numpy as np
+import torch
 from torch import Tensor
 
 from agent.map.cells import LATEST, OCCUPIED
@@ -45,6 +46,9 @@ MIRROR = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12] + [
 """Where each feature's mirror image stands; feature ``ASIDE`` changes its sign as well."""
 
 ASIDE = 11
+
+STATE = ("cells", "field", "queue", "counts", "target", "advice", "features")
+"""What a map goes on from."""
 
 
 class Map:
@@ -111,6 +115,16 @@ class Map:
         for held, given in zip(self._inputs, (observation, blocked, action, begun), strict=True):
             held.copy_(given.reshape(-1))
         self._launch()
+
+    @property
+    def state(self) -> dict[str, Tensor]:
+        """All that the next steps depend on: copies, to be given back another time."""
+        return {name: torch.from_numpy(self.arrays[name].numpy()) for name in STATE}
+
+    @state.setter
+    def state(self, state: dict[str, Tensor]) -> None:
+        for name in STATE:
+            self.arrays[name].fill(state[name].numpy())
 
     @property
     def new(self) -> Tensor:

@@ -1,0 +1,95 @@
+"""Several processes that learn as one, each in worlds of its own: ``torchrun --nproc-per-node 2 ...``.
+
+Each rank steps its share of the environments and learns from what they show; gradients are added up over all
+ranks before each step of the optimiser, so all hold the same weights at all times. Without ``torchrun`` there
+is one rank, and nothing here does anything.
+"""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import torch
+import torch.distributed as dist
+from torch import Tensor, nn
+
+
+@contextmanager
+def joined(device: str = "cpu") -> Iterator[None]:
+    """Join the ranks that ``torchrun`` started, for as long as the block lasts; nothing without it.
+
+    Where a machine has processors for all of its ranks, each keeps to its own share of them: call it before
+    Taichi or torch start their threads.
+    """
+    if "RANK" not in os.environ or dist.is_initialized():
+        yield
+        return
+    _keep_to_own_processors(int(os.environ["LOCAL_RANK"]), int(os.environ["LOCAL_WORLD_SIZE"]))
+    dist.init_process_group("nccl" if device == "cuda" else "gloo")
+    try:
+        yield
+    finally:
+        dist.destroy_process_group()
+
+
+def rank() -> int:
+    """Which of the processes this one is."""
+    return dist.get_rank() if dist.is_initialized() else 0
+
+
+def size() -> int:
+    """How many processes there are."""
+    return dist.get_world_size() if dist.is_initialized() else 1
+
+
+def total(values: Sequence[float]) -> list[float]:
+    """Sums over all ranks, the same on each."""
+    if size() == 1:
+        return list(values)
+    sums = torch.tensor(values, dtype=torch.float64)
+    dist.all_reduce(sums)
+    return sums.tolist()
+
+
+def first(value: float) -> float:
+    """The first rank's value, on each."""
+    if size() == 1:
+        return value
+    given = torch.tensor([value], dtype=torch.float64)
+    dist.broadcast(given, 0)
+    return float(given)
+
+
+def gathered(value: Any) -> list[Any]:
+    """All ranks' values, on the first rank; elsewhere nothing of use."""
+    if size() == 1:
+        return [value]
+    values: list[Any] | None = [None] * size() if rank() == 0 else None
+    dist.gather_object(value, values)
+    return values or []
+
+
+def add_up(gradients: Tensor) -> None:
+    """Add up a tensor over all ranks, in place."""
+    if size() > 1:
+        dist.all_reduce(gradients)
+
+
+def add_up_gradients(network: nn.Module) -> None:
+    """Add up the gradients of all parameters over all ranks, in one message."""
+    if size() == 1:
+        return
+    gradients = [p.grad for p in network.parameters() if p.grad is not None]
+    flat = torch.cat([gradient.flatten() for gradient in gradients])
+    dist.all_reduce(flat)
+    for gradient, part in zip(gradients, flat.split([g.numel() for g in gradients]), strict=True):
+        gradient.copy_(part.view_as(gradient))
+
+
+def _keep_to_own_processors(local: int, ranks: int) -> None:
+    if not hasattr(os, "sched_setaffinity"):
+        return
+    processors = sorted(os.sched_getaffinity(0))
+    if len(processors) >= ranks:
+        os.sched_setaffinity(0, processors[local::ranks])
