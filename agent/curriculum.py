@@ -88,10 +88,10 @@ class Curriculum:
         banks = [lesson.houses(bank) for lesson in self.lessons]
         for number, (lesson, houses) in enumerate(zip(self.lessons, banks, strict=True), start=1):
             if not houses:
-                counts = sorted({len(house.rooms) for house in bank})
+                counts = ", ".join(map(str, sorted({len(house.rooms) for house in bank})))
                 raise RequestError(
-                    f"lesson {number} of {len(banks)} ({lesson}): {name} has no house for it, only of "
-                    f"{', '.join(map(str, counts)) or 'no'} rooms. Try houses with more kinds of --rooms"
+                    f"lesson {number} of {len(banks)} ({lesson}): {name} has no such house, only with "
+                    f"{counts or 'no'} rooms. Add some: vitruvius generate --rooms {max(1, lesson.rooms[0])}"
                 )
         return banks
 
