@@ -139,6 +139,20 @@ def test_a_lower_temperature_favours_the_first_ranks_as_worked_out_by_hand():
     assert levels.probabilities.tolist() == pytest.approx([16 / 205, 144 / 205, 36 / 205, 9 / 205], abs=1e-12)
 
 
+def test_a_house_not_seen_takes_no_rank():
+    levels = Levels(4, 2, beta=1, rho=0)
+    play(levels, (2, [1.0]), (3, [0.0]))  # ranks 1 and 2: 2/3 and 1/3, of the half that is seen
+    assert levels.probabilities.tolist() == pytest.approx([1 / 4, 1 / 4, 1 / 3, 1 / 6], abs=1e-12)
+
+
+def test_two_that_end_together_in_a_house_give_it_their_mean_and_later_ones_their_own():
+    levels = Levels(2, 2)
+    play(levels, (1, [2.0, 4.0]), (1, [1.0, 1.0]))
+    assert levels.state()["score"].tolist() == [0, 2]
+    play(levels, (1, [7.0]), (0, [3.0]))
+    assert levels.state()["score"].tolist() == [3, 7]
+
+
 def test_with_rho_1_only_the_time_since_a_house_was_played_counts():
     levels = taught(rho=1)
     assert levels.probabilities.tolist() == pytest.approx([1 / 2, 1 / 4, 0, 1 / 4], abs=1e-12)
