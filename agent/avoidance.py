@@ -107,7 +107,7 @@ def best_value(q: Tensor, allowed: Tensor) -> Tensor:
 
 
 def random_preference(like: Tensor, generator: torch.Generator, forward: float = 0.93) -> Tensor:
-    """Preferences (E, A) whose best allowed action is a random one, ``forward`` with that probability.
+    """Preferences (..., A) whose best allowed action is a random one, ``forward`` with that probability.
 
     Gumbel noise on log-probabilities: its argmax is a draw from them, under a mask from what it leaves.
     """

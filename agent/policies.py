@@ -123,7 +123,7 @@ class QPolicy:
         q = self.network(observation, self.remembered, map.features if map and self.reads else None)
         if map and self.reads:
             q = deferring(q, map.advice)
-        preference = explore(q, self.generator, self.epsilon, self.forward)
+        preference = explore(q, chances(q.shape[:1], self.generator, self.epsilon, self.forward))
         actions = subsume(preference, self.avoidance(observation, blocked))
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros(len(actions), dtype=torch.bool)
@@ -177,24 +177,33 @@ class RandomPolicy:
 
 
 def deferring(q: Tensor, advice: Tensor) -> Tensor:
-    """Preferences (E, A): the Q-values, with ``DEFERENCE`` more for what a map advises (E,) int64."""
-    return q + DEFERENCE * one_hot(advice, ACTIONS).to(q.dtype)
+    """Preferences (..., A): the Q-values, with ``DEFERENCE`` more for what a map advises (...) int64."""
+    return q + DEFERENCE * _only(advice)
 
 
-def explore(
-    q: Tensor,
-    generator: torch.Generator,
-    epsilon: float,
-    forward: float,
-    advice: Tensor | None = None,
-    guided: float = 0.0,
-) -> Tensor:
-    """Preferences (E, A): the Q-values, replaced in a share ``epsilon`` of the rows by a random action's, or
-    in a share ``guided`` of these by the action that a map advises (E,) int64.
+def chances(
+    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float, guided: float = 0.0
+) -> tuple[Tensor, Tensor, Tensor]:
+    """What chance has in store for acts of this shape, as ``explore`` takes it, of one act or of many.
+
+    Which are random (..., 1) bool, a share ``epsilon``; which of these the map's advice decides (..., 1)
+    bool, a share ``guided``; and the preferences (..., A) of the rest, ``forward`` in that share.
     """
-    chosen = torch.rand(q.shape[0], 1, generator=generator, device=q.device) < epsilon
-    instead = random_preference(q, generator, forward)
+    kept = torch.rand(2, *shape, 1, generator=generator)
+    instead = random_preference(torch.empty(*shape, ACTIONS), generator, forward)
+    return kept[0] < epsilon, kept[1] < guided, instead
+
+
+def explore(q: Tensor, chance: tuple[Tensor, Tensor, Tensor], advice: Tensor | None = None) -> Tensor:
+    """Preferences (..., A): the Q-values, or where ``chance`` will have it those of a random action, or of
+    what a map advises (...) int64.
+    """
+    chosen, guided, instead = chance
     if advice is not None:
-        follow = torch.rand(q.shape[0], 1, generator=generator, device=q.device) < guided
-        instead = torch.where(follow, one_hot(advice, ACTIONS).to(q.dtype), instead)
+        instead = torch.where(guided, _only(advice), instead)
     return torch.where(chosen, instead, q)
+
+
+def _only(advice: Tensor) -> Tensor:
+    """1 for the advised action (...) int64 and 0 for the others, (..., A) float32."""
+    return (advice[..., None] == torch.arange(ACTIONS, device=advice.device)).float()

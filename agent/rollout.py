@@ -6,10 +6,10 @@ from time import perf_counter
 import torch
 from torch import Tensor
 
-from agent.avoidance import Layer, best_value, subsume
+from agent.avoidance import Layer, subsume
 from agent.map import Map
 from agent.network import QNetwork
-from agent.policies import deferring, explore
+from agent.policies import chances, deferring, explore
 from sim import HouseVectorEnv
 
 NEW = 40
@@ -50,6 +50,9 @@ class Rollout:
     truncated: Tensor
     """Whether the time ran out at a step (T, E) bool."""
 
+    house: Tensor
+    """In which house of the bank each step was made (T, E) int32."""
+
     valid: Tensor
     """Which steps count (T, E) bool: all but those after an end, whose action the world ignored."""
 
@@ -69,29 +72,30 @@ class Rollout:
     def starting(cls, steps: int, observation: Tensor, memory: Tensor, map: Map | None = None) -> "Rollout":
         """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 6)."""
         size = (steps, len(observation))
-        ended = torch.zeros(size, dtype=torch.bool)
+        ended = observation.new_zeros(size, dtype=torch.bool)
         features = observation.new_zeros(len(observation), 0)
         if map is not None:
             map.step(observation, ended[0], torch.zeros(len(observation)), ~ended[0])
             features = map.features
         rollout = cls(
             s=observation.new_empty(steps + 1, *observation.shape),
-            blocked=torch.zeros(steps + 1, len(observation), dtype=torch.bool),
+            blocked=observation.new_zeros(steps + 1, len(observation), dtype=torch.bool),
             memory=memory.new_empty(steps + 1, *memory.shape),
             features=features.new_empty(steps + 1, *features.shape),
             v=observation.new_empty(steps + 1, len(observation)),
-            a=torch.empty(size, dtype=torch.int64),
+            a=observation.new_empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
             bonus=observation.new_zeros(size),
             terminated=ended.clone(),
             truncated=ended.clone(),
+            house=torch.zeros(size, dtype=torch.int32),
             valid=ended.clone(),
             map=map,
         )
         rollout.s[-1], rollout.memory[-1], rollout.features[-1] = observation, memory, features
         return rollout
 
-    @torch.no_grad()
+    @torch.inference_mode()
     def fill(
         self,
         envs: HouseVectorEnv,
@@ -106,26 +110,26 @@ class Rollout:
         """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random, or a
         share ``guided`` of that by the map.
         """
-        ended = self.terminated[-1] | self.truncated[-1]
+        first = ended = self.terminated[-1] | self.truncated[-1]
         for states in (self.s, self.blocked, self.memory, self.features):
             states[0] = states[-1]
-        self.overruled, self.simulating, self.mapping = 0, 0.0, 0.0
-        for t in range(len(self.a)):
-            q = network(self.s[t], self.memory[t], self.features[t])
-            allowed, advice = avoidance(self.s[t], self.blocked[t]), self.map.advice if self.map else None
-            self.v[t] = value(q, allowed, advice)
-            preference = q if advice is None else deferring(q, advice)
-            preference = explore(preference, generator, epsilon, forward, advice if guided else None, guided)
-            self.a[t], self.valid[t] = subsume(preference, allowed), ~ended
-            self.overruled += int((self.a[t] != preference.argmax(-1)).sum())
+        self.simulating, self.mapping = 0.0, 0.0
+        judged, explored = [], []
+        chance = zip(*chances(self.a.shape, generator, epsilon, forward, guided), strict=True)
+        for t, luck in enumerate(chance):
+            q, preferred, allowed = self._judge(t, network, avoidance)
+            judged.append((q, preferred, allowed))
+            explored.append(explore(preferred, luck, self.map.advice if self.map else None))
+            self.a[t] = subsume(explored[t], allowed)
             before = perf_counter()
             observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
             self.simulating += perf_counter() - before
             # Copied: the world writes over its tensors at the next step.
             self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
+            self.house[t] = info["house"]
             self.terminated[t], self.truncated[t] = terminated, truncated
             # The step after an end begins the next episode: it is no memory of that one.
-            begun, ended = ended, self.terminated[t] | self.truncated[t]
+            begun, ended = ended, terminated | truncated
             self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.blocked[t], self.a[t], begun)
             if self.map:
                 before = perf_counter()
@@ -133,13 +137,22 @@ class Rollout:
                 self.mapping += perf_counter() - before
                 self.features[t + 1] = self.map.features
                 self.bonus[t] = self.map.progress.clamp(-1, 1) + self.map.new.clamp(max=NEW) / NEW
-        q = network(self.s[-1], self.memory[-1], self.features[-1])
-        allowed = avoidance(self.s[-1], self.blocked[-1])
-        self.v[-1] = value(q, allowed, self.map.advice if self.map else None)
+        judged.append(self._judge(-1, network, avoidance))
+        # The rest for all steps at once.
+        q, preferred, allowed = (torch.stack(column) for column in zip(*judged, strict=True))
+        self.v.copy_(_of(q, subsume(preferred, allowed)))
+        wanted = torch.stack(explored)
+        self.overruled = int((_of(wanted, self.a) < wanted.amax(-1)).sum())
+        self.valid[0] = ~first
+        self.valid[1:] = ~(self.terminated | self.truncated)[:-1]
+
+    def _judge(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor, Tensor]:
+        """What is thought of state t (E, A): Q-values, preferences, and what avoidance allows."""
+        q = network(self.s[t], self.memory[t], self.features[t])
+        preferred = deferring(q, self.map.advice) if self.map else q
+        return q, preferred, avoidance(self.s[t], self.blocked[t])
 
 
-def value(q: Tensor, allowed: Tensor, advice: Tensor | None) -> Tensor:
-    """The Q-value (E,) of what will be done: the best allowed, or what is preferred to a map's advice."""
-    if advice is None:
-        return best_value(q, allowed)
-    return q.gather(1, subsume(deferring(q, advice), allowed)[:, None]).squeeze(1)
+def _of(values: Tensor, actions: Tensor) -> Tensor:
+    """Values (...) of the given actions (...), out of those of all actions (..., A)."""
+    return values.gather(-1, actions[..., None]).squeeze(-1)

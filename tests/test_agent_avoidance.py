@@ -14,7 +14,7 @@ from agent.avoidance import (
     random_preference,
     subsume,
 )
-from agent.policies import explore
+from agent.policies import chances, explore
 
 REACH, BODY, STEP = 7.8889, 0.2869, 0.0717
 ANGLES = np.deg2rad(58.5 - 3 * np.arange(40))
@@ -105,7 +105,8 @@ def test_the_layer_takes_the_best_of_what_it_allows_in_acts_and_in_values():
 @pytest.mark.parametrize("epsilon", [0.0, 0.25, 1.0])
 def test_a_share_of_the_actions_is_random_and_the_rest_are_the_best(epsilon):
     q = torch.tensor([[1.0, 0.0, 0.0]]).expand(20_000, 3)
-    actions = explore(q, torch.Generator().manual_seed(0), epsilon, forward=1.0).argmax(-1)
+    chance = chances((len(q),), torch.Generator().manual_seed(0), epsilon, forward=1.0)
+    actions = explore(q, chance).argmax(-1)
     assert (actions == FORWARD).float().mean().item() == pytest.approx(epsilon, abs=0.01)
     assert ((actions == FORWARD) | (actions == LEFT)).all()
 
