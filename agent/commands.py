@@ -45,6 +45,9 @@ class Train(Generic[Kind]):
     preset: Preset = "pqn"
     """What all that is not said here is taken from: --help shows its values."""
 
+    name: str | None = None
+    """What to call the agent in tables; by default the preset's name."""
+
     config: Annotated[Kind, tyro.conf.arg(name="")] = field(default_factory=PQNConfig)  # pyright: ignore
     """How to learn."""
 
@@ -70,7 +73,12 @@ class Train(Generic[Kind]):
         require_training(houses, self.houses)
         command = shlex.join(["vitruvius", *sys.argv[1:]])
         made, history = run(
-            houses, self.config, self.out, name=self.preset, command=command, resume=self.resume
+            houses,
+            self.config,
+            self.out,
+            name=self.name or self.preset,
+            command=command,
+            resume=self.resume,
         )
         if int(os.environ.get("RANK", "0")):  # the first rank tells
             return 0

@@ -51,9 +51,6 @@ class Config:
     curriculum: bool = False
     """Whether easier worlds come first: main rooms, few rooms, no furniture. See ``agent.curriculum``."""
 
-    replayed_levels: bool = False
-    """Whether episodes take place in the houses with most to learn from (prioritised level replay)."""
-
     discount: float = 0.99
     """Worth of a reward one step later (gamma)."""
 
@@ -128,6 +125,10 @@ class PQNConfig(Config):
 
     guided: float = 0.0
     """Share of the random actions that are the map's advice instead."""
+
+    levels: bool = False
+    """Whether episodes take place in the houses with most to learn (prioritised level replay). See
+    ``agent.levels``."""
 
     trace: float = 0.75
     """How far returns run along the path taken before they trust the network (lambda): 0 one step, 1 all."""

@@ -163,16 +163,19 @@ class DQN(Learner):
         super().__init__(config, envs, REPORT)
         self.target = deepcopy(self.network) if config.target_every else self.network
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
-        worlds = config.environments
-        self.s = torch.as_tensor(envs.reset(seed=config.seed)[0])
-        self.m = self.network.memory.empty(worlds)
-        self.blocked = torch.zeros(worlds, dtype=torch.bool)
-        self.ended = self.blocked.clone()
-        self.began = torch.zeros(worlds, dtype=torch.int64)
-        self.replay = Replay(config.memory // worlds, self.s, self.m)
         self.updates, self.episodes = 0, 0
         self.found = self.counted = self.overruled = 0.0
         self.losses: list[Tensor] = []
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin episodes in all worlds, with a replay memory of nothing."""
+        worlds = self.config.environments
+        self.s, self.m = self.first_look(), self.network.memory.empty(worlds)
+        self.blocked = torch.zeros(worlds, dtype=torch.bool)
+        self.ended = self.blocked.clone()
+        self.began = torch.zeros(worlds, dtype=torch.int64)
+        self.replay = Replay(self.config.memory // worlds, self.s, self.m)
 
     @property
     def epsilon(self) -> float:

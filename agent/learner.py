@@ -7,11 +7,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import torch
+from torch import Tensor
 
 from agent import ranks
 from agent.banks import bank_hash
 from agent.build import layer_of, network_of
 from agent.config import Config, differences
+from agent.curriculum import CURRICULA
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
 
@@ -88,7 +90,9 @@ class Learner(ABC):
             raise RequestError(
                 f"environments must be {ranks.size()} x {envs.num_envs}, not {config.environments}"
             )
-        self.config, self.envs = config, envs
+        self.config, self.envs, self.bank = config, envs, envs.houses
+        self.curriculum = CURRICULA[config.targets] if config.curriculum else None
+        self.lesson = 0
         # Every rank has worlds, and chance, of its own; weights are the same.
         self.seed = config.seed + ranks.rank() * envs.num_envs
         self.generator = torch.Generator().manual_seed(self.seed)
@@ -96,6 +100,7 @@ class Learner(ABC):
         self.avoidance = layer_of(config, envs, self.generator)
         self.steps, self.clock = 0, Clock()
         self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))
+        self.teach(0)
 
     @property
     def fraction(self) -> float:
@@ -109,10 +114,33 @@ class Learner(ABC):
         Raises ``Diverged`` in place of a report that could not be true.
         """
         while self.fraction < 1:
+            self.follow()
             now = self.advance()
             if not abs(now.loss) <= DIVERGED:  # nor if it is not a number
                 raise Diverged(f"the loss is {now.loss:g} after {now.steps:,} steps")
             yield now
+
+    def follow(self) -> None:
+        """Go over to the next lesson of the curriculum when it is time: all episodes begin anew."""
+        if self.curriculum and self.curriculum.at(self.fraction) != self.lesson:
+            self.teach(self.curriculum.at(self.fraction))
+            self.begin()
+
+    def teach(self, lesson: int) -> None:
+        """Let the worlds be those of a lesson of the curriculum, if there is one."""
+        self.lesson = lesson
+        if self.curriculum:
+            houses = self.curriculum.banks(self.bank, "the house file")[lesson]
+            self.envs.set_houses(houses, self.curriculum.lessons[lesson].targets)
+
+    def first_look(self) -> Tensor:
+        """Begin episodes in all worlds; what is seen (E, R, C). The first ones are drawn by the seed."""
+        seed = self.seed if self.steps == 0 else None
+        return torch.as_tensor(self.envs.reset(seed=seed)[0], device=self.config.device)
+
+    @abstractmethod
+    def begin(self) -> None:
+        """Begin episodes in all worlds."""
 
     @abstractmethod
     def advance(self) -> Progress:
@@ -147,7 +175,8 @@ class Learner(ABC):
         return {
             "algorithm": self.config.algorithm,
             "config": asdict(self.config),
-            "houses": bank_hash(self.envs.houses),
+            "houses": bank_hash(self.bank),
+            "lesson": self.lesson,
             "network": self.network.state_dict(),
             "generator": self.generator.get_state(),
             "worlds": {name: torch.from_numpy(array) for name, array in self.envs.state.items()},
@@ -166,8 +195,11 @@ class Learner(ABC):
         other = set(differences(self.config, type(self.config)(**state["config"]))) - {"steps", "seconds"}
         if other:
             raise RequestError(f"a run of another config cannot go on here: {', '.join(sorted(other))}")
-        if state["houses"] != bank_hash(self.envs.houses):
+        if state["houses"] != bank_hash(self.bank):
             raise RequestError("a run in other houses cannot go on here")
+        if state["lesson"] != self.lesson:
+            self.teach(state["lesson"])
+            self.begin()
         self.network.load_state_dict(state["network"])
         self.generator.set_state(state["generator"])
         self.envs.state = {name: tensor.numpy() for name, tensor in state["worlds"].items()}

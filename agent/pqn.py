@@ -19,6 +19,7 @@ from agent import ranks
 from agent.actions import mirrored
 from agent.config import PQNConfig
 from agent.learner import Learner, Progress
+from agent.levels import Levels
 from agent.map import Map, mirrored_features
 from agent.memory import mirrored_memory
 from agent.rollout import Rollout
@@ -89,9 +90,16 @@ class PQN(Learner):
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""
         super().__init__(config, envs, config.rollout)
         self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate)
-        observation = torch.as_tensor(envs.reset(seed=self.seed)[0], device=config.device)
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin episodes in all worlds, with empty memories and maps."""
+        envs, config = self.envs, self.config
+        self.levels = Levels(len(envs.houses), envs.num_envs) if config.levels else None
+        if self.levels:
+            envs.deal(self.levels.deal(envs.num_envs, self.generator))
+        observation, memory = self.first_look(), self.network.memory.empty(envs.num_envs)
         self.map = Map(envs.config, envs.num_envs) if config.map else None
-        memory = self.network.memory.empty(envs.num_envs)
         self.rollout = Rollout.starting(config.rollout, observation, memory, self.map)
 
     @property
@@ -110,7 +118,12 @@ class PQN(Learner):
             generator=self.generator,
             guided=config.guided,
         )
-        loss = self.update()
+        g = self.returns()
+        loss = self.update(g)
+        if self.levels:
+            ended = rollout.terminated | rollout.truncated
+            self.levels.update(rollout.house, g - rollout.v[:-1], ended, rollout.valid)
+            self.envs.deal(self.levels.deal(self.envs.num_envs, self.generator))
         self.clock.simulating += rollout.simulating
         self.clock.mapping += rollout.mapping
         self.clock.all += perf_counter() - start
@@ -122,12 +135,12 @@ class PQN(Learner):
             epsilon=epsilon,
         )
 
-    def update(self) -> float:
-        """Learn from the rollout; the mean loss."""
+    def update(self, g: Tensor) -> float:
+        """Learn what the rollout's actions were worth (T, E); the mean loss."""
         config = self.config
         for group in self.optimizer.param_groups:
             group["lr"] = config.learning_rate * linear(1.0, config.final_rate, self.fraction)
-        g, losses = self.returns(), []
+        losses = []
         for epoch in range(config.epochs):
             turned = config.mirror and epoch % 2
             for batch in self.batches(g):
@@ -192,6 +205,7 @@ class PQN(Learner):
         return {
             "optimizer": self.optimizer.state_dict(),
             "map": self.map.state if self.map else None,
+            "levels": self.levels.state() if self.levels else None,
             "last": {name: getattr(rollout, name)[-1].clone() for name in LAST},
         }
 
@@ -200,6 +214,8 @@ class PQN(Learner):
         self.optimizer.load_state_dict(state["optimizer"])
         if self.map:
             self.map.state = state["map"]
+        if self.levels:
+            self.levels.restore(state["levels"])
         for name, last in state["last"].items():
             getattr(self.rollout, name)[-1] = last
 

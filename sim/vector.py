@@ -180,12 +180,13 @@ class HouseVectorEnv(VectorEnv):
         """
         self.world.arrays["deal"].fill(self._numbers("deal", houses, DRAW))
 
-    def set_houses(self, houses: Houses) -> None:
-        """Take another bank in place of this one; then ``reset``. Nothing is compiled anew.
+    def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
+        """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
+        Nothing is compiled anew.
 
-        Raises ``ValueError``, and changes nothing, where a house cannot be had.
+        Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
         """
-        self.world.load(_bank(houses))
+        self.world.load(_bank(houses), targets)
         self._ready, self._cameras = False, None
 
     def reset(

@@ -19,7 +19,7 @@ from sim.episodes import HEADER, Episodes, Indices, Numbers, Reals, Wholes, load
 from sim.places import Places, places
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
-from sim.tasks import Targets, task
+from sim.tasks import Targets, Task, task
 
 TERMINATED, TRUNCATED, BLOCKED = range(3)
 """Rows of ``step``'s flags."""
@@ -89,24 +89,27 @@ class World:
         }
         self.launches: dict[str, Launch] = {}
 
-    def load(self, houses: Sequence[House]) -> None:
-        """Take in another bank, of which none is dealt; nothing is compiled. Reset all environments before
-        they are stepped again.
+    def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
+        """Take in another bank, of which none is dealt, and where targets lie if that is another now; nothing
+        is compiled. Reset all environments before they are stepped again.
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
         _check(houses)
+        wanted = self.task if targets is None else task(targets)
+        if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
+            raise ValueError("episodes of that task end otherwise: make a new environment for it")
         if self.backend.fit(self.config, houses) != self.config:
             raise ValueError("these houses need another body and step: make a new environment for them")
         bank = self.backend.pack(houses)
-        self.lattices, self.places = self._places(houses, bank)
-        self.houses, self.bank = list(houses), bank
+        self.lattices, self.places = self._places(houses, bank, wanted)
+        self.houses, self.bank, self.task = list(houses), bank, wanted
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
         self.arrays["deal"].fill(np.full(self.num_envs, DRAW, np.int32))
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
-    def _places(self, houses: Sequence[House], bank: Bank) -> tuple[list[Lattice], list[Places]]:
+    def _places(self, houses: Sequence[House], bank: Bank, task: Task) -> tuple[list[Lattice], list[Places]]:
         lattices: list[Lattice] = []
         found: list[Places] = []
         count = index = len(bank.geometries)
@@ -118,7 +121,7 @@ class World:
                 tables = survey(self.backend, bank, some, lattices[first : first + BATCH])
                 for index, table in zip(some, tables, strict=True):
                     house, shape, lattice = houses[index], bank.geometries[index], lattices[index]
-                    found.append(places(house, shape, lattice, table, self.config, self.task))
+                    found.append(places(house, shape, lattice, table, self.config, task))
         except ValueError as error:
             raise ValueError(f"house {index} of {count}: {error}") from None
         return lattices, found

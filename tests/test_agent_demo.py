@@ -38,7 +38,7 @@ def made(tmp_path_factory):
 
 def test_the_demo_writes_all_its_files_and_nothing_else(made):
     out, code = made
-    assert sorted(path.name for path in out.iterdir()) == sorted(FILES)
+    assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, "training"])
     assert code == 1  # 2,000 steps teach nothing
 
 
@@ -72,11 +72,11 @@ def test_the_film_shows_the_whole_episode(made):
 
 
 def test_a_checkpoint_of_the_demo_can_be_measured_and_filmed_again(made, tmp_path, capsys):
-    agent, houses = made[0] / "agent.pt", made[0] / "houses-held-out.jsonl"
+    agent, houses = made[0] / "training/agent.safetensors", made[0] / "houses-held-out.jsonl"
     assert load_checkpoint(agent).steps >= 2000
     assert Evaluate((agent,), houses=houses, targets=("main",), json=True).run() == 0
     players = json.loads(capsys.readouterr().out)["targets"]["main"]["players"]
-    assert list(players) == ["agent", "random + avoidance", "script", "explorer", "searcher", "oracle"]
+    assert list(players) == ["pqn", "random + avoidance", "script", "explorer", "searcher", "oracle"]
     assert all(len(each["runs"][0]["targets"]) == 2 for each in players.values())
     Record(agent, houses, house=1, out=tmp_path / "film.gif", steps=8).run()
     with Image.open(tmp_path / "film.gif") as image:

@@ -9,10 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import tyro
 
-from agent.cli import COMMANDS, main
-from agent.commands import Train
+from agent.cli import COMMANDS, _command, main
 from agent.config import PRESETS
 from logic import load
 
@@ -128,9 +126,10 @@ def test_help_names_every_command_and_comes_without_torch() -> None:
 
 def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
-    command = tyro.cli(Train, args=said, default=Train.like(said))
-    assert command.config == replace(PRESETS["pqn-map"], targets="main", seed=3)
-    assert tyro.cli(Train, args=said[:1], default=Train.like(said[:1])).config == PRESETS["pqn"]
+    assert _command(["train", *said]).config == replace(PRESETS["pqn-map"], targets="main", seed=3)
+    assert _command(["train", *said[:1]]).config == PRESETS["pqn"]
+    replayed = _command(["train", "houses.jsonl", "--preset=paper", "--batch", "7", "--minibatches", "7"])
+    assert replayed.config == replace(PRESETS["paper"], batch=7, minibatches=7)
 
 
 def test_a_preset_that_is_none_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,43 @@
+"""What each rank of ``test_agent_ranks.py`` does, and the single process: ``python -m tests.ranks FILE``."""
+
+import sys
+
+import torch
+
+from agent import ranks
+from agent.config import PQNConfig
+from agent.pqn import PQN
+from sim import HouseVectorEnv
+from tests.worlds import random_house
+
+WORLDS = 8
+CONFIG = PQNConfig(
+    environments=WORLDS, rollout=30, steps=10**6, epochs=1, minibatches=1, epsilon=0.0, final_epsilon=0.0
+)
+
+
+def main(file: str) -> None:
+    """Learn from two rollouts, in which episodes end; the first rank writes gradients and weights."""
+    torch.set_num_threads(1)
+    with ranks.joined():
+        houses = [random_house(seed) for seed in range(4)]
+        envs = HouseVectorEnv(houses, WORLDS // ranks.size(), max_episode_steps=20)
+        learner, gradients = PQN(CONFIG, envs), []
+        step = learner.optimizer.step
+
+        def noted(*given):
+            gradients.append(torch.cat([p.grad.flatten().clone() for p in learner.network.parameters()]))
+            return step(*given)
+
+        setattr(learner.optimizer, "step", noted)  # noqa: B010
+        told = [learner.advance() for _ in range(2)]
+        weights = torch.cat([p.detach().flatten() for p in learner.network.parameters()])
+        everyones = ranks.gathered(weights)
+        if not ranks.rank():
+            steps, targets = [now.steps for now in told], [now.targets for now in told]
+            record = {"gradients": gradients, "weights": everyones, "steps": steps, "targets": targets}
+            torch.save(record, file)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

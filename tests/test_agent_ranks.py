@@ -1,0 +1,70 @@
+"""Several processes that learn as one give what one gives that has all their worlds."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import torch
+
+from agent import checkpoint
+from logic import save
+from tests.worlds import random_house
+
+ROOT = Path(__file__).parents[1]
+TORCHRUN = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node=2", "--master-port=0"]
+TORCHRUN += ["--rdzv-backend=c10d", "--rdzv-endpoint=localhost:0"]
+
+
+def done(command: list[str], **options) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False, **options
+    )
+
+
+@pytest.fixture(scope="module")
+def lived(tmp_path_factory):
+    """What one process learnt from eight worlds, and what two learnt from four each, with gloo."""
+    folder = tmp_path_factory.mktemp("ranks")
+    for name, command in {"one": [sys.executable], "two": TORCHRUN}.items():
+        ended = done([*command, "-m", "tests.ranks", str(folder / name)])
+        assert ended.returncode == 0, ended.stderr[-2000:]
+    return [torch.load(folder / name, weights_only=True) for name in ("one", "two")]
+
+
+def test_two_ranks_give_the_gradient_of_one_with_both_batches(lived):
+    one, two = lived
+    assert one["gradients"][0].abs().max() > 1e-4
+    torch.testing.assert_close(two["gradients"][0], one["gradients"][0], rtol=1e-4, atol=1e-7)
+
+
+def test_two_ranks_lived_the_steps_and_found_the_targets_of_one(lived):
+    one, two = lived
+    # Of 30 steps one of each world began an episode, of the next 30 another one.
+    assert one["steps"] == two["steps"] == [8 * 29, 8 * 58]
+    assert two["targets"] == one["targets"]
+
+
+def test_all_ranks_hold_the_same_weights(lived):
+    _, two = lived
+    assert len(two["weights"]) == 2
+    assert torch.equal(*two["weights"])
+
+
+def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
+    save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
+    out = tmp_path / "run"
+    train = [*TORCHRUN, "-m", "agent.cli", "train", str(tmp_path / "houses.jsonl"), "--out", str(out)]
+    small = ["--environments", "8", "--rollout", "16"]
+    ended = done([*train, *small, "--steps", "500"])
+    assert ended.returncode == 0, ended.stderr[-2000:]
+    assert ended.stderr.count("vitruvius evaluate") == 1  # one of them tells
+    assert json.loads((out / "config.json").read_text())["ranks"] == 2
+    ended = done([*train, *small, "--steps", "1000", "--resume"])
+    assert ended.returncode == 0, ended.stderr[-2000:]
+    steps = [json.loads(line)["steps"] for line in (out / "metrics.jsonl").read_text().splitlines()]
+    assert steps == list(range(128, 1025, 128))
+    assert checkpoint.load(out / "agent.safetensors").steps == 1024
+    odd = done([*train, "--environments", "7", "--out", str(tmp_path / "odd")])
+    assert "multiple of the 2 ranks" in odd.stderr

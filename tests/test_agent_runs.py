@@ -1,0 +1,185 @@
+"""Runs survive: a kill at any moment, a folder in use, numbers that are none. Nothing is overwritten."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from agent import checkpoint, runs
+from agent.banks import bank_hash
+from agent.config import PRESETS, DQNConfig, PQNConfig
+from agent.learner import Diverged
+from agent.pqn import PQN
+from agent.runs import run
+from logic import House, save
+from logic.errors import RequestError
+from sim import HouseVectorEnv
+from tests.worlds import random_house
+
+HOUSES = [random_house(seed) for seed in range(4)]
+ROOT = Path(__file__).parents[1]
+CONFIG = PQNConfig(environments=8, rollout=16, steps=1500, seed=2)
+
+
+@pytest.fixture(autouse=True)
+def keeping_at_once(monkeypatch):
+    """All is kept after every report."""
+    monkeypatch.setattr(runs, "SAVE_EVERY", 0.0)
+
+
+def metrics(folder: Path) -> list[dict]:
+    """The reports, without what a clock says."""
+    lines = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
+    clocks = ("seconds", "simulator", "learner", "map")
+    return [{name: value for name, value in line.items() if name not in clocks} for line in lines]
+
+
+def same(one: Path, other: Path) -> bool:
+    """Whether two checkpoints hold the same numbers."""
+    pairs = [checkpoint.load(path / "agent.safetensors").network.state_dict() for path in (one, other)]
+    return all(torch.equal(value, pairs[1][name]) for name, value in pairs[0].items())
+
+
+def test_a_folder_tells_all_that_is_needed_to_run_it_again(tmp_path):
+    made, history = run(HOUSES, CONFIG, tmp_path / "run", name="pqn", command="vitruvius train ...")
+    told = json.loads((tmp_path / "run/config.json").read_text())
+    assert checkpoint.config_of(told["algorithm"], told["config"]) == CONFIG
+    assert told["houses"] == {"number": 4, "hash": bank_hash(HOUSES)}
+    found = checkpoint.load(tmp_path / "run/agent.safetensors")
+    assert (found.steps, found.houses, found.command) == (1536, bank_hash(HOUSES), "vitruvius train ...")
+    assert made.steps == history[-1].steps == metrics(tmp_path / "run")[-1]["steps"] == 1536
+    assert [path.name[:19] for path in (tmp_path / "run/tensorboard").iterdir()] == ["events.out.tfevents"]
+
+
+SLOW = """
+import sys
+from agent import runs
+from agent.cli import main
+runs.SAVE_EVERY = 0.0
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize(
+    "changes", [(), ("--map", "--novelty", "0.02", "--curriculum", "--levels")], ids=["plain", "all of it"]
+)
+def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path, changes):
+    """By SIGKILL, wherever it stood; and again."""
+    save(HOUSES, tmp_path / "houses.jsonl")
+    arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "4000", "--seed", "1", *changes]
+    arguments += ["--environments", "8", "--rollout", "16"]
+
+    def started(name: str, *more: str) -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", SLOW, *arguments, "--out", str(tmp_path / name), *more]
+        return subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+
+    whole = started("whole")
+    killed, lines = started("killed", "--resume"), 0  # --resume begins where there is nothing yet
+    for least in (4, 15):
+        while lines < least and killed.poll() is None:
+            time.sleep(0.02)
+            file = tmp_path / "killed/metrics.jsonl"
+            lines = len(file.read_text().splitlines()) if file.exists() else 0
+        killed.send_signal(signal.SIGKILL)
+        killed.wait()
+        killed = started("killed", "--resume")
+    for process in (whole, killed):
+        _, said = process.communicate(timeout=120)
+        assert process.returncode == 0, said
+    assert metrics(tmp_path / "killed") == metrics(tmp_path / "whole")
+    assert same(tmp_path / "killed", tmp_path / "whole")
+
+
+def test_a_run_goes_on_with_more_steps(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    made, history = run(HOUSES, replace(CONFIG, steps=2500), tmp_path / "run", resume=True)
+    assert made.steps == 2560
+    assert [now.steps for now in history] == list(range(128, 2561, 128))
+
+
+def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
+    with pytest.raises(RequestError, match="holds a run already"):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    with pytest.raises(RequestError, match="another config cannot go on here: trace"):
+        run(HOUSES, replace(CONFIG, trace=0.3), tmp_path / "run", resume=True)
+    with pytest.raises(RequestError, match="pqn cannot go on as dqn"):
+        run(HOUSES, replace(PRESETS["dqn"], environments=8), tmp_path / "run", resume=True)
+    with pytest.raises(RequestError, match="other houses"):
+        run(HOUSES[:2], CONFIG, tmp_path / "run", resume=True)
+    assert before == {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
+
+
+def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
+    folder = runs.Folder(tmp_path / "run")
+    with folder.alone(resume=False), pytest.raises(RequestError, match="another run is at work here"):
+        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
+    run(HOUSES, CONFIG, tmp_path / "run")  # what ended leaves it free
+
+
+def test_a_spoiled_state_is_refused_in_one_line(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    state = tmp_path / "run/state.pt.gz"
+    for content in (b"", b"nothing", state.read_bytes()[:-500]):
+        state.write_bytes(content)
+        with pytest.raises(checkpoint.CheckpointError, match=r"state.pt.gz: cannot be read") as caught:
+            run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+        assert "\n" not in str(caught.value)
+
+
+def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypatch):
+    reports, advance = [], PQN.advance
+
+    def spoilt(learner: PQN):
+        if len(reports) == 3:
+            torch.nn.init.constant_(learner.network.judge[-1].bias, float("nan"))
+        reports.append(advance(learner))
+        return reports[-1]
+
+    monkeypatch.setattr(PQN, "advance", spoilt)
+    with pytest.raises(Diverged, match=r"nan after 512 steps: .*agent.safetensors is the last good one"):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    kept = checkpoint.load(tmp_path / "run/agent.safetensors")
+    assert kept.steps == 384
+    assert all(torch.isfinite(value).all() for value in kept.network.state_dict().values())
+
+
+def test_a_device_that_is_not_there_is_told(tmp_path):
+    if torch.cuda.is_available():
+        pytest.skip("there is one")
+    with pytest.raises(RequestError, match="torch finds no GPU here"):
+        run(HOUSES, replace(CONFIG, device="cuda"), tmp_path / "run")
+    with pytest.raises(RequestError, match="cpu alone"):
+        DQNConfig(device="cuda")
+    with pytest.raises(RequestError, match="map needs device cpu"):
+        PQNConfig(device="cuda", map=True)
+
+
+def test_a_curriculum_changes_houses_and_targets_and_ends_with_all(tmp_path, monkeypatch):
+    taught, set_houses = [], HouseVectorEnv.set_houses
+
+    def noted(envs, houses: list[House], targets=None):
+        taught.append((targets, len(houses), any(room.children for house in houses for room in house.rooms)))
+        set_houses(envs, houses, targets)
+
+    monkeypatch.setattr(HouseVectorEnv, "set_houses", noted)
+    rooms = [len(house.rooms) for house in HOUSES]
+    run(HOUSES, replace(CONFIG, curriculum=True), tmp_path / "run")
+    counts = [sum(room <= most for room in rooms) for most in (2, 4, 99)]
+    assert taught == [("main", counts[0], False), ("main", counts[1], True), ("main", counts[2], True)]
+
+
+def test_a_curriculum_without_houses_for_a_lesson_is_refused_before_anything_is_written(tmp_path):
+    many = [house for house in (random_house(seed) for seed in range(60)) if len(house.rooms) > 2][:2]
+    assert many
+    with pytest.raises(RequestError, match=r"lesson 1 of 3 .* has no such house"):
+        run(many, replace(CONFIG, curriculum=True), tmp_path / "run")
+    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
