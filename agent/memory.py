@@ -49,4 +49,4 @@ class Memory(nn.Module):
 
 def mirrored_memory(memory: Tensor) -> Tensor:
     """The same memories (B, M, 6) in a mirror."""
-    return memory[..., MIRROR]
+    return memory.index_select(-1, torch.tensor(MIRROR, device=memory.device))

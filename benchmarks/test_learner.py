@@ -1,105 +1,144 @@
-"""Where a training step's time goes, by number of environments: simulator, avoidance, network, update.
+"""Where a training step's time goes, by number of environments.
 
-``pytest benchmarks/test_learner.py``: each row's ``extra_info`` has ``environments`` and
-``steps_per_second``; a round is a rollout of 32 steps (``update`` learns from one, two epochs).
+``pytest benchmarks/test_learner.py``: each row's ``extra_info`` has ``environments``, ``steps_per_second`` on
+one core, and, where matrix products are the bound, ``of_bound``: its share of what these alone would allow at
+the speed that one of the largest layer's shape has here and now. A round is a rollout of 8192 steps, from
+which ``update`` learns. ``python -m benchmarks.test_learner`` tells which of torch's operations take the time.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
+from time import perf_counter
 
 import pytest
 import torch
+from torch.nn.functional import linear
+from torch.profiler import profile
 
-from agent.config import PRESETS, Config
-from agent.network import QNetwork, seeded_network
-from agent.rollout import Rollout
-from agent.train import update
+from agent.config import PRESETS, PQNConfig
+from agent.network import STRIDE, WINDOW
+from agent.pqn import PQN
 from agent.world import make_worlds, shield
-from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 SIZES = [64, 256, 1024]
-CONFIG = PRESETS["pqn"]
 HOUSES = [random_house(seed) for seed in range(64)]
 
 
-@dataclass
-class Loop:
-    """What a training run holds."""
+def started(environments: int = 256) -> PQN:
+    """A run by the preset ``pqn`` on one core that does not end, with as many steps a rollout, and its first."""
+    torch.set_num_threads(1)
+    preset = PRESETS["pqn"]
+    assert isinstance(preset, PQNConfig)
+    rollout = preset.rollout * preset.environments // environments
+    config = replace(preset, environments=environments, rollout=rollout, steps=10**9)
+    learner = PQN(config, make_worlds(HOUSES, environments))
+    learner.advance()
+    return learner
 
-    envs: HouseVectorEnv
-    network: QNetwork
-    rollout: Rollout
-    config: Config = CONFIG
 
-    def fill(self) -> None:
-        self.rollout.fill(
-            self.envs,
-            self.network,
-            shield(self.envs),
-            epsilon=0.02,
-            forward=0.93,
-            generator=torch.Generator(),
-        )
+def operations(learner: PQN) -> int:
+    """Floating-point operations of the network's products for one observation, forwards."""
+    network, rays = learner.network, learner.envs.config.rays
+    windows = (rays - WINDOW) // STRIDE + 1
+    return 2 * sum(
+        layer.weight.numel() * (windows if layer is network.look else 1)
+        for layer in network.modules()
+        if isinstance(layer, torch.nn.Linear)
+    )
+
+
+def product_speed(learner: PQN, rows: int) -> float:
+    """Floating-point operations a second of a product of the largest layer with so many rows, the best."""
+    weight = learner.network.judge[0].weight.detach()
+    given, times = torch.rand(rows, weight.shape[1]), []
+    for _ in range(30):
+        before = perf_counter()
+        linear(given, weight)
+        times.append(perf_counter() - before)
+    return 2 * rows * weight.numel() / min(times)
 
 
 @pytest.fixture(scope="module", params=SIZES)
-def loop(request) -> Loop:
-    torch.set_num_threads(CONFIG.threads)
-    envs, network = make_worlds(HOUSES, request.param), seeded_network(0)
-    observation = torch.as_tensor(envs.reset(seed=0)[0])
-    loop = Loop(
-        envs, network, Rollout.starting(CONFIG.rollout, observation, network.memory.empty(request.param))
-    )
-    loop.fill()
-    return loop
+def learner(request) -> PQN:
+    return started(request.param)
 
 
-def measure(benchmark, loop: Loop, work) -> None:
-    """Time it, and note how many environment steps a second the median round made."""
+def measure(benchmark, learner: PQN, work, acting: int = 0, learning: int = 0) -> None:
+    """Time it, and note how many environment steps a second the median round made.
+
+    ``acting`` is how often each step passes the network without gradients, ``learning`` how often with them:
+    these cost three times as much.
+    """
     benchmark.pedantic(work, rounds=7, warmup_rounds=1)
-    benchmark.extra_info["environments"] = loop.envs.num_envs
-    benchmark.extra_info["steps_per_second"] = loop.rollout.a.numel() / benchmark.stats.stats.median
+    rate = learner.rollout.a.numel() / benchmark.stats.stats.median
+    benchmark.extra_info["environments"] = learner.envs.num_envs
+    benchmark.extra_info["steps_per_second"] = rate
+    if acting or learning:
+        batch = learner.rollout.a.numel() // learner.config.minibatches
+        seconds = acting * operations(learner) / product_speed(learner, learner.envs.num_envs)
+        seconds += 3 * learning * operations(learner) / product_speed(learner, batch)
+        benchmark.extra_info["of_bound"] = rate * seconds
+
+
+def act(learner: PQN) -> None:
+    config = learner.config
+    learner.rollout.fill(
+        *(learner.envs, learner.network, learner.avoidance),
+        epsilon=config.final_epsilon,
+        forward=config.forward,
+        generator=learner.generator,
+    )
 
 
 @pytest.mark.benchmark(group="simulator")
-def test_simulator(benchmark, loop):
+def test_simulator(benchmark, learner):
     """``step_torch`` alone."""
-    measure(benchmark, loop, lambda: [loop.envs.step_torch(actions) for actions in loop.rollout.a])
+    measure(benchmark, learner, lambda: [learner.envs.step_torch(a) for a in learner.rollout.a])
 
 
 @pytest.mark.benchmark(group="avoidance")
-def test_avoidance(benchmark, loop):
+def test_avoidance(benchmark, learner):
     """The shield alone."""
-    layer, rollout = shield(loop.envs), loop.rollout
+    layer, rollout = shield(learner.envs), learner.rollout
     states = list(zip(rollout.s[:-1], rollout.blocked[:-1], strict=True))
-    measure(benchmark, loop, lambda: [layer(*state) for state in states])
+    measure(benchmark, learner, lambda: [layer(*state) for state in states])
 
 
 @pytest.mark.benchmark(group="network")
-def test_network(benchmark, loop):
+def test_network(benchmark, learner):
     """The network's values alone, without gradients."""
-    states = list(zip(loop.rollout.s[:-1], loop.rollout.memory[:-1], strict=True))
+    states = list(zip(learner.rollout.s[:-1], learner.rollout.memory[:-1], strict=True))
 
-    @torch.no_grad()
+    @torch.inference_mode()
     def values():
-        for state in states:
-            loop.network(*state)
+        for s, memory in states:
+            learner.network(s, memory)
 
-    measure(benchmark, loop, values)
+    measure(benchmark, learner, values, acting=1)
 
 
 @pytest.mark.benchmark(group="rollout")
-def test_rollout(benchmark, loop):
+def test_rollout(benchmark, learner):
     """All of acting: the three above, exploration, memory and copies."""
-    measure(benchmark, loop, loop.fill)
+    measure(benchmark, learner, lambda: act(learner), acting=1)
 
 
 @pytest.mark.benchmark(group="update")
-def test_update(benchmark, loop):
+def test_update(benchmark, learner):
     """Returns, and two epochs of four minibatches forwards and backwards."""
-    optimizer = torch.optim.RAdam(loop.network.parameters(), lr=0.0)
-    measure(
-        benchmark,
-        loop,
-        lambda: update(loop.network, optimizer, loop.rollout, loop.config, torch.Generator().manual_seed(0)),
-    )
+    epochs = learner.config.epochs
+    measure(benchmark, learner, lambda: learner.update(learner.returns()), learning=epochs)
+
+
+@pytest.mark.benchmark(group="iteration")
+def test_iteration(benchmark, learner):
+    """A rollout and its update."""
+    measure(benchmark, learner, learner.advance, acting=1, learning=learner.config.epochs)
+
+
+if __name__ == "__main__":
+    run = started()
+    for name, part in (("acting", lambda: act(run)), ("update", lambda: run.update(run.returns()))):
+        with profile() as watched:
+            part()
+        print(name, watched.key_averages().table(sort_by="self_cpu_time_total", row_limit=20), sep="\n")
