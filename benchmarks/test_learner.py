@@ -3,7 +3,7 @@
 ``pytest benchmarks/test_learner.py``: each row's ``extra_info`` has ``environments``, ``steps_per_second`` on
 one core, and, where matrix products are the bound, ``of_bound``: its share of what these alone would allow at
 the speed that one of the largest layer's shape has here and now. A round is a rollout of 8192 steps, from
-which ``update`` learns. ``python -m benchmarks.test_learner`` tells which of torch's operations take the time.
+which ``update`` learns. ``python -m benchmarks.test_learner`` tells which operations take time.
 """
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ HOUSES = [random_house(seed) for seed in range(64)]
 
 
 def started(environments: int = 256) -> PQN:
-    """A run by the preset ``pqn`` on one core that does not end, with as many steps a rollout, and its first."""
+    """A run by the preset ``pqn`` on one core that does not end, after its first rollout."""
     torch.set_num_threads(1)
     preset = PRESETS["pqn"]
     assert isinstance(preset, PQNConfig)
