@@ -148,8 +148,8 @@ class PQNConfig(Config):
         super().__post_init__()
         if not self.map and (self.novelty or self.guided):
             raise RequestError("novelty and guided need map: there is no map that they could come from")
-        if self.map and self.device != "cpu":
-            raise RequestError("map needs device cpu: maps are made there")
+        if (self.map or self.levels) and self.device != "cpu":
+            raise RequestError("map and levels need device cpu: that is where they are kept")
         if self.network == "recurrent":
             if self.mirror or self.map:
                 raise RequestError(

@@ -3,7 +3,7 @@
 | input | shape | |
 |---|---|---|
 | ``observation`` | (B, R, C) float32 | distance / range, is target |
-| ``memory`` | (B, M, 6) float32 | traces; zeros where an episode begins |
+| ``memory`` | (B, M, 6) float32 | traces (recurrent: (B, H)); zeros where an episode begins |
 | ``blocked`` | (B,) bool | whether the last move was |
 | ``features`` | (B, F) float32 | what a map tells (``agent.map``); only of a network that reads one |
 
@@ -21,13 +21,12 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import Tensor, nn
 
 from agent.actions import ACTIONS
-from agent.memory import SIGNALS
-from agent.network import QNetwork
 from logic.errors import VitruviusError
 from logic.files import write_whole
 
@@ -43,7 +42,7 @@ class NoExporter(VitruviusError):
 class Step(nn.Module):
     """A network and its memory as the one function that is exported."""
 
-    def __init__(self, network: QNetwork) -> None:
+    def __init__(self, network: Any) -> None:
         """Share the network's weights."""
         super().__init__()
         self.network = network
@@ -51,7 +50,7 @@ class Step(nn.Module):
     def forward(
         self, observation: Tensor, memory: Tensor, blocked: Tensor, features: Tensor | None = None
     ) -> tuple[Tensor, Tensor]:
-        """Q-values (B, A), and the memory (B, A, M, 6) after each action; for the inputs see above."""
+        """Q-values (B, A), and the memory (B, A, ...) after each action; for the inputs see above."""
         same = torch.zeros_like(blocked)
         each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(ACTIONS)]
         memories = [self.network.memory(memory, observation, blocked, action, same) for action in each]
@@ -61,8 +60,9 @@ class Step(nn.Module):
     def example(self, size: int, seed: int = 0) -> tuple[Tensor, ...]:
         """Random inputs for a batch of that size, in the order of ``forward``."""
         generator = torch.Generator().manual_seed(seed)
-        rays, channels, half_lives, *features = self.network.shape
-        shapes = [(rays, channels), (len(half_lives), SIGNALS), (), *((each,) for each in features if each)]
+        rays, channels, _, features = self.network.shape
+        kept = tuple(self.network.memory.empty(1).shape[1:])
+        shapes = [(rays, channels), kept, (), *([(features,)] if features else [])]
         observation, memory, blocked, *known = (
             torch.rand(size, *shape, generator=generator) for shape in shapes
         )
@@ -70,7 +70,7 @@ class Step(nn.Module):
         return observation, memory, blocked < 0.5, *known
 
 
-def export(network: QNetwork, path: str | Path) -> None:
+def export(network: Any, path: str | Path) -> None:
     """Write the network with its memory to an ONNX file, whole or not at all, for batches of any size.
 
     Raises ``NoExporter`` where the packages ``onnx`` and ``onnxscript`` are missing.

@@ -95,7 +95,7 @@ class Learner(ABC):
         self.lesson = 0
         # Every rank has worlds, and chance, of its own; weights are the same.
         self.seed = config.seed + ranks.rank() * envs.num_envs
-        self.generator = torch.Generator().manual_seed(self.seed)
+        self.generator = torch.Generator(config.device).manual_seed(self.seed)
         self.network: Any = network_of(config).to(config.device)
         self.avoidance = layer_of(config, envs, self.generator)
         self.steps, self.clock = 0, Clock()

@@ -168,8 +168,12 @@ class PQN(Learner):
             return
         states = (kept[:-1].flatten(0, 1) for kept in (rollout.s, rollout.memory, rollout.features))
         steps = Batch(*states, *(kept.flatten() for kept in (rollout.a, g, rollout.valid)))
-        for part in torch.randperm(g.numel(), generator=self.generator).chunk(parts):
+        for part in self.shuffled(g.numel()).chunk(parts):
             yield Batch(*(field[part] for field in steps))
+
+    def shuffled(self, count: int) -> Tensor:
+        """The numbers below ``count`` in an order by chance."""
+        return torch.randperm(count, generator=self.generator, device=self.generator.device)
 
     def sequences(self, g: Tensor) -> Iterator[Batch]:
         """The same for a network that learns what to remember: each part has some worlds' whole rollouts,
@@ -177,7 +181,7 @@ class PQN(Learner):
         """
         rollout = self.rollout
         ended = ~rollout.valid  # the step after an end begins another episode
-        for worlds in torch.randperm(g.shape[1], generator=self.generator).chunk(self.config.minibatches):
+        for worlds in self.shuffled(g.shape[1]).chunk(self.config.minibatches):
             s, a = rollout.s[:-1, worlds], rollout.a[:, worlds]
             memory = self.network.memory.unrolled(
                 rollout.memory[0, worlds], s, rollout.blocked[:-1, worlds], a, ended[:, worlds]

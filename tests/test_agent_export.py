@@ -13,18 +13,19 @@ from agent.cli import main
 from agent.config import PQNConfig
 from agent.export import INPUTS, OUTPUTS, NoExporter, Step, export
 from agent.network import QNetwork, seeded_network
+from agent.recurrent import RecurrentQNetwork
 
 onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")
 
 
-def network(features: int) -> QNetwork:
+def network(features: int | None) -> Any:
     with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(features)
-        return QNetwork(features=features)
+        torch.manual_seed(0)
+        return RecurrentQNetwork() if features is None else QNetwork(features=features)
 
 
-@pytest.fixture(scope="module", params=[0, 30], ids=["pqn", "with a map"])
+@pytest.fixture(scope="module", params=[0, 30, None], ids=["pqn", "with a map", "recurrent"])
 def exported(request, tmp_path_factory):
     """A network's step, and the file of it in the other runtime."""
     step = Step(network(request.param)).eval()
@@ -70,7 +71,8 @@ def test_inputs_and_outputs_bear_their_names_and_only_the_batch_is_free(exported
     assert [each.name for each in session.get_inputs()] == list(INPUTS[: len(given)])
     assert [each.name for each in session.get_outputs()] == list(OUTPUTS)
     assert [each.shape for each in session.get_inputs()] == [["batch", *each.shape[1:]] for each in given]
-    assert [each.shape for each in session.get_outputs()] == [["batch", 3], ["batch", 3, 4, 6]]
+    memory = ["batch", 3, *given[1].shape[1:]]
+    assert [each.shape for each in session.get_outputs()] == [["batch", 3], memory]
 
 
 def test_without_the_exporter_one_line_says_what_to_install_and_nothing_is_written(tmp_path, monkeypatch):

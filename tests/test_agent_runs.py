@@ -159,7 +159,7 @@ def test_a_device_that_is_not_there_is_told(tmp_path):
         run(HOUSES, replace(CONFIG, device="cuda"), tmp_path / "run")
     with pytest.raises(RequestError, match="cpu alone"):
         DQNConfig(device="cuda")
-    with pytest.raises(RequestError, match="map needs device cpu"):
+    with pytest.raises(RequestError, match="map and levels need device cpu"):
         PQNConfig(device="cuda", map=True)
 
 
