@@ -45,6 +45,10 @@ class Config:
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Half-lives of the memory's traces, in steps."""
 
+    precision: Literal["highest", "high", "medium"] = "highest"
+    """Of products of float32 matrices, as torch names it: medium may take bfloat16 inside, faster where a
+    processor has it."""
+
     mirror: bool = True
     """Whether half of all that is learnt from is seen with left and right exchanged."""
 

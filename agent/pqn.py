@@ -39,10 +39,10 @@ def lambda_returns(
     bootstrap = r_t + discount * v_t.masked_fill(terminated_t, 0.0)
     # How much of the next return flows back into this one: none across an end.
     flow = discount * trace * (~(terminated_t | truncated_t)).to(r_t.dtype)
-    returns = torch.empty_like(r_t)
+    returns = bootstrap - flow * v_t
     returns[-1] = bootstrap[-1]
     for t in range(len(r_t) - 2, -1, -1):
-        returns[t] = bootstrap[t] + flow[t] * (returns[t + 1] - v_t[t])
+        returns[t].addcmul_(flow[t], returns[t + 1])
     return returns
 
 
@@ -89,7 +89,7 @@ class PQN(Learner):
     def __init__(self, config: PQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""
         super().__init__(config, envs, config.rollout)
-        self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate)
+        self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate, foreach=True)
         self.begin()
 
     def begin(self) -> None:
@@ -169,7 +169,7 @@ class PQN(Learner):
         states = (kept[:-1].flatten(0, 1) for kept in (rollout.s, rollout.memory, rollout.features))
         steps = Batch(*states, *(kept.flatten() for kept in (rollout.a, g, rollout.valid)))
         for part in self.shuffled(g.numel()).chunk(parts):
-            yield Batch(*(field[part] for field in steps))
+            yield Batch(*(field.index_select(0, part) for field in steps))
 
     def shuffled(self, count: int) -> Tensor:
         """The numbers below ``count`` in an order by chance."""

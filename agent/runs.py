@@ -131,6 +131,7 @@ def _learner(houses: Sequence[House], config: Config) -> Learner:
     if config.device == "cuda" and not torch.cuda.is_available():
         raise RequestError("device cuda cannot be had: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
+    torch.set_float32_matmul_precision(config.precision)
     envs = make_worlds(houses, share, config.targets, preset=config.world, device=config.device)
     if isinstance(config, DQNConfig):
         if ranks.size() > 1:
