@@ -113,6 +113,10 @@ class Evaluate:
     backend: str = "continuous"
     """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
 
+    beside: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
+    """Scores of another agent, in JSON as --json or an example's --out writes it, for a row of its own in
+    the tables: of the same houses, seed and targets. Repeat for several."""
+
     out: Path | None = None
     """Folder for evaluation.json, evaluation.md and evaluation.png."""
 
@@ -124,7 +128,7 @@ class Evaluate:
         import torch
         from rich.console import Console
 
-        from agent import scoreboard
+        from agent import beside, scoreboard
         from agent.banks import bank_hash, benchmark, benchmark_path
         from agent.progress import progress
         from agent.protocol import MODES, measure
@@ -139,12 +143,19 @@ class Evaluate:
             "houses": len(houses),
             "hash": bank_hash(houses),
         }
-        results = []
+        modes = self.targets or MODES
+        others = {path: beside.read(path, houses, modes, self.seed, self.backend) for path in self.beside}
         with progress("measuring") as tell:
-            modes = self.targets or MODES
-            results += measure(agents, houses, modes, self.seed, tell, backend=self.backend)
-        files = [str(path) for path in self.agents]
-        record = {"agents": files, "bank": bank, "seed": self.seed} | scoreboard.record(results)
+            results = list(measure(agents, houses, modes, self.seed, tell, backend=self.backend))
+        for path, players in others.items():
+            results = [beside.joined(each, players.get(each.targets, {}), path) for each in results]
+        record = {
+            "agents": [str(path) for path in self.agents],
+            "beside": [str(path) for path in self.beside],
+            "bank": bank,
+            "seed": self.seed,
+            "backend": self.backend,
+        } | scoreboard.record(results)
         sheets = [sheet for result in results for sheet in scoreboard.sheets(result)]
         title = f"{bank['file']}, hash {bank['hash'][:12]}, seed {self.seed}"
         if self.json:

@@ -1,7 +1,8 @@
 """What the examples share: their options, our avoidance layer as a wrapper, and the score at the end.
 
 It is that of ``vitruvius evaluate``: an episode in each held-out house, the same starts and the same targets
-in the same order for all players, as a ratio to the oracle. The JSON has the form of that command's.
+in the same order for all players, as a ratio to the oracle. The JSON has the form of that command's, which
+puts it in its tables by ``--beside``.
 """
 
 import json
@@ -55,8 +56,8 @@ class Task:
     seed: int = 0
     """Of the training. Starts and targets that are measured with do not depend on it."""
 
-    json: Path | None = None
-    """File for all figures, and each house's."""
+    out: Path | None = None
+    """File for all figures, and each house's, as JSON: vitruvius evaluate --beside FILE shows them."""
 
     def worlds(self) -> VectorEnv:
         """The worlds to learn in. They begin the next episode in the step that ends one."""
@@ -82,11 +83,11 @@ class Task:
         watch = Lookout(envs)
         scores = {each: (play(each, envs, player, 0, watch=watch),) for each, player in players.items()}
         result = Result(self.targets, np.array([len(house.rooms) for house in houses]), shortest, scores)
-        if self.json:
+        if self.out:
             file = str(self.held_out or banks.NAME)
             bank = {"file": file, "houses": len(houses), "hash": banks.bank_hash(houses)}
-            record = {"agents": [name], "steps": self.steps, "bank": bank, "seed": 0}
-            write_whole(self.json, json.dumps(record | scoreboard.record([result])).encode())
+            record = {"agents": [name], "steps": self.steps, "bank": bank, "seed": 0, "backend": "continuous"}
+            write_whole(self.out, json.dumps(record | scoreboard.record([result])).encode())
         print(
             f"{name}, {self.steps:,} steps: {scores[name][0].count().text(1)} targets, "
             f"{result.ratio(name).text()} of the oracle's, {self.targets}, {len(houses)} houses"
