@@ -28,7 +28,8 @@ from agent import checkpoint
 from agent.banks import HASH, bank_hash
 from agent.config import PRESETS
 from agent.protocol import MODES
-from agent.results.agents import Entry, Run, Study, agents_page, pictures, result_of
+from agent.results.agent_plots import pictures
+from agent.results.agents import Entry, Run, Study, agents_page, result_of
 from agent.results.series import machine
 from agent.runs import Folder
 from logic import generate, load, save

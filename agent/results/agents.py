@@ -1,12 +1,20 @@
 """The study of agents as a page: a function of its records alone."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from statistics import median
 from typing import Any
 
 import numpy as np
+from scipy.stats import trim_mean
 
 from agent.evaluate import Score
-from agent.protocol import Result
+from agent.protocol import HUMAN_RATIO, SOON, Result
+from agent.results.series import table_rows
+from agent.scoreboard import WHERE
+from agent.statistics import Estimate, bootstrap
+
+UNMEASURED = "-"
 
 
 @dataclass(frozen=True)
@@ -35,7 +43,7 @@ class Run:
     seed: int
     finished: bool
     failed: str
-    """Why it failed, if it did."""
+    """Why the last try failed, if it did."""
     curve: tuple[tuple[int, float], ...]
     """Environment steps, and targets per 1500 steps while learning."""
     last: dict[str, Any] | None
@@ -47,6 +55,7 @@ class Study:
     """All that the page is made of."""
 
     share: float
+    """Of the whole budget, 0 to 1."""
     command: str
     days: str
     machine: str
@@ -55,8 +64,75 @@ class Study:
     measured_in: str
     entries: tuple[Entry, ...]
     runs: tuple[Run, ...]
+    """In the order of the entries' seeds."""
     results: dict[str, Result]
-    """By target mode."""
+    """By target mode. The players' runs are the finished ones of ``runs``, in their order."""
+
+    def entry(self, name: str) -> Entry:
+        """The entry of this name. Raises ``KeyError``."""
+        return {entry.name: entry for entry in self.entries}[name]
+
+    def seeds(self, name: str) -> list[int]:
+        """Seeds of an entry's finished runs, in the order of its scores."""
+        return [run.seed for run in self.runs if run.entry == name and run.finished]
+
+    def measured(self) -> list[Entry]:
+        """Entries with a finished run."""
+        return [entry for entry in self.entries if self.seeds(entry.name)]
+
+    def presets(self) -> list[Entry]:
+        """Those of them that are agents of their own."""
+        return [entry for entry in self.measured() if not entry.beside]
+
+    def changes(self, name: str) -> list[Entry]:
+        """Those of them that are changes of an entry and have a seed in common with it."""
+        return [
+            e for e in self.measured() if e.beside == name and set(self.seeds(e.name)) & set(self.seeds(name))
+        ]
+
+    def baselines(self) -> list[str]:
+        """Players that learn nothing."""
+        agents = {entry.name for entry in self.entries}
+        return [name for name in next(iter(self.results.values())).players if name not in agents]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What a change does to the ratio in the houses that the agent learns for."""
+
+    all: Estimate
+    """Difference of the interquartile means, its interval by a bootstrap of pairs: same seed, same house."""
+    each: tuple[float, ...]
+    """The same by seed."""
+
+
+def difference(study: Study, changed: Entry) -> Difference:
+    """A change beside what it is a change of, over the seeds that both have finished."""
+    result = study.results[changed.targets]
+    ours, theirs = (study.seeds(name) for name in (changed.name, changed.beside))
+    seeds = [seed for seed in ours if seed in theirs]
+    one = ratios(result, changed.name)[[ours.index(seed) for seed in seeds]]
+    other = ratios(result, changed.beside)[[theirs.index(seed) for seed in seeds]]
+
+    def between(pairs: np.ndarray) -> np.ndarray:
+        """The figure of these pairs, given by their numbers."""
+        chosen = pairs.astype(int)
+        means = (trim_mean(side.ravel()[chosen], 0.25, axis=-1) for side in (one, other))
+        return np.subtract(*means)
+
+    numbers = np.arange(one.size).reshape(one.shape)
+    return Difference(bootstrap(numbers, between), tuple(float(between(row)) for row in numbers))
+
+
+def ratios(result: Result, player: str) -> np.ndarray:
+    """(S, H) share of the oracle's targets by run and house, of the houses where the oracle finds any."""
+    told = result.oracle > 0
+    return result.stacked(player, lambda score: score.targets)[:, told] / result.oracle[told]
+
+
+def by_seed(result: Result, player: str) -> list[float]:
+    """The ratio of each of a player's runs: interquartile mean over the houses."""
+    return [float(trim_mean(row, 0.25)) for row in ratios(result, player)]
 
 
 def result_of(record: dict[str, Any], targets: str) -> Result:
@@ -84,9 +160,192 @@ def _steps(values: list[int | None]) -> np.ndarray:
     return np.array([np.inf if value is None else value for value in values])
 
 
-def agents_page(study: Study, notes: str) -> str:
-    return "# todo\n"
+def agents_page(study: Study, notes: str = "") -> str:
+    """The study as a page: tables beside the pictures of ``agent.results.agent_plots``; ``notes``, written by
+    hand, stand at its end.
+    """
+    bases = [entry for entry in study.presets() if study.changes(entry.name)]
+    return PAGE.format(
+        command=study.command,
+        days=study.days,
+        machine=study.machine,
+        versions=", ".join(f"{name} {number}" for name, number in study.versions.items()),
+        share=f"{study.share:.3g}",
+        minutes=f"{15 * study.share:.2g}",
+        learnt_in=study.learnt_in,
+        measured_in=study.measured_in,
+        human=HUMAN_RATIO,
+        soon=SOON,
+        entries=table_rows(_entry(study, entry) for entry in study.entries),
+        untold=_untold(study),
+        modes=" | ".join(f"ratio, {WHERE[mode]}" for mode in study.results),
+        dashes="---|" * len(study.results),
+        order=" / ".join(study.results),
+        players=table_rows(_players(study)),
+        rooms=_by_rooms(study),
+        parts="\n\n".join(_parts(study, base) for base in bases) or "No change was measured.",
+        time=table_rows(_time(study, entry) for entry in study.entries if _lasts(study, entry)),
+        notes=notes.strip(),
+    )
 
 
-def pictures(study: Study) -> dict[str, bytes]:
-    return {}
+def _entry(study: Study, entry: Entry) -> list[str]:
+    """What an entry is, and the ratio of each of its runs."""
+    result, seeds = study.results[entry.targets], study.seeds(entry.name)
+    each = ", ".join(f"{value:.2f}" for value in by_seed(result, entry.name)) if seeds else UNMEASURED
+    options = " ".join(("--preset", entry.preset, *entry.options))
+    return [entry.name, entry.shows, f"`{options}`", entry.targets, f"{entry.steps / 1e6:.2f}", each]
+
+
+def _untold(study: Study) -> str:
+    """Runs that are in no table, and why."""
+    lines = []
+    for run in study.runs:
+        if not run.finished:
+            seen = f"{run.last['steps'] / 1e6:.2f} M steps" if run.last else "the start"
+            why = run.failed or "it was not trained to its end"
+            lines.append(f"- {run.entry}, seed {run.seed}: {why} (it came to {seen})")
+    if not lines:
+        return "All runs that were begun were trained to their end and are in the tables."
+    return "Not in the tables, as these runs were not trained to their end:\n\n" + "\n".join(lines)
+
+
+def _players(study: Study) -> Iterator[list[str]]:
+    """Each player's ratio, success and SPL in all modes."""
+    names = {entry.name: f"**{entry.name}**" for entry in study.presets()}
+    for name in [*names, *study.baselines()]:
+        figures = [result.figures(name) for result in study.results.values()]
+        means = (" / ".join(f"{each[key].value:.2f}" for each in figures) for key in ("success", "spl"))
+        yield [names.get(name, name), *(each["ratio"].text() for each in figures), *means]
+
+
+def _by_rooms(study: Study) -> str:
+    """The ratio by number of rooms in the mode that is about them."""
+    result = study.results.get("secondary")
+    if not result:
+        return "Not measured."
+    counts = [int(count) for count in np.unique(result.rooms)]
+    names = [*(entry.name for entry in study.presets()), *study.baselines()]
+    rows = (
+        [name, *(result.ratio(name, count).text() for count in counts)] for name in names if name != "oracle"
+    )
+    head = " | ".join(f"{count} rooms" for count in counts)
+    return f"| player | {head} |\n|---|{'---|' * len(counts)}\n{table_rows(rows)}"
+
+
+def _parts(study: Study, base: Entry) -> str:
+    """A preset and its changes, in one table."""
+    result = study.results[base.targets]
+    rows = [[f"**{base.name}**", "", *_conduct(result, base.name), "", ""]]
+    for entry in study.changes(base.name):
+        found = difference(study, entry)
+        each = ", ".join(f"{value:+.2f}" for value in found.each)
+        rows.append([entry.shows, _options(entry), *_conduct(result, entry.name), _signed(found.all), each])
+    head = "| change | options | ratio | blocked | overruled | difference | by seed |"
+    title = f"**Changes of {base.name}, targets in {WHERE[base.targets]}**"
+    return f"{title}\n\n{head}\n|{'---|' * 7}\n{table_rows(rows)}"
+
+
+def _options(entry: Entry) -> str:
+    preset = () if entry.preset == entry.beside else ("--preset", entry.preset)
+    return f"`{' '.join((*preset, *entry.options))}`"
+
+
+def _conduct(result: Result, player: str) -> list[str]:
+    """Ratio, blocked moves and overruled actions."""
+    figures = result.figures(player)
+    return [figures["ratio"].text(), *(f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))]
+
+
+def _signed(found: Estimate) -> str:
+    return f"{found.value:+.2f} [{found.low:+.2f}, {found.high:+.2f}]"
+
+
+def _lasts(study: Study, entry: Entry) -> list[dict[str, Any]]:
+    """The last reports of an entry's finished runs."""
+    return [run.last for run in study.runs if run.entry == entry.name and run.finished and run.last]
+
+
+def _time(study: Study, entry: Entry) -> list[str]:
+    """Steps a second of a whole run and of its parts alone, and the parts' shares of the time: medians."""
+    lasts = _lasts(study, entry)
+    whole = median(last["steps"] / last["seconds"] for last in lasts)
+    cells = [f"{whole:,.0f}"]
+    for part in ("simulator", "map", "learner"):
+        rates = [last[part] for last in lasts if last.get(part)]
+        cells.append(f"{median(rates):,.0f} ({whole / median(rates):.0%})" if rates else UNMEASURED)
+    return [entry.name, *cells, f"{median(last['seconds'] for last in lasts) / 60:.1f}"]
+
+
+PAGE = """# How well do agents learn?
+
+`{command}`, {days}. {machine}. {versions}.
+
+An agent learns by trial in some houses, then plays one episode of 1500 steps in each of 256 houses that it
+has never seen. Wherever it picks up a target the next one appears. The **ratio** is the share of the targets
+that an oracle picks up there, who knows the house and the target and takes the shortest way: 1 is perfect,
+and the human of the paper stands at {human}, who had the whole map in sight.
+
+**Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes give on one quiet
+core; each of these runs had {share} of it, the work of {minutes} minutes. All learnt in {learnt_in}, and were
+measured in {measured_in}, which nothing learns in. No run was chosen or left out by how well it did.
+
+![Ratio to the oracle of all players](agent-scores.png)
+
+## How well they do
+| player | {modes} | success, {order} | SPL, {order} |
+|---|{dashes}---|---|
+{players}
+
+Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
+over both. Success: the share of episodes whose first target was picked up within {soon} steps. SPL: that,
+weighted by the shortest way's length over the way taken. Agents play in all three kinds of house, though each
+learnt for one (see below). Below them are players that learn nothing; the searcher knows the house, but not
+where the target is.
+
+## Where it gets hard: by number of rooms
+Targets in secondary rooms, ratio to the oracle:
+
+{rooms}
+
+![Ratio by number of rooms](agent-rooms.png)
+
+## What each part is worth
+Each row changes one thing of an agent and trains it anew by the same budget of time. The difference is to the
+agent as it is; where its interval holds 0, nothing is shown. Its 95 % interval is from a bootstrap of pairs:
+the same seed in the same house. Blocked moves, and actions that the avoidance layer overruled, are per 1000
+steps.
+
+![Differences of the ratio by what was changed](agent-parts.png)
+
+{parts}
+
+## Every run
+A curve shows targets picked up per 1500 steps while the agent still tries things out, so it stays below what
+is measured afterwards. Each panel has all runs of an entry, those that went badly too.
+
+![Learning curves of every run](agent-curves.png)
+
+| entry | what it is | options | targets learnt for | M steps | ratio there, run by run |
+|---|---|---|---|---|---|
+{entries}
+
+{untold}
+
+## Where the time goes
+Steps a second of a whole training run on one core, then of each part if it were alone, and in brackets its
+share of the time; the learner is all that is not simulator or map: acting, avoidance, returns, updates.
+Medians over the runs. Other runs were at work beside on the same machine.
+
+| entry | steps a second | simulator | map | learner | minutes |
+|---|---|---|---|---|---|
+{time}
+
+## Do it again
+`{command}` goes on where it was stopped, and does nothing twice. One run alone, with the options of its row:
+`vitruvius train runs/study/learn.jsonl --preset pqn-map --seed 0`, then
+`vitruvius evaluate runs/train/agent.safetensors`. With other houses, seeds or processors the figures will
+vary as the intervals say; the same seed on the same machine gives the same run.
+
+{notes}
+"""
