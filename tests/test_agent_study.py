@@ -1,0 +1,229 @@
+"""The study of agents goes on where it was stopped, compares like with like, and hides no run."""
+
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agent import checkpoint
+from agent.build import network_of
+from agent.checkpoint import Checkpoint
+from agent.cli import _command
+from agent.config import PRESETS, PQNConfig, differences
+from agent.evaluate import Score
+from agent.protocol import Result
+from agent.results.agent_plots import pictures
+from agent.results.agents import Entry, Run, Study, agents_page, by_seed, difference, result_of
+from agent.scoreboard import record
+from benchmarks.agents import ENTRIES, Agents, Job, Trial, measured, run_all
+from logic.errors import RequestError
+
+HOUSES = 60
+
+
+def score(name: str, level: float, seed: int = 0) -> Score:
+    """A player that picks up this share of the oracle's 50 targets, more or less."""
+    rng = np.random.default_rng(seed)
+    targets = np.clip(np.round(50 * level + rng.normal(0, 3, HOUSES)), 0, 50)
+    first = np.where(targets > 0, 40.0, np.inf)
+    return Score(name, targets, 1500 * HOUSES, 90, 30, first, np.full((2, HOUSES), 0.5), np.ones(HOUSES))
+
+
+def result(targets: str = "main", **levels: tuple[float, ...]) -> Result:
+    """A measurement of players with these levels, one for each run."""
+    players = {
+        name: tuple(score(name, level, k) for k, level in enumerate(runs)) for name, runs in levels.items()
+    }
+    oracle = replace(score("oracle", 1), targets=np.full(HOUSES, 50.0))
+    rooms = np.arange(HOUSES) % 5 + 2
+    return Result(targets, rooms, np.full(HOUSES, 30.0), players | {"oracle": (oracle,)})
+
+
+def entry(name: str, beside: str = "", options: tuple[str, ...] = ()) -> Entry:
+    return Entry(name, "pqn", options, 1_000_000, "main", f"what {name} is", beside)
+
+
+def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Run:
+    last = {"steps": 10**6, "seconds": 20.0, "simulator": 2e5, "learner": 7e4, "map": None}
+    return Run(name, seed, finished, failed, ((1000, 1.0), (500_000, 20.0), (10**6, 40.0)), last)
+
+
+@pytest.fixture
+def study() -> Study:
+    """Two agents, a change of one, a run that failed."""
+    players = {"plain": (0.8, 0.82), "bare": (0.5,), "other": (0.3, 0.3), "script": (0.6,)}
+    return Study(
+        share=0.2,
+        command="python -m benchmarks.agents --share 0.2",
+        days="2026-01-01",
+        machine="a machine",
+        versions={"Python": "3.11"},
+        learnt_in="some houses",
+        measured_in="other houses",
+        entries=(entry("plain"), entry("other"), entry("bare", "plain", ("--avoidance", "none"))),
+        runs=(
+            run("plain", 0),
+            run("other", 0),
+            run("bare", 0, finished=False, failed="failed, exit code 1: error: the loss is nan"),
+            run("plain", 1),
+            run("other", 1),
+            run("bare", 1),
+        ),
+        results={mode: result(mode, **players) for mode in ("main", "secondary")},
+    )
+
+
+# Entries.
+
+
+@pytest.mark.parametrize("one", ENTRIES, ids=lambda one: one.name)
+def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
+    job = Trial(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
+    asked = _command(list(job.command[job.command.index("train") :]))
+    assert (asked.config.targets, asked.config.steps, asked.config.seed) == (one.targets, one.steps, 3)
+    assert asked.name == one.name
+    assert asked.resume
+
+
+@pytest.mark.parametrize(
+    "one", [e for e in ENTRIES if e.beside and e.preset == e.beside], ids=lambda one: one.name
+)
+def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
+    command = Trial(one, 0, Path("somewhere")).training(Path("houses.jsonl")).command
+    asked = _command(list(command[command.index("train") :]))
+    assert len(set(differences(asked.config, PRESETS[one.beside])) - {"steps"}) == 1
+
+
+def test_entries_have_names_of_their_own_and_known_companions() -> None:
+    names = [one.name for one in ENTRIES]
+    assert len(set(names)) == len(names)
+    assert {one.beside for one in ENTRIES} <= {"", *names}
+
+
+# Runs.
+
+
+def kept(trial: Trial, steps: int) -> None:
+    """A run that has come so far."""
+    config = PQNConfig(steps=trial.entry.steps)
+    checkpoint.save(Checkpoint(network_of(config), config, steps, trial.entry.name), trial.folder.agent)
+    trial.folder.config.write_text(json.dumps({"config": {"steps": trial.entry.steps}}))
+
+
+def test_a_run_is_finished_when_its_agent_has_seen_its_steps(tmp_path: Path) -> None:
+    trial = Trial(entry("plain"), 0, tmp_path)
+    assert not trial.begun
+    assert not trial.finished
+    kept(trial, trial.entry.steps - 1)
+    assert trial.begun
+    assert not trial.finished
+    kept(trial, trial.entry.steps)
+    assert trial.finished
+
+
+def test_a_run_of_another_budget_is_refused(tmp_path: Path) -> None:
+    trial = Trial(entry("plain"), 0, tmp_path)
+    kept(trial, 10)
+    trial.require_same_budget()
+    with pytest.raises(RequestError, match="Give another --out"):
+        Trial(replace(trial.entry, steps=5), 0, tmp_path).require_same_budget()
+
+
+def test_an_unknown_entry_is_told(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="--only nothing: no entry"):
+        Agents(only=("nothing",), out=tmp_path).run()
+
+
+def test_a_measurement_is_kept_until_an_agent_is_newer_or_another(tmp_path: Path) -> None:
+    trials = [Trial(entry("plain"), seed, tmp_path) for seed in (0, 1)]
+    for trial in trials:
+        kept(trial, trial.entry.steps)
+    folder = tmp_path / "evaluation-main"
+    assert not measured(folder, trials)
+    folder.mkdir()
+    agents = [str(trial.folder.agent) for trial in trials]
+    (folder / "evaluation.json").write_text(json.dumps({"agents": agents}))
+    assert measured(folder, trials)
+    assert not measured(folder, trials[:1])
+    late = (folder / "evaluation.json").stat().st_mtime + 1
+    os.utime(trials[1].folder.agent, (late, late))
+    assert not measured(folder, trials)
+
+
+# Processes.
+
+
+def job(folder: Path, script: str) -> Job:
+    return Job(folder.name, (sys.executable, "-c", script), folder)
+
+
+def test_each_process_keeps_to_one_processor(tmp_path: Path) -> None:
+    script = "import os; print(len(os.sched_getaffinity(0)), os.environ['OMP_NUM_THREADS'])"
+    run_all([job(tmp_path / str(k), script) for k in range(3)], 2)
+    assert [(tmp_path / str(k) / "log.txt").read_text() for k in range(3)] == ["1 1\n"] * 3
+
+
+def test_a_failure_is_noted_until_the_next_try(tmp_path: Path) -> None:
+    run_all([job(tmp_path / "a", "raise SystemExit('no good')"), job(tmp_path / "b", "")], 1)
+    assert (tmp_path / "a" / "failed.txt").read_text() == "failed, exit code 1: no good"
+    assert not (tmp_path / "b" / "failed.txt").exists()
+    run_all([job(tmp_path / "a", "")], 1)
+    assert not (tmp_path / "a" / "failed.txt").exists()
+
+
+# Figures.
+
+
+def test_a_record_reads_back_as_the_result_that_it_was() -> None:
+    one = result(plain=(0.8, 0.7))
+    again = result_of(json.loads(json.dumps(record([one])))["targets"]["main"], "main")
+    assert again.figures("plain") == one.figures("plain")
+    assert again.by_rooms("plain") == one.by_rooms("plain")
+
+
+def test_differences_are_of_seeds_that_both_have(study: Study) -> None:
+    found, main = difference(study, study.entry("bare")), study.results["main"]
+    [alone] = found.each
+    assert alone == pytest.approx(by_seed(main, "bare")[0] - by_seed(main, "plain")[1])
+    assert found.all.value == pytest.approx(alone)
+    assert found.all.low <= found.all.value <= found.all.high < 0
+
+
+def test_the_same_scores_differ_by_nothing_with_certainty(study: Study) -> None:
+    players = study.results["main"].players
+    same = replace(study.results["main"], players=players | {"bare": players["plain"][1:]})
+    found = difference(replace(study, results={"main": same}), study.entry("bare"))
+    assert found.all == (0, 0, 0)
+
+
+# The page.
+
+
+def test_the_page_states_the_share_of_the_budget(study: Study) -> None:
+    page = agents_page(study)
+    assert "Share of the budget: 0.2." in page
+    assert "the work of 3 minutes" in page
+
+
+def test_the_page_tells_failed_runs(study: Study) -> None:
+    assert "- bare, seed 0: failed, exit code 1: error: the loss is nan" in agents_page(study)
+
+
+def test_the_page_ends_with_what_was_written_by_hand(study: Study) -> None:
+    assert agents_page(study, "## In other houses\nAs it is.\n").endswith("## In other houses\nAs it is.\n")
+
+
+def test_the_page_is_a_function_of_the_records(study: Study) -> None:
+    assert agents_page(study) == agents_page(study)
+    assert all(line.count("|") > 2 for line in agents_page(study).splitlines() if line.startswith("|"))
+
+
+def test_the_page_shows_every_picture_that_is_drawn(study: Study) -> None:
+    page, drawn = agents_page(study), pictures(study)
+    assert all(content.startswith(b"\x89PNG") for content in drawn.values())
+    assert all(f"({name})" in page for name in drawn)
+    assert page.count("](agent-") == len(drawn)
