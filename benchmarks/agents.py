@@ -61,7 +61,7 @@ ENTRIES = (
     _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
     _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the traces"),
     _entry("pqn-secondary", "pqn", "no map at all", "--targets", "secondary", beside="pqn-map"),
-    _entry("map-no-shield", "pqn-map", "nothing overrules", "--avoidance", "none", beside="pqn-map"),
+    _entry("map-no-shield", "pqn-map", "no avoidance layer", "--avoidance", "none", beside="pqn-map"),
     _entry(
         "map-paper-rule",
         "pqn-map",
@@ -84,7 +84,7 @@ ENTRIES = (
         "0",
         beside="pqn-map",
     ),
-    _entry("pqn-no-shield", "pqn", "nothing overrules", "--avoidance", "none", beside="pqn"),
+    _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance", "none", beside="pqn"),
     _entry("pqn-no-mirror", "pqn", "nothing learnt from its mirror image", "--no-mirror", beside="pqn"),
     _entry("pqn-curriculum", "pqn", "easier worlds first", "--curriculum", beside="pqn"),
 )
@@ -127,9 +127,10 @@ class Agents:
         if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
         entries = [replace(entry, steps=max(1, round(self.share * entry.steps))) for entry in ENTRIES]
-        houses = bank(self.out / "learn.jsonl", self.workers)
+        out = self.out.resolve()
+        houses = bank(out / "learn.jsonl", self.workers)
         # Seed by seed: wherever the study is stopped, the entries have about equally many runs.
-        trials = [Trial(entry, seed, self.out) for seed in self.seeds for entry in entries]
+        trials = [Trial(entry, seed, out) for seed in self.seeds for entry in entries]
         for trial in trials:
             trial.require_same_budget()
         asked = [t for t in trials if not self.only or t.entry.name in self.only]
@@ -137,7 +138,7 @@ class Agents:
         finished = [trial for trial in trials if trial.finished]
         if not finished:
             raise StudyFailed(f"{self.out}: no run is finished, there is nothing to measure")
-        places = {mode: self.out / f"evaluation-{mode}" for mode in MODES}
+        places = {mode: out / f"evaluation-{mode}" for mode in MODES}
         jobs = [measuring(mode, finished, place) for mode, place in places.items()]
         run_all([job for job in jobs if not measured(job.folder, finished)], self.workers)
         if late := [place for place in places.values() if not measured(place, finished)]:
@@ -252,12 +253,12 @@ class Trial:
         command = (
             *CLI,
             "train",
-            str(houses),
+            _told(houses),
             *options,
             "--seed",
             str(self.seed),
             "--out",
-            str(folder),
+            _told(folder),
             "--resume",
         )
         return Job(f"{entry.name}, seed {self.seed}, {entry.steps / 1e6:.2f} M steps", command, folder)
@@ -306,20 +307,23 @@ def bank(path: Path, workers: int) -> Path:
         save([house for houses in made for house in houses], path)
     if (found := bank_hash(load(path))) != BANK:
         raise StudyFailed(f"{path}: other houses ({found[:12]}) than the study's ({BANK[:12]})")
-    return path.resolve()
+    return path
 
 
 def measuring(mode: str, trials: Iterable[Trial], folder: Path) -> Job:
     """What measures all agents and baselines in a target mode, in one go."""
-    agents = (str(trial.folder.agent) for trial in trials)
-    command = (*CLI, "evaluate", *agents, "--targets", mode, "--out", str(folder))
+    agents = (_told(trial.folder.agent) for trial in trials)
+    command = (*CLI, "evaluate", *agents, "--targets", mode, "--out", _told(folder))
     return Job(f"measuring, {mode}", command, folder)
 
 
 def measured(folder: Path, trials: Iterable[Trial]) -> bool:
     """Whether the record in the folder is of just these agents, none of them newer."""
     file, agents = folder / "evaluation.json", [trial.folder.agent for trial in trials]
-    if not file.exists() or json.loads(file.read_text())["agents"] != list(map(str, agents)):
+    if not file.exists():
+        return False
+    known = [(ROOT / agent).resolve() for agent in json.loads(file.read_text())["agents"]]
+    if known != [agent.resolve() for agent in agents]:
         return False
     return all(agent.stat().st_mtime <= file.stat().st_mtime for agent in agents)
 
@@ -345,6 +349,12 @@ def run_all(jobs: Iterable[Job], workers: int) -> None:
             process.terminate()
         for process in running:
             process.wait()
+
+
+def _told(path: Path) -> str:
+    """A path as commands have it: checkpoints keep these, and should tell nothing of whose machine it was."""
+    path = path.resolve()
+    return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)
 
 
 def failure(folder: Path) -> Path:

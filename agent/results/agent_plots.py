@@ -79,7 +79,7 @@ def _score(axes: Axes, result: Result, name: str, place: int, colour: str, fille
     runs = by_seed(result, name)
     if len(runs) > 1:
         axes.plot(runs, [place] * len(runs), "|", color=colour, markersize=9)
-    axes.annotate(f"{ratio.value:.2f}", (max(ratio.high, ratio.value), place), (7, 0),
+    axes.annotate(f"{ratio.value:.2f}", (max(ratio.high, *runs), place), (7, 0),
                   textcoords="offset points", va="center", size=8, color=colour)  # fmt: skip
 
 
@@ -119,13 +119,15 @@ def _parts(study: Study, bases: list[Entry]) -> Figure:
     for axes, base, changes in zip(panels, bases, rows, strict=True):
         for place, entry in enumerate(changes):
             found = difference(study, entry)
-            shown = found.all.low > 0 or found.all.high < 0
-            colour = QUIET if not shown else AGENTS[0] if found.all.value > 0 else AGENTS[1]
+            colour = QUIET if not found.clear else AGENTS[0] if found.all.value > 0 else AGENTS[1]
             axes.plot([found.all.low, found.all.high], [place, place], color=colour, linewidth=6, alpha=0.3)
             axes.plot(found.all.value, place, "o", color=colour)
             axes.plot(found.each, [place] * len(found.each), "|", color=colour, markersize=9)
-            axes.annotate(f"{found.all.value:+.2f}", (found.all.value, place), (0, 6),
-                          textcoords="offset points", ha="center", size=8, color=colour)  # fmt: skip
+            ends = (found.all.low, found.all.high, *found.each)
+            # On the outer side, away from the line at 0.
+            side, end, away = ("right", min(ends), -6) if found.all.value < 0 else ("left", max(ends), 6)
+            axes.annotate(f"{found.all.value:+.2f}", (end, place), (away, 0), textcoords="offset points",
+                          va="center", ha=side, size=8, color=colour)  # fmt: skip
         axes.axvline(0, color="#333333", linewidth=1)
         axes.set_yticks(range(len(changes)), [entry.shows for entry in changes])
         axes.set_ylim(len(changes) - 0.5, -0.8)
@@ -134,7 +136,11 @@ def _parts(study: Study, bases: list[Entry]) -> Figure:
             f"{base.name}, targets in {WHERE[base.targets]}: ratio {ratio:.2f} as it is", size=10, loc="left"
         )
         _plain(axes, "x")
-    panels[-1].set_xlabel("change of the ratio (grey: its 95 % interval holds 0; ticks: single seeds)")
+        axes.margins(x=0.1)
+    panels[-1].set_xlabel("change of the ratio to the oracle")
+    figure.suptitle(
+        "What each change does. Grey: nothing clear. Bars: 95 % intervals; ticks: single seeds", size=9
+    )
     return figure
 
 
@@ -173,7 +179,7 @@ def _curves(study: Study) -> Figure:
         for k, seed in enumerate(seeds)
     ]
     key += grid[0].plot([], [], color="#c9ccd1", label="the agent that it is a change of")
-    key += grid[0].plot([], [], "x", color="#333333", linestyle="", label="failed here")
+    key += grid[0].plot([], [], "x", color="#c0392b", linestyle="", label="failed here")
     figure.legend(handles=key, loc="outside upper center", ncols=len(key), frameon=False, fontsize=8)
     figure.supxlabel("share of the run", size=9)
     figure.supylabel("targets per 1500 steps, while learning", size=9)

@@ -105,6 +105,12 @@ class Difference:
     each: tuple[float, ...]
     """The same by seed."""
 
+    @property
+    def clear(self) -> bool:
+        """Whether there is one: the interval does not hold 0, and no seed is of the other sign."""
+        low, high = min(self.all.low, *self.each), max(self.all.high, *self.each)
+        return low > 0 or high < 0
+
 
 def difference(study: Study, changed: Entry) -> Difference:
     """A change beside what it is a change of, over the seeds that both have finished."""
@@ -240,7 +246,7 @@ def _parts(study: Study, base: Entry) -> str:
     for entry in study.changes(base.name):
         found = difference(study, entry)
         each = ", ".join(f"{value:+.2f}" for value in found.each)
-        rows.append([entry.shows, _options(entry), *_conduct(result, entry.name), _signed(found.all), each])
+        rows.append([entry.shows, _options(entry), *_conduct(result, entry.name), _signed(found), each])
     head = "| change | options | ratio | blocked | overruled | difference | by seed |"
     title = f"**Changes of {base.name}, targets in {WHERE[base.targets]}**"
     return f"{title}\n\n{head}\n|{'---|' * 7}\n{table_rows(rows)}"
@@ -257,8 +263,10 @@ def _conduct(result: Result, player: str) -> list[str]:
     return [figures["ratio"].text(), *(f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))]
 
 
-def _signed(found: Estimate) -> str:
-    return f"{found.value:+.2f} [{found.low:+.2f}, {found.high:+.2f}]"
+def _signed(found: Difference) -> str:
+    """In bold where it is clear."""
+    value, low, high = (f"{number:+.2f}" for number in found.all)
+    return f"{f'**{value}**' if found.clear else value} [{low}, {high}]"
 
 
 def _lasts(study: Study, entry: Entry) -> list[dict[str, Any]]:
@@ -298,10 +306,11 @@ measured in {measured_in}, which nothing learns in. No run was chosen or left ou
 {players}
 
 Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
-over both. Success: the share of episodes whose first target was picked up within {soon} steps. SPL: that,
-weighted by the shortest way's length over the way taken. Agents play in all three kinds of house, though each
-learnt for one (see below). Below them are players that learn nothing; the searcher knows the house, but not
-where the target is.
+over both. It draws a run anew for each house, so how far whole runs lie apart is better seen from the ticks
+in the picture and from the table of every run. Success: the share of episodes whose first target was picked
+up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Agents play for
+all three kinds of target, though each learnt for one (see below). Below them are players that learn nothing;
+the searcher knows the house, but not where the target is.
 
 ## Where it gets hard: by number of rooms
 Targets in secondary rooms, ratio to the oracle:
@@ -312,9 +321,9 @@ Targets in secondary rooms, ratio to the oracle:
 
 ## What each part is worth
 Each row changes one thing of an agent and trains it anew by the same budget of time. The difference is to the
-agent as it is; where its interval holds 0, nothing is shown. Its 95 % interval is from a bootstrap of pairs:
-the same seed in the same house. Blocked moves, and actions that the avoidance layer overruled, are per 1000
-steps.
+agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds have the same sign. The
+95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked moves, and actions that
+the avoidance layer overruled, are per 1000 steps.
 
 ![Differences of the ratio by what was changed](agent-parts.png)
 
