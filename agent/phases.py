@@ -1,0 +1,147 @@
+"""Where the steps of an episode go: to the target, through doors, between rooms, and to search them.
+
+Each step is of one phase, the first of these that fits where the body is before it:
+
+| phase | the step is made |
+|---|---|
+| approach | after a ray has met the target: since its last pick-up the player knows where to go |
+| door | with the eye within a body's side of a door |
+| crossing | in a space that no target can lie in: the main room, where targets are in secondary rooms |
+| survey | in a room that is new: it has seen of less than ``MOST`` of it whether a target lies there |
+| again | in a room that is not, but of which less than that has been seen since the last pick-up |
+| corners | in a room of which more than that has been seen since then, but not all |
+| out | in a room of which all has been seen since then: what is left is to go elsewhere |
+
+Turning and blocked moves occur in all of them, and are counted beside them. Axes: H houses, P phases,
+R rooms (the main room is 0), W words of 64 spots.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from agent.actions import FORWARD
+from agent.evaluate import begin
+from agent.policies import Policy
+from sim import HouseVectorEnv
+from sim.lookout import WORD, Lookout
+
+PHASES = ("approach", "door", "crossing", "survey", "again", "corners", "out")
+APPROACH, DOOR, CROSSING, SURVEY, AGAIN, CORNERS, OUT = range(len(PHASES))
+
+MOST = 0.9
+"""Share of a room's spots, 0.29 m apart: what is left then are corners, and what is behind furniture."""
+
+
+@dataclass(frozen=True)
+class Account:
+    """What a player's steps went to, one episode in each of H houses."""
+
+    steps: np.ndarray
+    """(H, P) int64 steps of each phase."""
+
+    sighted: np.ndarray
+    """(H, P) int64 targets picked up, by the phase in which a ray first met them: in ``approach`` are those
+    that were in sight as soon as they appeared."""
+
+    turning: np.ndarray
+    """(H, P) int64 those of the steps that were turns."""
+
+    blocked: np.ndarray
+    """(H, P) int64 those of the steps that were moves that walls or furniture blocked."""
+
+    def of(self, houses: np.ndarray) -> "Account":
+        """Of some of the houses (H,) bool."""
+        return Account(*(each[houses] for each in (self.steps, self.sighted, self.turning, self.blocked)))
+
+
+def follow(envs: HouseVectorEnv, policy: Policy, seed: int) -> Account:
+    """Play the protocol's episodes, environment i in house i, and account for each step.
+
+    The bank must have a house for each environment, and episodes that end by time alone, all at once.
+    """
+    observation = begin(envs, seed)
+    policy.begin(envs.num_envs)
+    search, every = Search(envs), np.arange(envs.num_envs)
+    counts = np.zeros((4, envs.num_envs, len(PHASES)), np.int64)
+    blocked, over = torch.zeros(envs.num_envs, dtype=torch.bool), False
+    known = observation[..., -1].numpy().any(-1)
+    origin = np.zeros(envs.num_envs, int)  # the phase in which the target that is known was first met
+    while not over:
+        phase = np.where(known, APPROACH, search.phase())
+        actions = policy(observation, blocked)
+        observation, reward, terminated, truncated, info = envs.step_torch(actions)
+        blocked, over = info["blocked"], bool((terminated | truncated).all())
+        picked, sees = reward.numpy() > 0, observation[..., -1].numpy().any(-1)
+        counts[0, every, phase] += 1
+        counts[1, every, np.where(known, origin, phase)] += picked
+        counts[2, every, phase] += actions.numpy() != FORWARD
+        counts[3, every, phase] += blocked.numpy()
+        origin = np.where(picked, APPROACH, np.where(known, origin, phase))
+        known = sees | (known & ~picked)
+        search.look(picked)
+    return Account(*counts)
+
+
+class Search:
+    """Which rooms each of the environments has looked at, in its episode and since its last pick-up."""
+
+    def __init__(self, envs: HouseVectorEnv) -> None:
+        """Begin where the bodies are now."""
+        self.watch = Lookout(envs)
+        self.watch.begin()
+        self.body, shapes = max(envs.config.body), envs.world.bank.geometries
+        arrays, rooms = self.watch.arrays, 1 + max(len(shape.rooms) for shape in shapes)
+        self.seen = arrays["seen"].view().reshape(envs.num_envs, -1)  # what the watch notes: (E, W)
+        self.earlier = np.zeros_like(self.seen)
+        self.rooms = np.full((len(shapes), rooms - 1, 4), np.nan)
+        self.doors = np.full((len(shapes), rooms - 1, 4), np.nan)
+        self.masks = np.zeros((len(shapes), rooms, self.seen.shape[1] * WORD), bool)
+        spots = arrays["spots"].numpy().reshape(-1, 2) * envs.config.step
+        starts, origins = arrays["starts"].numpy(), arrays["origins"].numpy().reshape(-1, 2)
+        for house, shape in enumerate(shapes):
+            self.rooms[house, : len(shape.rooms)] = shape.rooms
+            self.doors[house, : len(shape.rooms)] = shape.doors
+            places = spots[starts[house] : starts[house + 1]] + origins[house]
+            self.masks[house, room_of(places, self.rooms[house]), np.arange(len(places))] = True
+        self.total = self.masks.sum(axis=-1)
+        self.masks = np.packbits(self.masks, axis=-1, bitorder="little").view(self.seen.dtype)
+
+    def look(self, picked: np.ndarray) -> None:
+        """Look from where the bodies are; where a target was ``picked`` (E,) bool, the next is sought."""
+        self.earlier[picked] |= self.seen[picked]
+        self.seen[picked] = 0
+        self.watch.look()
+
+    def phase(self) -> np.ndarray:
+        """What phase (E,) int64 a step made now is of, where no target is known."""
+        pose, _, house = self.watch.world.describe()
+        room = room_of(pose[:, :2], self.rooms[house])
+        mask, total = self.masks[house, room], self.total[house, room]
+
+        def looked(words: np.ndarray, share: float = MOST) -> np.ndarray:
+            return np.bitwise_count(words & mask).sum(axis=-1) >= share * total
+
+        doors = self.doors[house]
+        gap = np.maximum(np.abs(pose[:, None, :2] - doors[..., :2]) - doors[..., 2:], 0)
+        at_door = (np.hypot(gap[..., 0], gap[..., 1]) <= self.body).any(axis=-1)
+        return np.select(
+            [
+                at_door,
+                total == 0,
+                ~looked(self.seen | self.earlier),
+                ~looked(self.seen),
+                ~looked(self.seen, share=1.0),
+            ],
+            [DOOR, CROSSING, SURVEY, AGAIN, CORNERS],
+            OUT,
+        )
+
+
+def room_of(places: np.ndarray, rooms: np.ndarray) -> np.ndarray:
+    """Which room each of the places (n, 2) is in, (n,) int: 1 to R of ``rooms`` (R, 4) or (n, R, 4), boxes by
+    their middles and half sides; 0 in none of them.
+    """
+    inside = (np.abs(places[:, None] - rooms[..., :2]) < rooms[..., 2:]).all(axis=-1)
+    return np.where(inside.any(axis=-1), 1 + inside.argmax(axis=-1), 0)
