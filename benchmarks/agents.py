@@ -25,7 +25,7 @@ from typing import Any
 import tyro
 
 from agent import checkpoint
-from agent.banks import HASH, bank_hash
+from agent.banks import bank_hash
 from agent.config import PRESETS
 from agent.protocol import MODES
 from agent.results.agent_plots import pictures
@@ -153,6 +153,7 @@ class Agents:
             mode: json.loads((place / "evaluation.json").read_text()) for mode, place in places.items()
         }
         dates = [path.stat().st_mtime for path in self.out.rglob("*.*") if path.name != "study.json"]
+        test = records[MODES[0]]["bank"]
         seeds = " ".join(map(str, self.seeds))
         days = sorted({str(datetime.fromtimestamp(date, UTC).date()) for date in dates})
         return Study(
@@ -164,7 +165,7 @@ class Agents:
             | {name: version(name) for name in ("torch", "taichi", "numpy")}
             | {"revision": revision()},
             learnt_in=f"1025 houses of `family`, 2 to 6 rooms, seeds 102 to 106 (hash `{BANK[:12]}`)",
-            measured_in=f"the benchmark bank, 256 houses of 2 to 6 rooms (hash `{HASH[:12]}`)",
+            measured_in=f"{test['file']}, {test['houses']} houses (hash `{test['hash'][:12]}`)",
             entries=tuple(entry for entry in entries if entry.name in told),
             runs=tuple(runs),
             results={mode: result_of(record["targets"][mode], mode) for mode, record in records.items()},

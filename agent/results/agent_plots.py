@@ -167,9 +167,8 @@ def _curves(study: Study) -> Figure:
                 colour = SEEDS[seeds.index(run.seed) % len(SEEDS)]
                 _curve(axes, run.curve, entry.steps, color=colour, linewidth=1.3, alpha=0.9)
                 if run.failed and run.curve:
-                    axes.plot(
-                        run.curve[-1][0] / entry.steps, run.curve[-1][1], "x", color=colour, markersize=9
-                    )
+                    end = (run.curve[-1][0] / entry.steps, run.curve[-1][1])
+                    axes.plot(*end, "x", color="#c0392b", markersize=9, markeredgewidth=2.5)
         axes.set(xlim=(0, 1), ylim=(0, 1.05 * tops.get(entry.targets, 1.0)))
         axes.set_title(f"{entry.name}\n{entry.steps / 1e6:.3g} M steps, {entry.targets}", size=9)
         axes.tick_params(labelsize=7)

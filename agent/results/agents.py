@@ -171,27 +171,30 @@ def agents_page(study: Study, notes: str = "") -> str:
     hand, stand at its end.
     """
     bases = [entry for entry in study.presets() if study.changes(entry.name)]
-    return PAGE.format(
-        command=study.command,
-        days=study.days,
-        machine=study.machine,
-        versions=", ".join(f"{name} {number}" for name, number in study.versions.items()),
-        share=f"{study.share:.3g}",
-        minutes=f"{15 * study.share:.2g}",
-        learnt_in=study.learnt_in,
-        measured_in=study.measured_in,
-        human=HUMAN_RATIO,
-        soon=SOON,
-        entries=table_rows(_entry(study, entry) for entry in study.entries),
-        untold=_untold(study),
-        modes=" | ".join(f"ratio, {WHERE[mode]}" for mode in study.results),
-        dashes="---|" * len(study.results),
-        order=" / ".join(study.results),
-        players=table_rows(_players(study)),
-        rooms=_by_rooms(study),
-        parts="\n\n".join(_parts(study, base) for base in bases) or "No change was measured.",
-        time=table_rows(_time(study, entry) for entry in study.entries if _lasts(study, entry)),
-        notes=notes.strip(),
+    return (
+        PAGE.format(
+            command=study.command,
+            days=study.days,
+            machine=study.machine,
+            versions=", ".join(f"{name} {number}" for name, number in study.versions.items()),
+            share=f"{study.share:.3g}",
+            minutes=f"{15 * study.share:.2g}",
+            learnt_in=study.learnt_in,
+            measured_in=study.measured_in,
+            human=HUMAN_RATIO,
+            soon=SOON,
+            entries=table_rows(_entry(study, entry) for entry in study.entries),
+            untold=_untold(study),
+            modes=" | ".join(f"ratio, {WHERE[mode]}" for mode in study.results),
+            dashes="---|" * len(study.results),
+            order=" / ".join(study.results),
+            players=table_rows(_players(study)),
+            rooms=_by_rooms(study),
+            parts="\n\n".join(_parts(study, base) for base in bases) or "No change was measured.",
+            time=table_rows(_time(study, entry) for entry in study.entries if _lasts(study, entry)),
+            notes=notes.strip(),
+        ).rstrip()
+        + "\n"
     )
 
 
@@ -200,7 +203,7 @@ def _entry(study: Study, entry: Entry) -> list[str]:
     result, seeds = study.results[entry.targets], study.seeds(entry.name)
     each = ", ".join(f"{value:.2f}" for value in by_seed(result, entry.name)) if seeds else UNMEASURED
     options = " ".join(("--preset", entry.preset, *entry.options))
-    return [entry.name, entry.shows, f"`{options}`", entry.targets, f"{entry.steps / 1e6:.2f}", each]
+    return [entry.name, entry.shows, f"`{options}`", entry.targets, f"{entry.steps / 1e6:.3g}", each]
 
 
 def _untold(study: Study) -> str:
@@ -289,14 +292,17 @@ PAGE = """# How well do agents learn?
 
 `{command}`, {days}. {machine}. {versions}.
 
-An agent learns by trial in some houses, then plays one episode of 1500 steps in each of 256 houses that it
-has never seen. Wherever it picks up a target the next one appears. The **ratio** is the share of the targets
+An agent learns by trial in some houses, then plays one episode of 1500 steps in each of many houses that
+it has never seen. Whenever it picks up a target the next one appears. The **ratio** is the share of the targets
 that an oracle picks up there, who knows the house and the target and takes the shortest way: 1 is perfect,
 and the human of the paper stands at {human}, who had the whole map in sight.
 
 **Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes give on one quiet
-core; each of these runs had {share} of it, the work of {minutes} minutes. All learnt in {learnt_in}, and were
-measured in {measured_in}, which nothing learns in. No run was chosen or left out by how well it did.
+core; each of these runs had {share} of it, the work of {minutes} minutes. No run was chosen or left out by
+how well it did.
+
+- Learnt in: {learnt_in}.
+- Measured in: {measured_in}; nothing learns in them.
 
 ![Ratio to the oracle of all players](agent-scores.png)
 
@@ -351,10 +357,12 @@ Medians over the runs. Other runs were at work beside on the same machine.
 {time}
 
 ## Do it again
-`{command}` goes on where it was stopped, and does nothing twice. One run alone, with the options of its row:
-`vitruvius train runs/study/learn.jsonl --preset pqn-map --seed 0`, then
-`vitruvius evaluate runs/train/agent.safetensors`. With other houses, seeds or processors the figures will
-vary as the intervals say; the same seed on the same machine gives the same run.
+`{command}` goes on where it was stopped, and does nothing twice.
+
+One run alone: `vitruvius train runs/study/learn.jsonl --preset pqn-map --steps 1000000 --seed 0`, or with the
+options and steps of its row, then `vitruvius evaluate runs/train/agent.safetensors`. With other houses, seeds
+or processors the figures will vary as the intervals say; the same seed on the same machine gives the same
+run.
 
 {notes}
 """
