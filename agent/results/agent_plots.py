@@ -74,7 +74,9 @@ def _scores(study: Study) -> Figure:
 
 def _score(axes: Axes, result: Result, name: str, place: int, colour: str, filled: bool) -> None:
     ratio = result.ratio(name)
-    axes.plot([ratio.low, ratio.high], [place, place], color=colour, linewidth=6, alpha=0.3)
+    axes.plot(
+        [ratio.low, ratio.high], [place, place], color=colour, linewidth=6, alpha=0.3, solid_capstyle="butt"
+    )
     axes.plot(ratio.value, place, "o", color=colour, markerfacecolor=colour if filled else "white")
     runs = by_seed(result, name)
     if len(runs) > 1:
@@ -120,7 +122,14 @@ def _parts(study: Study, bases: list[Entry]) -> Figure:
         for place, entry in enumerate(changes):
             found = difference(study, entry)
             colour = QUIET if not found.clear else AGENTS[0] if found.all.value > 0 else AGENTS[1]
-            axes.plot([found.all.low, found.all.high], [place, place], color=colour, linewidth=6, alpha=0.3)
+            axes.plot(
+                [found.all.low, found.all.high],
+                [place, place],
+                color=colour,
+                linewidth=6,
+                alpha=0.3,
+                solid_capstyle="butt",
+            )
             axes.plot(found.all.value, place, "o", color=colour)
             axes.plot(found.each, [place] * len(found.each), "|", color=colour, markersize=9)
             ends = (found.all.low, found.all.high, *found.each)

@@ -292,8 +292,8 @@ PAGE = """# How well do agents learn?
 
 `{command}`, {days}. {machine}. {versions}.
 
-An agent learns by trial in some houses, then plays one episode of 1500 steps in each of many houses that
-it has never seen. Whenever it picks up a target the next one appears. The **ratio** is the share of the targets
+An agent learns by trial in some houses, then plays one episode of 1500 steps in each of many houses that it
+has never seen. Whenever it picks up a target the next one appears. The **ratio** is the share of the targets
 that an oracle picks up there, who knows the house and the target and takes the shortest way: 1 is perfect,
 and the human of the paper stands at {human}, who had the whole map in sight.
 
