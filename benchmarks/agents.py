@@ -139,10 +139,11 @@ class Agents:
         if not finished:
             raise StudyFailed(f"{self.out}: no run is finished, there is nothing to measure")
         places = {mode: out / f"evaluation-{mode}" for mode in MODES}
-        jobs = [measuring(mode, finished, place) for mode, place in places.items()]
-        run_all([job for job in jobs if not measured(job.folder, finished)], self.workers)
-        if late := [place for place in places.values() if not measured(place, finished)]:
-            raise StudyFailed(f"{late[0]}: was not measured: see {late[0] / 'log.txt'}")
+        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in MODES}
+        late = [mode for mode in MODES if not measured(places[mode], players[mode])]
+        run_all([measuring(mode, players[mode], places[mode]) for mode in late], self.workers)
+        if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
+            raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
         self.write(self.study(entries, trials, places))
 
     def study(self, entries: Sequence[Entry], trials: Iterable["Trial"], places: dict[str, Path]) -> Study:
@@ -238,6 +239,10 @@ class Trial:
         """Whether its agent has seen all of its steps."""
         agent = self.folder.agent
         return agent.exists() and checkpoint.load(agent).steps >= self.entry.steps
+
+    def plays(self, mode: str) -> bool:
+        """Whether it is measured in a target mode: an agent of its own in all, a change in its own."""
+        return not self.entry.beside or self.entry.targets == mode
 
     def training(self, houses: Path) -> Job:
         """What trains it, or goes on with that."""
