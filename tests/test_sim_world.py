@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from logic import House, Rect
 from sim import HouseVectorEnv
 from sim.philox import Words, philox
 from sim.runtime import start, ti
@@ -130,6 +131,33 @@ def test_targets_lie_wholly_where_they_should(targets):
             assert reference.in_the_way(place, place, side) is not True
             checked += 1
     assert checked > 100
+
+
+def test_with_another_bank_targets_may_lie_elsewhere_as_in_a_new_environment():
+    moved = HouseVectorEnv(HOUSES, num_envs=8, targets="main")
+    moved.reset(seed=1)
+    moved.set_houses(HOUSES[1:], "secondary")
+    made = HouseVectorEnv(HOUSES[1:], num_envs=8, targets="secondary")
+    for envs in (moved, made):
+        envs.reset(seed=4)
+    assert np.array_equal(moved.targets(20), made.targets(20))
+    moved.set_houses(HOUSES)  # and stay there
+    made.set_houses(HOUSES)
+    for envs in (moved, made):
+        envs.reset(seed=5)
+    assert np.array_equal(moved.targets(20), made.targets(20))
+
+
+def test_a_task_whose_episodes_end_otherwise_asks_for_another_environment():
+    envs = HouseVectorEnv(HOUSES, targets="main")
+    envs.reset(seed=1)
+    before = envs.targets(5)
+    with pytest.raises(ValueError, match="episodes of that task end otherwise"):
+        envs.set_houses(HOUSES, {"task": "reach", "room": "kitchen"})
+    with pytest.raises(ValueError, match="house 0 of 1"):
+        envs.set_houses([House(Rect(0, 0, 4, 4), ())], "secondary")
+    envs.reset(seed=1)
+    assert np.array_equal(envs.targets(5), before)
 
 
 def test_episodes_start_free_and_not_on_the_target(batch):
