@@ -16,6 +16,9 @@ from logic.files import write_whole
 
 FORMAT = "vitruvius-agent-2"
 
+RELEASED = Path(__file__).parent / "released"
+"""Where the agents lie that come with the project."""
+
 KINDS: dict[str, type[Config]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig)}
 
 
@@ -56,7 +59,12 @@ def save(checkpoint: Checkpoint, path: str | Path) -> None:
 
 
 def load(path: str | Path) -> Checkpoint:
-    """Read a checkpoint: tensors and text, never code. Raises ``CheckpointError``."""
+    """Read a checkpoint: tensors and text, never code. A released agent may be given by its name alone.
+
+    Raises ``CheckpointError``.
+    """
+    if str(path) in released() and not Path(path).exists():
+        path = RELEASED / f"{path}.safetensors"
     try:
         Path(path).open("rb").close()  # safetensors tells less of why it cannot
         with safetensors.safe_open(path, framework="pt") as file:
@@ -79,6 +87,11 @@ def load(path: str | Path) -> Checkpoint:
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train anew") from None
+
+
+def released() -> list[str]:
+    """Names of the agents that come with the project, trained as their files say."""
+    return sorted(path.stem for path in RELEASED.glob("*.safetensors"))
 
 
 def config_of(algorithm: str, values: dict[str, Any]) -> Config:

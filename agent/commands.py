@@ -128,7 +128,7 @@ class Evaluate:
         import torch
         from rich.console import Console
 
-        from agent import beside, scoreboard
+        from agent import beside, checkpoint, scoreboard
         from agent.banks import bank_hash, benchmark, benchmark_path
         from agent.progress import progress
         from agent.protocol import MODES, measure
@@ -137,6 +137,8 @@ class Evaluate:
 
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = self._players()
+        # The paper's own agent stands beside all others, as a baseline.
+        agents.setdefault("paper", [checkpoint.load("paper")])
         houses = load(self.houses) if self.houses else benchmark()
         bank = {
             "file": str(self.houses or benchmark_path().name),

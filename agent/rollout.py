@@ -88,7 +88,7 @@ class Rollout:
             bonus=observation.new_zeros(size),
             terminated=ended.clone(),
             truncated=ended.clone(),
-            house=torch.zeros(size, dtype=torch.int32),
+            house=observation.new_zeros(size, dtype=torch.int32),
             valid=ended.clone(),
             map=map,
         )

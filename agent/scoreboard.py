@@ -15,6 +15,9 @@ from agent.protocol import DEFINITIONS, HUMAN, HUMAN_RATIO, SOON, Result
 
 COLOURS = {
     "agent": "#1f5ea8",
+    "pqn-map": "#1f5ea8",
+    "pqn": "#4f93d8",
+    "paper": "#b04a5a",
     "random + avoidance": "#8b8f96",
     "script": "#7a9a3a",
     "explorer": "#2f9c95",

@@ -158,7 +158,7 @@ def test_a_file_that_holds_no_scores_is_refused(content, houses, tmp_path):
 
 
 def test_the_players_that_are_measured_anew_are_all_the_baselines(houses):
-    assert list(baselines(make_worlds(load(houses), 1), 0)) == list(beside.OURS)
+    assert ["paper", *baselines(make_worlds(load(houses), 1), 0)] == list(beside.OURS)
 
 
 def dizzy(file) -> dict[str, Any]:
