@@ -8,7 +8,7 @@ from torch.nn.functional import one_hot
 
 from agent.actions import ACTIONS
 from agent.avoidance import Layer, random_preference, subsume
-from agent.map import Map
+from agent.map import Map, Search
 from agent.network import QNetwork
 from sim.config import DEFAULT, Config
 
@@ -36,14 +36,16 @@ class Policy(Protocol):
 class Surveyor:
     """Keeps a map of each environment for a policy, which tells it its actions."""
 
-    def __init__(self, world: Config) -> None:
-        """Make maps for worlds of this configuration."""
-        self.world, self.map = world, Map(world, 1)
+    def __init__(self, world: Config, search: Search = "blocks") -> None:
+        """Make maps for worlds of this configuration, which search so."""
+        self.world = world
+        self.search: Search = search
+        self.map = Map(world, 1, search)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
         if len(self.map.advice) != environments:
-            self.map = Map(self.world, environments)
+            self.map = Map(self.world, environments, self.search)
         self.actions = torch.zeros(environments, dtype=torch.int64)
         self.fresh = torch.ones(environments, dtype=torch.bool)
 
@@ -138,9 +140,10 @@ class Explorer:
     may hide.
     """
 
-    def __init__(self, avoidance: Layer, world: Config = DEFAULT) -> None:
-        """Explore worlds of this configuration under ``avoidance``."""
-        self.avoidance, self.interventions, self.surveyor = avoidance, 0, Surveyor(world)
+    def __init__(self, avoidance: Layer, world: Config = DEFAULT, search: Search = "blocks") -> None:
+        """Explore worlds of this configuration under ``avoidance``, by maps that search so."""
+        self.avoidance, self.interventions = avoidance, 0
+        self.surveyor = Surveyor(world, search)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
@@ -189,8 +192,9 @@ def chances(
     Which are random (..., 1) bool, a share ``epsilon``; which of these the map's advice decides (..., 1)
     bool, a share ``guided``; and the preferences (..., A) of the rest, ``forward`` in that share.
     """
-    kept = torch.rand(2, *shape, 1, generator=generator)
-    instead = random_preference(torch.empty(*shape, ACTIONS), generator, forward)
+    device = generator.device
+    kept = torch.rand(2, *shape, 1, generator=generator, device=device)
+    instead = random_preference(torch.empty(*shape, ACTIONS, device=device), generator, forward)
     return kept[0] < epsilon, kept[1] < guided, instead
 
 

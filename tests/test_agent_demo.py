@@ -76,7 +76,16 @@ def test_a_checkpoint_of_the_demo_can_be_measured_and_filmed_again(made, tmp_pat
     assert load_checkpoint(agent).steps >= 2000
     assert Evaluate((agent,), houses=houses, targets=("main",), json=True).run() == 0
     players = json.loads(capsys.readouterr().out)["targets"]["main"]["players"]
-    assert list(players) == ["pqn", "paper", "random + avoidance", "script", "explorer", "searcher", "oracle"]
+    assert list(players) == [
+        "pqn",
+        "paper",
+        "random + avoidance",
+        "script",
+        "explorer",
+        "explorer, by views",
+        "searcher",
+        "oracle",
+    ]
     assert all(len(each["runs"][0]["targets"]) == 2 for each in players.values())
     Record(agent, houses, house=1, out=tmp_path / "film.gif", steps=8).run()
     with Image.open(tmp_path / "film.gif") as image:

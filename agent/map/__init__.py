@@ -5,6 +5,8 @@ not its pose, its house, its target or its reward. Headings are multiples of 45 
 along two axes, so odometry is exact. Axes: E environments, R rays, C channels, F features.
 """
 
+from typing import Literal
+
 import numpy as np
 import torch
 from torch import Tensor
@@ -28,11 +30,12 @@ from agent.map.kernel import (
     Y,
     step_kernel,
 )
+from agent.map.views import directions
 from agent.map.ways import BLOCK, FAR
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
-__all__ = ["FEATURES", "MIRROR", "Map"]
+__all__ = ["FEATURES", "MIRROR", "Map", "Search"]
 
 BITS = 8
 """The grid is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""
@@ -47,8 +50,12 @@ MIRROR = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12] + [
 
 ASIDE = 11
 
-STATE = ("cells", "field", "queue", "counts", "target", "advice", "features")
+STATE = ("cells", "field", "queue", "hidden", "counts", "target", "advice", "features")
 """What a map goes on from."""
+
+
+Search = Literal["blocks", "views"]
+"""How a map chooses where to look: ``blocks`` is the cheap one, ``views`` the thorough one."""
 
 
 class Map:
@@ -67,8 +74,9 @@ class Map:
     advice: Tensor
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
 
-    def __init__(self, config: Config, environments: int) -> None:
-        """Make maps for so many worlds of this configuration, all of them to be begun.
+    def __init__(self, config: Config, environments: int, search: Search = "blocks") -> None:
+        """Make maps for so many worlds of this configuration, all of them to be begun. ``search`` is how they
+        choose where to look: by blocks of hiding places, or by what a look from each place would show.
 
         Raises ``ValueError`` for episodes too long for a cell to tell when it was seen.
         """
@@ -79,20 +87,24 @@ class Map:
         self.config, self.cell = config, 2 * config.step / step
         angles = np.deg2rad(config.first_ray - config.ray_spacing * np.arange(rays))
         turned = angles + np.pi / 4 * np.arange(8)[:, None]
-        directions = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * config.range / self.cell
-        area, blocks = count << 2 * BITS, 2 * count << 2 * (BITS - BLOCK)
+        reaches = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * config.range / self.cell
+        area, blocks, hidden = count << 2 * BITS, 2 * count << 2 * (BITS - BLOCK), 0
+        if search == "views":
+            blocks, hidden = 0, area >> 2
         program = start()
         self.arrays = {
             "observation": Array(ti.f32, count * rays * config.channels),
             "blocked": Array(ti.u8, count),
             "begun": Array(ti.u8, count),
             "action": Array(ti.i64, count),
-            "directions": Array.of(directions.astype(np.float32).ravel()),
+            "directions": Array.of(reaches.astype(np.float32).ravel()),
             "clear": Array.of((_clear(angles, side, config.step) / config.range).astype(np.float32).ravel()),
             "cells": Array(ti.u16, area),
             "field": Array(ti.u16, area),
             "queue": Array(ti.u16, area),
             "blocks": Array(ti.i32, blocks),
+            "hidden": Array(ti.u8, hidden),
+            "looks": Array.of(directions()),
             "counts": Array(ti.i32, count * COUNTS),
             "target": Array(ti.f32, count * 2),
             "advice": Array(ti.i64, count),
@@ -100,7 +112,7 @@ class Map:
         }
         self.arrays["field"].fill(np.full(area, FAR))
         half = config.target / 2 / self.cell
-        body = Body(rays, config.channels, int(config.sees_angle), step, half, BITS)
+        body = Body(rays, config.channels, int(config.sees_angle), step, half, BITS, search)
         self._launch = Launch(step_kernel(program, body), self.arrays)
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._inputs = [tensors[name] for name in ("observation", "blocked", "action", "begun")]

@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from agent.map.cells import WIDEST, Bytes, Cells, Floats, Grid, Longs, Wholes
+from agent.map.views import THOUGHT, Views
 from agent.map.ways import FAR, Ways
 from sim.runtime import ti
 
@@ -17,13 +18,15 @@ NONE, SEARCH, TARGET = range(3)
 
 (TIME, X, Y, HEADING, SINCE, KNOWN, KIND, GOAL, QUEUED, AGE, STALE) = range(11)
 (NEW, SEEN, LAST_NEW, FOUND, WAY, PROGRESS) = range(11, 17)
+(LOOK, THINK) = range(17, 19)
 """What a map counts: steps; the eye's place in half cells and its heading; since when a target that is not
 known may have lain where it lies; whether one is known; the goal; how long the last search's queue is, how
 old it is and how many cells were occupied since; cells that are new, and all; when there were new ones last;
 targets picked up as far as it knows; half cells to the goal, and how many fewer than before the last action.
+Of a view: the heading to look at, -1 for none, and the steps since it was chosen.
 """
 
-COUNTS = 17
+COUNTS = 19
 
 PATIENCE = 8
 """Steps between two searches for no other reason than that more is known to be occupied."""
@@ -51,6 +54,7 @@ class Body(NamedTuple):
     step: int  # half cells
     target: float  # half its side, cells
     bits: int
+    search: str  # by blocks or by views
 
 
 @cache
@@ -58,6 +62,8 @@ def step_kernel(program: Any, body: Body) -> Any:
     """The kernel for a running Taichi. Arguments are named for the map's arrays."""
     grid = Grid(body.bits)
     ways = Ways(grid)
+    views = Views(grid, ways)
+    by_views = body.search == "views"
     rays, channels, distance_at, step_by, half = body[:5]
 
     @ti.func
@@ -101,6 +107,8 @@ def step_kernel(program: Any, body: Body) -> Any:
         field: Cells,
         queue: Cells,
         blocks: Wholes,
+        hidden: Bytes,
+        looks: Floats,
         counts: Wholes,
         target: Floats,
         advice: Longs,
@@ -116,6 +124,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                     cells[base + k] = ti.cast(0, ti.u16)
                 for k in range(COUNTS):
                     counts[w + k] = 0
+                if ti.static(by_views):
+                    views.retry(hidden, e)
                 counts[w + SINCE] = 1
                 counts[w + HEADING] = diagonal(observation, directions, o)
             elif action[e] < 2:
@@ -190,6 +200,8 @@ def step_kernel(program: Any, body: Body) -> Any:
             if picked:
                 counts[w + SINCE] = time
                 counts[w + FOUND] += 1
+                if ti.static(by_views):
+                    views.retry(hidden, e)
             counts[w + KNOWN], counts[w + NEW] = known, new
             counts[w + SEEN] += new
             if new > 0:
@@ -209,7 +221,10 @@ def step_kernel(program: Any, body: Body) -> Any:
                 counts[w + PROGRESS] = counts[w + WAY] - far
             kind, goal, since = counts[w + KIND], counts[w + GOAL], counts[w + SINCE]
             stale, age, tail, anew = counts[w + STALE] + hits, counts[w + AGE] + 1, counts[w + QUEUED], 0
-            within = 0
+            within, look = 0, -1
+            if ti.static(by_views):
+                look = counts[w + LOOK]
+                counts[w + THINK] += 1
             if known:
                 there = grid.at(
                     ti.cast(ti.floor(target[2 * e] + 0.5), ti.i32),
@@ -223,7 +238,12 @@ def step_kernel(program: Any, body: Body) -> Any:
                 )
             elif kind == SEARCH:
                 gx, gy = goal & grid.mask, goal >> grid.bits
-                if (grid.hides(cells, base, gx, gy, since) == 0) | (grid.solid(cells, base, gx, gy) != 0):
+                done = ti.cast((look == heading) & (far == 0), ti.i32)
+                if look < 0:
+                    done = 1 - grid.hides(cells, base, gx, gy, since)
+                if ti.static(by_views):
+                    done |= ti.cast(counts[w + THINK] > THOUGHT, ti.i32)
+                if done | grid.solid(cells, base, gx, gy):
                     kind = NONE
             else:
                 kind = NONE
@@ -233,9 +253,15 @@ def step_kernel(program: Any, body: Body) -> Any:
                     kind = NONE
             while kind == NONE:
                 ways.forget(field, queue, base, tail)
-                goal, within, tail = ways.choose(
-                    cells, field, queue, blocks, base, 2 * e * ways.blocks, px, py, since
-                )
+                if ti.static(by_views):
+                    goal, look, within, tail = views.choose(
+                        cells, field, queue, hidden, looks, e, px, py, heading, since
+                    )
+                    counts[w + LOOK], counts[w + THINK] = look, 0
+                else:
+                    goal, within, tail = ways.choose(
+                        cells, field, queue, blocks, base, 2 * e * ways.blocks, px, py, since
+                    )
                 anew = 1
                 if goal >= 0:
                     kind = SEARCH
@@ -245,6 +271,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                     # All is seen: look again where it has not looked for longest.
                     since += ti.max(1, (time - since) // 2)
                     counts[w + SINCE] = since
+                    if ti.static(by_views):
+                        views.retry(hidden, e)
             if (anew > 0) & (kind != NONE):
                 ways.forget(field, queue, base, tail)
                 tail = ways.measure(cells, field, queue, base, goal, 2 * (kind == TARGET), within, px, py)
@@ -286,6 +314,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                     features[g + 4 + 2 * i] = ti.cast(grid.solid(cells, base, lx, ly), ti.f32)
             if best == 1000.0:
                 turn = 1
+            if (kind == SEARCH) & (look >= 0) & (far == 0):
+                turn = (look - heading) & 7
             act = 2
             if turn > 4:
                 act = 1

@@ -1,0 +1,232 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
+"""Views on the map: the place and heading to go to, from which a look would show most hiding places for its
+way. The searcher (``sim.searcher``) goes by the same rule, but knows the house; a map knows its own cells.
+
+The numbers below were chosen together on 160 validation houses, by targets in secondary rooms.
+"""
+
+import numpy as np
+
+from agent.map.cells import Grid
+from agent.map.ways import AT_MOST, DETOUR, Ways
+from sim.runtime import ti
+
+PITCH = 4
+"""Nodes between the places that it may go to for a look: all that are multiples of this."""
+
+RAYS = 5
+"""Rays of a look in each octant, at even angles: a look is three octants, 135 degrees, much as the eye's."""
+
+STRIDE, REACH = 2.0, 54.0
+"""Cells between two places on a ray that are looked at, and the last one: some 7.7 m, the eye's range."""
+
+PLENTY = 600
+"""Hiding places, of one node in four, beyond which a look is worth no more."""
+
+LEAST = 2.0
+"""A look that would show fewer is not worth its way: rather go to the nearest place itself."""
+
+HASTE = 4.0
+"""Steps added to a way's length when looks are compared: what a few steps cost is not all that they cost."""
+
+DEPTH = 4
+"""Nodes beyond what was seen that a search goes: further on anything may be, most likely nothing."""
+
+SEEN, UNSEEN = 2, 1
+"""What a hiding place counts that was ever seen, and one that was not: there may be no floor."""
+
+TRIED = 128
+"""Bit of a hiding place that a look should have shown by the map's cells, but did not: it counts for none."""
+
+THOUGHT = 24
+"""Steps until it thinks again: what it saw on its way may have made another view better."""
+
+
+def directions() -> np.ndarray:
+    """Of a look's rays, octant by octant: east and south (8 RAYS 2,) float32."""
+    aside = (np.arange(RAYS) - RAYS // 2) / RAYS
+    angles = np.pi / 4 * (np.arange(8)[:, None] + aside)
+    return np.stack([np.cos(angles), -np.sin(angles)], axis=-1).astype(np.float32).ravel()
+
+
+@ti.data_oriented
+class Views:
+    """The choice of a view. ``hidden`` has a byte for each even node: what a hiding place there counts while
+    a choice is made, nothing otherwise, and whether it was tried; ``rays`` are ``directions()``.
+    """
+
+    def __init__(self, grid: Grid, ways: Ways) -> None:
+        """Choose on this grid by these ways."""
+        self.grid, self.ways = grid, ways
+        self.area = grid.area >> 2
+
+    @ti.func
+    def at(self, x, y):
+        """The place of a node in its environment's part of ``hidden``."""
+        mask, bits = ti.static(self.grid.mask >> 1), ti.static(self.grid.bits - 1)
+        return (((y >> 1) & mask) << bits) | ((x >> 1) & mask)
+
+    @ti.func
+    def retry(self, hidden: ti.template(), e):
+        """Forget what was tried."""
+        for k in range(ti.static(self.area)):
+            hidden[e * ti.static(self.area) + k] = ti.cast(0, ti.u8)
+
+    @ti.func
+    def choose(
+        self,
+        cells: ti.template(),
+        field: ti.template(),
+        queue: ti.template(),
+        hidden: ti.template(),
+        rays: ti.template(),
+        e,
+        px,
+        py,
+        heading,
+        since,
+    ):
+        """The view to go to, a node and a heading: of all on nodes that were seen the one that would show
+        most hiding places for its way. Where none would show enough, the nearest hiding place and -1; where
+        there is none, -1 for both. Then how long ways there may be, and the queue's end.
+        """
+        base, first = e * ti.static(self.grid.area), e * ti.static(self.area)
+        nearest, total, tail = self.survey(cells, field, queue, hidden, base, first, px, py, since)
+        for k in range(3):
+            octant = (heading + k + 7) & 7
+            total -= self.gain(cells, hidden, rays, base, first, px, py, octant, 1)[1]
+        goal, look, within, best = nearest, -1, 0, 0.0
+        if nearest >= 0:
+            within = ti.cast(field[base + nearest], ti.i32)
+        head, going = 0, 1
+        while (head < tail) & going:
+            node = ti.cast(queue[base + head], ti.i32)
+            x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+            distance = ti.cast(field[base + node], ti.i32)
+            way = 2.0 * ti.cast(distance, ti.f32) + HASTE
+            most = ti.cast(ti.min(total, SEEN * PLENTY), ti.f32)
+            # So far away, no view can be worth more than the best one.
+            if most <= ti.max(best * way, SEEN * LEAST):
+                going = 0
+            elif ((x | y) & (PITCH - 1) == 0 or distance == 0) and ti.cast(cells[base + node], ti.i32) >= 4:
+                gains = ti.Vector([0.0] * 8)
+                for octant in ti.static(range(8)):
+                    gains[octant] = self.gain(cells, hidden, rays, base, first, 2 * x, 2 * y, octant, 0)[0]
+                bearing = heading
+                if distance > 0:
+                    bearing = self.bearing(
+                        2 * self.grid.apart(x, px >> 1) - (px & 1), 2 * self.grid.apart(y, py >> 1) - (py & 1)
+                    )
+                for h in ti.static(range(8)):
+                    gain = ti.min(most, gains[h] + gains[(h + 1) % 8] + gains[(h + 7) % 8])
+                    turns = self.turns(heading, bearing) + self.turns(bearing, h)
+                    worth = gain / (way + ti.cast(turns, ti.f32))
+                    there = (distance == 0) & (turns == 0)
+                    if (gain >= SEEN * LEAST) & (worth > best) & (not there):
+                        best, goal, look, within = worth, node, h, distance
+            head += 1
+        for k in range(tail):
+            node = ti.cast(queue[base + k], ti.i32)
+            i = first + self.at(node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits))
+            hidden[i] = hidden[i] & ti.cast(TRIED, ti.u8)
+        return goal, look, within + DETOUR, tail
+
+    @ti.func
+    def survey(
+        self,
+        cells: ti.template(),
+        field: ti.template(),
+        queue: ti.template(),
+        hidden: ti.template(),
+        base,
+        first,
+        px,
+        py,
+        since,
+    ):
+        """Find the ways to all nodes and what may hide there, on every other node of both axes: the nearest
+        hiding place, -1 for none; what those count that were not tried; and the queue's end.
+        """
+        head, tail = 0, self.ways.start(cells, field, queue, base, px, py)
+        nearest, total = -1, 0
+        while (head < tail) & (tail <= AT_MOST):
+            node = ti.cast(queue[base + head], ti.i32)
+            head += 1
+            x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+            if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
+                i = first + self.at(x, y)
+                if nearest < 0:
+                    nearest = node
+                if hidden[i] == 0:
+                    count = ti.select(ti.cast(cells[base + node], ti.i32) >= 4, SEEN, UNSEEN)
+                    hidden[i] = ti.cast(count, ti.u8)
+                    total += count
+            if self.near_seen(cells, base, x, y):
+                tail = self.ways.spread(cells, field, queue, base, node, tail)
+        return nearest, total, tail
+
+    @ti.func
+    def near_seen(self, cells: ti.template(), base, x, y):
+        """Whether anything about a node was seen."""
+        seen = ti.cast(cells[base + self.grid.at(x, y)], ti.i32) >> 2
+        for k in ti.static(range(8)):
+            dx, dy = (1, 1, 0, -1, -1, -1, 0, 1)[k] * DEPTH, (0, -1, -1, -1, 0, 1, 1, 1)[k] * DEPTH
+            seen |= ti.cast(cells[base + self.grid.at(x + dx, y + dy)], ti.i32) >> 2
+        return ti.cast(seen != 0, ti.i32)
+
+    @ti.func
+    def gain(
+        self,
+        cells: ti.template(),
+        hidden: ti.template(),
+        rays: ti.template(),
+        base,
+        first,
+        px,
+        py,
+        octant,
+        try_: ti.template(),
+    ):
+        """What hiding places count that the rays of an octant meet from a pose, in half cells: each stands
+        for the ground about it, as far as the next. With ``try_`` these are tried now: what they counted.
+        """
+        gain, count = 0.0, 0
+        for ray in range(RAYS):
+            j = 2 * (RAYS * octant + ray)
+            t, clear = STRIDE, 1
+            while clear > 0:
+                x = ti.cast(ti.floor(0.5 * ti.cast(px, ti.f32) + rays[j] * t + 0.5), ti.i32)
+                y = ti.cast(ti.floor(0.5 * ti.cast(py, ti.f32) + rays[j + 1] * t + 0.5), ti.i32)
+                if (ti.cast(cells[base + self.grid.at(x, y)], ti.i32) & 3 != 0) | (t > REACH):
+                    clear = 0
+                else:
+                    i = first + self.at(x, y)
+                    here = ti.cast(hidden[i], ti.i32) & (TRIED - 1)
+                    gain += t * ti.cast(here, ti.f32)
+                    if ti.static(try_ == 1) and here > 0:
+                        count += here
+                        hidden[i] = ti.cast(TRIED, ti.u8)
+                    t += STRIDE
+        # A place stands for 2 by 2 cells.
+        return gain * ti.static(STRIDE * np.pi / 4 / RAYS / 4), count
+
+    @ti.func
+    def bearing(self, dx, dy):
+        """The heading that is nearest to a way east and south."""
+        across, down = ti.abs(dx), ti.abs(dy)
+        heading = 0
+        # The tangent of 22.5 degrees is 0.4142.
+        if 10000 * down > 4142 * across:
+            heading = ti.select(10000 * across > 4142 * down, 1, 2)
+        if dx < 0:
+            heading = 4 - heading
+        if dy > 0:
+            heading = -heading & 7
+        return heading
+
+    @ti.func
+    def turns(self, one, other):
+        """Turns from one heading to another."""
+        away = (one - other) & 7
+        return ti.min(away, 8 - away)
