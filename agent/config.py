@@ -287,7 +287,14 @@ PQN = PQNConfig(precision="medium")
 PRESETS: dict[str, PQNConfig | DQNConfig] = {
     "pqn": PQN,
     "pqn-map": replace(
-        PQN, targets="secondary", steps=4_500_000, map=True, novelty=0.02, guided=0.9, epsilon=1.0
+        PQN,
+        targets="secondary",
+        steps=2_000_000,
+        map=True,
+        search="views",
+        novelty=0.02,
+        guided=0.9,
+        epsilon=1.0,
     ),
     "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), mirror=False, steps=4_500_000),
     "dqn": DQNConfig(environments=64, learning_rate=5e-4, final_rate=0.1, epsilon=1.0, exploration=0.1),
