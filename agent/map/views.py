@@ -3,7 +3,9 @@
 """Views on the map: the place and heading to go to, from which a look would show most hiding places for its
 way. The searcher (``sim.searcher``) goes by the same rule, but knows the house; a map knows its own cells.
 
-The numbers below were chosen together on 160 validation houses, by targets in secondary rooms.
+The numbers below were chosen together on 160 validation houses, by targets in secondary rooms. In 160 others
+it found 0.04, 0.08 and 0.12 of the oracle's targets more than blocks did, in secondary, all and main rooms;
+all of it while the house was new, as far as secondary rooms go.
 """
 
 import numpy as np
@@ -170,9 +172,10 @@ class Views:
     def near_seen(self, cells: ti.template(), base, x, y):
         """Whether anything about a node was seen."""
         seen = ti.cast(cells[base + self.grid.at(x, y)], ti.i32) >> 2
-        for k in ti.static(range(8)):
-            dx, dy = (1, 1, 0, -1, -1, -1, 0, 1)[k] * DEPTH, (0, -1, -1, -1, 0, 1, 1, 1)[k] * DEPTH
-            seen |= ti.cast(cells[base + self.grid.at(x + dx, y + dy)], ti.i32) >> 2
+        if seen == 0:
+            for k in ti.static(range(8)):
+                dx, dy = (1, 1, 0, -1, -1, -1, 0, 1)[k] * DEPTH, (0, -1, -1, -1, 0, 1, 1, 1)[k] * DEPTH
+                seen |= ti.cast(cells[base + self.grid.at(x + dx, y + dy)], ti.i32) >> 2
         return ti.cast(seen != 0, ti.i32)
 
     @ti.func
