@@ -3,14 +3,15 @@
 import io
 import shutil
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 from rich.console import Console
 
-from agent import report
+from agent import checkpoint, report
 from agent.banks import geometry_hash
+from agent.checkpoint import Checkpoint
 from agent.config import PRESETS
 from agent.evaluate import Scores, evaluate
 from agent.learner import Progress
@@ -40,12 +41,16 @@ LINES = 5.0
 SHOWN = 12
 """Plans on the contact sheet."""
 
+RELEASED = "pqn-map"
+"""The agent that comes with the project, which shows what more learning, and a map, are good for."""
+
 FILES = (
     "houses.jsonl",
     "houses-held-out.jsonl",
     "plans.png",
     "learning-curve.png",
     "episode.gif",
+    "episode-secondary.gif",
     "report.md",
 )
 """What the demo writes, beside the folder ``training``: see ``agent.runs``."""
@@ -68,20 +73,21 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
     agent, history = run(houses, config, out / "training", name="pqn", every=LINES)
 
-    with progress("measuring", LINES) as tell:
-        scores = evaluate(agent.network, make_worlds(held_out, HELD_OUT), seed=seed, tell=tell)
-    lines = report.rows(scores)
-    filmed = _typical(scores, held_out)
-    with progress("pictures", LINES) as tell:
-        write_whole(out / "plans.png", _plans(held_out))
-        write_whole(out / "learning-curve.png", report.learning_curve(history, scores))
-        record(agent, held_out[filmed], out / "episode.gif", seed=seed + filmed, tell=tell)
-    page = _page(lines, scores, history[-1], filmed=filmed, seed=seed, seconds=perf_counter() - start)
+    main = _measured("main", agent, held_out, out / "episode.gif", seed)
+    secondary = _measured(
+        "secondary", checkpoint.load(RELEASED), held_out, out / "episode-secondary.gif", seed
+    )
+    write_whole(out / "plans.png", _plans(held_out))
+    write_whole(out / "learning-curve.png", report.learning_curve(history, main.scores))
+    page = _page(main, secondary, history[-1], seed=seed, seconds=perf_counter() - start)
     write_whole(out / "report.md", page.encode())
 
-    Console().print(report.table(lines, f"Main room of {HELD_OUT} houses that the agent had never seen"))
+    never = f"of {HELD_OUT} houses never seen"
+    titles = (f"Main room {never}: the agent of this run", f"Secondary rooms {never}: the agent {RELEASED}")
+    for title, part in zip(titles, (main, secondary), strict=True):
+        Console().print(report.table(part.lines, title))
     print(*(out / name for name in (*FILES, "training")), sep="\n")
-    return _verdict(scores)
+    return _verdict(main.scores)
 
 
 def banks(seed: int, tell: Report) -> tuple[list[House], list[House]]:
@@ -99,11 +105,38 @@ def banks(seed: int, tell: Report) -> tuple[list[House], list[House]]:
     return drawn[:TRAINING], drawn[TRAINING:]
 
 
+@dataclass(frozen=True)
+class Part:
+    """What an agent did where targets lay in one kind of room."""
+
+    scores: Scores
+    lines: list[tuple[str, ...]]
+    filmed: int
+
+    def film(self) -> str:
+        """What the film shows, in words."""
+        agent, oracle = (int(each.targets[self.filmed]) for each in (self.scores.agent, self.scores.oracle))
+        return (
+            f"Held-out house {self.filmed}: among those with the most rooms, the agent's ratio here is the "
+            f"median. It picked up {agent} targets, the oracle {oracle}. Orange rays see the target."
+        )
+
+
+def _measured(targets: str, agent: Checkpoint, houses: list[House], film: Path, seed: int) -> Part:
+    """Measure an agent, and film a typical episode."""
+    with progress(f"measuring, {targets}", LINES) as tell:
+        scores = evaluate(agent, make_worlds(houses, len(houses), targets), seed=seed, tell=tell)
+    filmed = _typical(scores, houses)
+    with progress(f"filming, {targets}", LINES) as tell:
+        record(agent, houses[filmed], film, targets=targets, seed=seed + filmed, tell=tell)
+    return Part(scores, report.rows(scores, targets), filmed)
+
+
 def _typical(scores: Scores, houses: list[House]) -> int:
     """Of the houses with the most rooms, the one where the agent's ratio is the median."""
     most = max(len(house.rooms) for house in houses)
     large = [index for index, house in enumerate(houses) if len(house.rooms) == most]
-    large.sort(key=lambda index: scores.agent.targets[index] / scores.oracle.targets[index])
+    large.sort(key=lambda index: scores.agent.targets[index] / max(1, scores.oracle.targets[index]))
     return large[len(large) // 2]
 
 
@@ -124,11 +157,8 @@ def _verdict(scores: Scores) -> int:
     return 1
 
 
-def _page(
-    lines: list[tuple[str, ...]], scores: Scores, last: Progress, *, filmed: int, seed: int, seconds: float
-) -> str:
+def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: float) -> str:
     """The report, in Markdown."""
-    agent, oracle = (int(score.targets[filmed]) for score in (scores.agent, scores.oracle))
     paragraphs = (
         "# An agent in houses that it has never seen",
         f"From the rules of `family`, {TRAINING} houses of {ROOMS[0]} to {ROOMS[-1]} rooms were made to "
@@ -138,14 +168,18 @@ def _page(
         f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
         f"All of it took {seconds:.0f} s.",
         "Targets lie in the main room:",
-        report.markdown(lines),
+        report.markdown(main.lines),
         f"{report.NOTE} All players but the human met the same starts and targets. The oracle takes the "
         "shortest way on the true map, one target at a time. Random + avoidance is the paper's random walk "
         "under the paper's avoidance.",
         "![Learning curve](learning-curve.png)",
-        f"Held-out house {filmed}: among those with the most rooms, the agent's ratio here is the median. "
-        f"It picked up {agent} targets, the oracle {oracle}. Orange rays see the target.",
+        main.film(),
         "![An episode](episode.gif)",
+        f"Targets lie behind doors, in secondary rooms, for the agent `{RELEASED}`, which comes with the "
+        "project. It has learnt for longer and keeps a map of what its rays have shown:",
+        report.markdown(secondary.lines),
+        secondary.film(),
+        "![An episode in secondary rooms](episode-secondary.gif)",
         "Some of the held-out houses:",
         "![Plans](plans.png)",
         "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), "

@@ -7,11 +7,11 @@ import numpy as np
 import torch
 
 from agent.avoidance import PaperRule
-from agent.network import QNetwork
-from agent.policies import Policy, QPolicy, RandomPolicy
+from agent.build import policy_of
+from agent.checkpoint import Checkpoint
+from agent.policies import Policy, RandomPolicy
 from agent.progress import Report
 from agent.statistics import Estimate, interquartile_mean
-from agent.world import shield
 from sim import HouseVectorEnv
 from sim.lookout import Lookout
 from sim.oracle import Oracle
@@ -66,16 +66,16 @@ class Scores(NamedTuple):
 
 
 def evaluate(
-    network: QNetwork, envs: HouseVectorEnv, *, seed: int = 0, tell: Report = lambda done, words: None
+    agent: Checkpoint, envs: HouseVectorEnv, *, seed: int = 0, tell: Report = lambda done, words: None
 ) -> Scores:
     """What the agent, the random walk and the oracle do, one episode a house; ``tell`` follows it.
 
     ``envs`` has an environment for each house of its bank.
     """
-    agent = QPolicy(network, shield(envs), torch.Generator().manual_seed(seed))
+    policy = policy_of(agent.network, agent.config, envs, seed)
     chance = torch.Generator().manual_seed(seed)
     tell(0.0, "agent")
-    agent_score = play("agent", envs, agent, seed)
+    agent_score = play("agent", envs, policy, seed)
     tell(0.3, "random + avoidance")
     walk_score = play("random + avoidance", envs, RandomPolicy(PaperRule(chance), chance), seed)
     tell(0.6, "shortest-path oracle")

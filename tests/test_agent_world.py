@@ -10,6 +10,7 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
+from agent.checkpoint import Checkpoint
 from agent.config import PQNConfig
 from agent.evaluate import evaluate, play, play_oracle
 from agent.learner import Progress
@@ -216,7 +217,7 @@ def test_a_player_that_follows_the_oracle_scores_what_the_oracle_does(envs):
 
 def test_an_evaluation_is_a_function_of_its_seed_and_no_one_beats_the_oracle(envs):
     network = seeded_network(0)
-    scores = evaluate(network, envs, seed=1)
+    scores = evaluate(Checkpoint(network, PQNConfig(), 0), envs, seed=1)
     assert (scores.oracle.targets >= np.maximum(scores.agent.targets, scores.walk.targets)).all()
     assert scores.walk.ratio(scores.oracle).value < 0.5
     again = play("agent", envs, QPolicy(network, shield(envs), chance(1)), seed=1)
