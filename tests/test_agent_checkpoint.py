@@ -10,13 +10,13 @@ import torch
 
 from agent.build import network_of
 from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, save
-from agent.config import PRESETS, DQNConfig, PQNConfig
+from agent.config import PRESETS, Config, DQNConfig, PQNConfig
 from agent.network import seeded_network
 
 CONFIG = PQNConfig(steps=1000, seed=3)
 
 
-def made(path, config=CONFIG):
+def made(path, config: Config = CONFIG):
     """A checkpoint file."""
     save(Checkpoint(network_of(config), config, 512, "mine", "1234", "vitruvius train"), path)
     return path

@@ -9,7 +9,8 @@ import torch
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
 from agent.build import PaperNetwork, network_of
-from agent.config import PRESETS, DQNConfig
+from agent.config import PRESETS as ALL
+from agent.config import DQNConfig
 from agent.dqn import DQN, Replay, n_step_returns, q_targets
 from agent.evaluate import play
 from agent.policies import QPolicy, RandomPolicy
@@ -19,6 +20,7 @@ from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 E = 8
+PRESETS = {name: config for name, config in ALL.items() if isinstance(config, DQNConfig)}
 SMALL = replace(
     PRESETS["dqn"], environments=E, steps=3000, memory=2048, warm_up=256, every=4, batch=64, horizon=3
 )
