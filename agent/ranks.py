@@ -62,7 +62,7 @@ def first(value: float) -> float:
 
 
 def gathered(value: Any) -> list[Any]:
-    """All ranks' values, on the first rank; elsewhere nothing of use."""
+    """All ranks' values, which pickle can carry, on the first rank; elsewhere nothing of use."""
     if size() == 1:
         return [value]
     values: list[Any] | None = [None] * size() if rank() == 0 else None

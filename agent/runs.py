@@ -175,8 +175,11 @@ def _learn(
 
 def _keep(learner: Learner, made: Checkpoint, folder: Folder) -> None:
     """Write the state of all ranks, then the agent."""
-    states = ranks.gathered(learner.state())
+    content = io.BytesIO()
+    torch.save(learner.state(), content)
+    parts = ranks.gathered(content.getvalue())
     if not ranks.rank():
+        states = [torch.load(io.BytesIO(part), weights_only=True) for part in parts]
         content = io.BytesIO()
         torch.save(states, content)
         write_whole(folder.state, gzip.compress(content.getvalue(), compresslevel=1, mtime=0))
