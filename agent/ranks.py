@@ -29,6 +29,7 @@ def joined(device: str = "cpu") -> Iterator[None]:
     dist.init_process_group("nccl" if device == "cuda" else "gloo")
     try:
         yield
+        dist.barrier()  # who leaves while others still talk would take them down
     finally:
         dist.destroy_process_group()
 

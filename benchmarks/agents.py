@@ -20,7 +20,7 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from time import sleep
-from typing import Any
+from typing import Any, Literal
 
 import tyro
 
@@ -101,6 +101,9 @@ class Agents:
     seeds: tuple[int, ...] = (0, 1, 2)
     """Of the training runs of each entry."""
 
+    modes: tuple[Literal["main", "secondary", "mixed"], ...] = MODES
+    """Where targets lie when agents are measured; the page has these."""
+
     workers: int = 2
     """Processes at a time, each on a processor of its own."""
 
@@ -129,9 +132,9 @@ class Agents:
         finished = [trial for trial in trials if trial.finished]
         if not finished:
             raise StudyFailed(f"{self.out}: no run is finished, there is nothing to measure")
-        places = {mode: out / f"evaluation-{mode}" for mode in MODES}
-        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in MODES}
-        late = [mode for mode in MODES if not measured(places[mode], players[mode])]
+        places = {mode: out / f"evaluation-{mode}" for mode in self.modes}
+        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in self.modes}
+        late = [mode for mode in self.modes if not measured(places[mode], players[mode])]
         run_all([measuring(mode, players[mode], places[mode]) for mode in late], self.workers)
         if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
@@ -145,7 +148,7 @@ class Agents:
             mode: json.loads((place / "evaluation.json").read_text()) for mode, place in places.items()
         }
         dates = [path.stat().st_mtime for path in self.out.rglob("*.*") if path.name != "study.json"]
-        test = records[MODES[0]]["bank"]
+        test = records[self.modes[0]]["bank"]
         seeds = " ".join(map(str, self.seeds))
         days = sorted({str(datetime.fromtimestamp(date, UTC).date()) for date in dates})
         return Study(
