@@ -149,6 +149,7 @@ def test_a_script_that_something_stops_walks_around_it():
 
 
 HOUSES = [random_house(seed) for seed in range(4)]
+BASELINES = ["random + avoidance", "script", "explorer", "explorer, by views", "searcher", "oracle"]
 
 
 @pytest.fixture(scope="module")
@@ -159,14 +160,7 @@ def measured():
 
 def test_the_players_are_ranked_as_what_they_know(measured):
     counts = {name: runs[0].targets.sum() for name, runs in measured[0].players.items()}
-    assert list(counts) == [
-        "random + avoidance",
-        "script",
-        "explorer",
-        "explorer, by views",
-        "searcher",
-        "oracle",
-    ]
+    assert list(counts) == BASELINES
     assert counts["random + avoidance"] <= counts["searcher"] <= counts["oracle"]
     assert counts["script"] < counts["searcher"]
 
@@ -260,13 +254,6 @@ def test_an_agent_of_the_papers_world_sees_by_its_rays_in_the_others_world():
 
 def test_baselines_and_modes_have_these_names():
     envs = make_worlds(HOUSES[:1], 1)
-    assert list(baselines(envs, 0)) == [
-        "random + avoidance",
-        "script",
-        "explorer",
-        "explorer, by views",
-        "searcher",
-        "oracle",
-    ]
+    assert list(baselines(envs, 0)) == BASELINES
     assert MODES == ("main", "secondary", "mixed")
     assert len(ray_angles(envs)) == 40

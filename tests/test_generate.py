@@ -310,7 +310,9 @@ def test_hidden_files_are_no_rules(edited: Edit) -> None:
 # Processes.
 
 SCRIPT = """
+import signal
 from logic import generate
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background has it ignored
 for house in generate(rooms=16, count=9999):
     print("house", flush=True)
 """
