@@ -274,7 +274,7 @@ def test_a_layer_that_wants_what_is_forbidden_is_not_heard():
 
 
 def test_a_network_defers_to_the_map_where_actions_are_worth_the_same():
-    q = torch.tensor([[0.5, 0.51, 0.5], [0.5, 0.6, 0.5]])
+    q = torch.tensor([[0.5, 0.55, 0.5], [0.5, 0.7, 0.5]])
     advice = torch.tensor([FORWARD, FORWARD])
     assert deferring(q, advice).argmax(-1).tolist() == [FORWARD, RIGHT]
 

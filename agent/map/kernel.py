@@ -10,23 +10,24 @@ from agent.map.views import THOUGHT, Views
 from agent.map.ways import FAR, Ways
 from sim.runtime import ti
 
-WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
-"""Steps east and south that ``forward`` makes at each of the eight headings."""
-
 NONE, SEARCH, TARGET = range(3)
 """What a goal is: none, a place where a target may hide, the target that was seen."""
 
 (TIME, X, Y, HEADING, SINCE, KNOWN, KIND, GOAL, QUEUED, AGE, STALE) = range(11)
 (NEW, SEEN, LAST_NEW, FOUND, WAY, PROGRESS) = range(11, 17)
-(LOOK, THINK) = range(17, 19)
+(LOOK, THINK, HERE) = range(17, 20)
 """What a map counts: steps; the eye's place in half cells and its heading; since when a target that is not
 known may have lain where it lies; whether one is known; the goal; how long the last search's queue is, how
 old it is and how many cells were occupied since; cells that are new, and all; when there were new ones last;
 targets picked up as far as it knows; half cells to the goal, and how many fewer than before the last action.
-Of a view: the heading to look at, -1 for none, and the steps since it was chosen.
+Of a view: the heading to look at, -1 for none, and the steps since it was chosen; targets picked up in the
+space that the episode began in.
 """
 
-COUNTS = 19
+COUNTS = 20
+
+TOUCH = 0.1
+"""Cells that the body goes further than to where it touches the target."""
 
 PATIENCE = 8
 """Steps between two searches for no other reason than that more is known to be occupied."""
@@ -86,15 +87,6 @@ def step_kernel(program: Any, body: Body) -> Any:
                         )
         return ti.cast(votes[1] > votes[0], ti.i32)
 
-    @ti.func
-    def ahead(heading):
-        """Steps east and south at a heading."""
-        x, y = 0, 0
-        for h in ti.static(range(8)):
-            if heading == h:
-                x, y = WAYS[h][0], WAYS[h][1]
-        return ti.Vector([x, y])
-
     @ti.kernel
     def step(
         observation: Floats,
@@ -131,7 +123,7 @@ def step_kernel(program: Any, body: Body) -> Any:
             elif action[e] < 2:
                 counts[w + HEADING] = (counts[w + HEADING] + ti.select(action[e] == 0, 1, 7)) & 7
             elif blocked[e] == 0:
-                way = ahead(counts[w + HEADING])
+                way = ways.ahead(counts[w + HEADING])
                 counts[w + X] += step_by * way[0]
                 counts[w + Y] += step_by * way[1]
             counts[w + TIME] += 1
@@ -202,13 +194,16 @@ def step_kernel(program: Any, body: Body) -> Any:
                 counts[w + FOUND] += 1
                 if ti.static(by_views):
                     views.retry(hidden, e)
+                    spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
+                    home = views.belief.home(cells, base)
+                    counts[w + HERE] += views.belief.within(home, spot[0], spot[1])
             counts[w + KNOWN], counts[w + NEW] = known, new
             counts[w + SEEN] += new
             if new > 0:
                 counts[w + LAST_NEW] = time
             if blocked[e] != 0:
                 forward = 0
-            way = step_by * ahead(heading)
+            way = step_by * ways.ahead(heading)
             if (forward == 0) & grid.room(cells, base, px + way[0], py + way[1]):
                 # It cannot go where the map says it can: what hinders it lies between two rays.
                 grid.close(cells, base, (px + way[0] + (way[0] > 0)) >> 1, (py + way[1] + (way[1] > 0)) >> 1)
@@ -255,7 +250,18 @@ def step_kernel(program: Any, body: Body) -> Any:
                 ways.forget(field, queue, base, tail)
                 if ti.static(by_views):
                     goal, look, within, tail = views.choose(
-                        cells, field, queue, hidden, looks, e, px, py, heading, since
+                        cells,
+                        field,
+                        queue,
+                        hidden,
+                        looks,
+                        e,
+                        px,
+                        py,
+                        heading,
+                        since,
+                        counts[w + HERE],
+                        counts[w + FOUND],
                     )
                     counts[w + LOOK], counts[w + THINK] = look, 0
                 else:
@@ -275,10 +281,15 @@ def step_kernel(program: Any, body: Body) -> Any:
                         views.retry(hidden, e)
             if (anew > 0) & (kind != NONE):
                 ways.forget(field, queue, base, tail)
-                tail = ways.measure(cells, field, queue, base, goal, 2 * (kind == TARGET), within, px, py)
+                off, radius = ti.Vector([0.0, 0.0]), 0.5
+                if kind == TARGET:
+                    # As near as the body must come to touch it.
+                    off, radius = ti.Vector([target[2 * e], target[2 * e + 1]]), 1.0 + half - TOUCH
+                    off -= ti.floor(off + 0.5)
+                tail = ways.measure(cells, field, queue, base, goal, off, radius, within, px, py)
                 if ways.far(field, base, px, py) == FAR:
                     ways.forget(field, queue, base, tail)
-                    tail = ways.measure(cells, field, queue, base, goal, 2, FAR, px, py)
+                    tail = ways.measure(cells, field, queue, base, goal, off, 2.5, FAR, px, py)
                 stale, age = 0, 0
             far = ways.far(field, base, px, py)
             counts[w + KIND], counts[w + GOAL], counts[w + QUEUED], counts[w + AGE] = kind, goal, tail, age
@@ -287,9 +298,9 @@ def step_kernel(program: Any, body: Body) -> Any:
             # advise, describe
             f = e * FEATURES
             span = ti.select((px | py) & 1 == 0, ti.max(2, step_by), step_by)
-            best, turn = 1000.0, 4
+            gains, nearest = ti.Vector([-1.0] * 8), -1.0
             for k in range(8):
-                way = ahead((heading + k) & 7)
+                way = ways.ahead((heading + k) & 7)
                 qx, qy = px + span * way[0], py + span * way[1]
                 free = grid.room(cells, base, qx, qy)
                 free &= grid.room(cells, base, px + step_by * way[0], py + step_by * way[1])
@@ -297,23 +308,26 @@ def step_kernel(program: Any, body: Body) -> Any:
                     free &= grid.room(cells, base, qx, py) & grid.room(cells, base, px, qy)
                 if k == 0:
                     free &= forward
-                there, gain = ways.far(field, base, qx, qy), -1.0
-                turns = ti.cast(ti.min(k, 8 - k), ti.f32)
+                there = ways.far(field, base, qx, qy)
                 if (free > 0) & (there < FAR) & (far < FAR):
-                    gain = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
-                    # One half cell nearer is worth more than all turns.
-                    if turns - 16.0 * gain < best:
-                        best, turn = turns - 16.0 * gain, k
+                    gains[k] = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
+                    nearest = ti.max(nearest, gains[k])
                 g = f + SCALARS + k * SIDES
                 features[g] = ti.cast(free, ti.f32)
-                features[g + 1] = ti.max(-1.0, ti.min(1.0, gain))
-                features[g + 2] = ti.cast((turn == k) & (best < 1000.0), ti.f32)
+                features[g + 1] = ti.max(-1.0, ti.min(1.0, gains[k]))
                 for i in ti.static(range(len(LOOKS))):
                     lx, ly = (px >> 1) + LOOKS[i] * way[0], (py >> 1) + LOOKS[i] * way[1]
                     features[g + 3 + 2 * i] = ti.cast(grid.hides(cells, base, lx, ly, since), ti.f32)
                     features[g + 4 + 2 * i] = ti.cast(grid.solid(cells, base, lx, ly), ti.f32)
-            if best == 1000.0:
-                turn = 1
+            # Of the steps that lead nearest, the one with the fewest turns before and after it.
+            turn, fewest = 1, 1 << 10
+            for k in range(8):
+                if (nearest > -1.0) & (gains[k] == nearest):
+                    way = ways.ahead((heading + k) & 7)
+                    qx, qy = px + span * way[0], py + span * way[1]
+                    turns = ti.min(k, 8 - k) + ways.bends(cells, field, base, qx, qy, (heading + k) & 7)
+                    if turns < fewest:
+                        turn, fewest = k, turns
             if (kind == SEARCH) & (look >= 0) & (far == 0):
                 turn = (look - heading) & 7
             act = 2

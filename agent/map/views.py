@@ -10,6 +10,7 @@ all of it while the house was new, as far as secondary rooms go.
 
 import numpy as np
 
+from agent.map.belief import SURE, Belief
 from agent.map.cells import Grid
 from agent.map.ways import AT_MOST, DETOUR, Ways
 from sim.runtime import ti
@@ -32,11 +33,8 @@ LEAST = 2.0
 HASTE = 4.0
 """Steps added to a way's length when looks are compared: what a few steps cost is not all that they cost."""
 
-DEPTH = 4
+DEPTH = 8
 """Nodes beyond what was seen that a search goes: further on anything may be, most likely nothing."""
-
-SEEN, UNSEEN = 2, 1
-"""What a hiding place counts that was ever seen, and one that was not: there may be no floor."""
 
 TRIED = 128
 """Bit of a hiding place that a look should have shown by the map's cells, but did not: it counts for none."""
@@ -60,7 +58,7 @@ class Views:
 
     def __init__(self, grid: Grid, ways: Ways) -> None:
         """Choose on this grid by these ways."""
-        self.grid, self.ways = grid, ways
+        self.grid, self.ways, self.belief = grid, ways, Belief(grid)
         self.area = grid.area >> 2
 
     @ti.func
@@ -88,13 +86,17 @@ class Views:
         py,
         heading,
         since,
+        here,
+        found,
     ):
         """The view to go to, a node and a heading: of all on nodes that were seen the one that would show
         most hiding places for its way. Where none would show enough, the nearest hiding place and -1; where
         there is none, -1 for both. Then how long ways there may be, and the queue's end.
         """
         base, first = e * ti.static(self.grid.area), e * ti.static(self.area)
-        nearest, total, tail = self.survey(cells, field, queue, hidden, base, first, px, py, since)
+        nearest, total, tail = self.survey(
+            cells, field, queue, hidden, base, first, px, py, since, here, found
+        )
         for k in range(3):
             octant = (heading + k + 7) & 7
             total -= self.gain(cells, hidden, rays, base, first, px, py, octant, 1)[1]
@@ -107,9 +109,9 @@ class Views:
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
             distance = ti.cast(field[base + node], ti.i32)
             way = 2.0 * ti.cast(distance, ti.f32) + HASTE
-            most = ti.cast(ti.min(total, SEEN * PLENTY), ti.f32)
+            most = ti.cast(ti.min(total, SURE * PLENTY), ti.f32)
             # So far away, no view can be worth more than the best one.
-            if most <= ti.max(best * way, SEEN * LEAST):
+            if most <= ti.max(best * way, SURE * LEAST):
                 going = 0
             elif ((x | y) & (PITCH - 1) == 0 or distance == 0) and ti.cast(cells[base + node], ti.i32) >= 4:
                 gains = ti.Vector([0.0] * 8)
@@ -125,7 +127,7 @@ class Views:
                     turns = self.turns(heading, bearing) + self.turns(bearing, h)
                     worth = gain / (way + ti.cast(turns, ti.f32))
                     there = (distance == 0) & (turns == 0)
-                    if (gain >= SEEN * LEAST) & (worth > best) & (not there):
+                    if (gain >= SURE * LEAST) & (worth > best) & (not there):
                         best, goal, look, within = worth, node, h, distance
             head += 1
         for k in range(tail):
@@ -146,22 +148,26 @@ class Views:
         px,
         py,
         since,
+        here,
+        found,
     ):
         """Find the ways to all nodes and what may hide there, on every other node of both axes: the nearest
         hiding place, -1 for none; what those count that were not tried; and the queue's end.
         """
         head, tail = 0, self.ways.start(cells, field, queue, base, px, py)
         nearest, total = -1, 0
+        home, shares = self.belief.home(cells, base), self.belief.shares(here, found)
         while (head < tail) & (tail <= AT_MOST):
             node = ti.cast(queue[base + head], ti.i32)
             head += 1
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
             if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
                 i = first + self.at(x, y)
-                if nearest < 0:
+                share = ti.select(self.belief.within(home, x, y), shares[0], shares[1])
+                count = ti.cast(ti.ceil(share * self.belief.odds(cells, base, x, y)), ti.i32)
+                if (nearest < 0) & (count > 0):
                     nearest = node
                 if hidden[i] == 0:
-                    count = ti.select(ti.cast(cells[base + node], ti.i32) >= 4, SEEN, UNSEEN)
                     hidden[i] = ti.cast(count, ti.u8)
                     total += count
             if self.near_seen(cells, base, x, y):

@@ -9,6 +9,9 @@ not known to be solid counts as free: the body finds out on its way.
 from agent.map.cells import Grid
 from sim.runtime import ti
 
+WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
+"""Steps east and south that ``forward`` makes at each of the eight headings."""
+
 FAR = (1 << 16) - 1
 """A node that no search has come to."""
 
@@ -23,6 +26,9 @@ DETOUR = 16
 
 NEAR, PLENTY = 4.0, 50
 """What a way costs besides its nodes; more hiding places in a block than these do not count."""
+
+LONG = 40
+"""Nodes of a way whose turns are counted."""
 
 BESIDE = 3
 """Nodes about the body that a goal's distances go beyond it, so that it may stray a little."""
@@ -139,22 +145,25 @@ class Ways:
         queue: ti.template(),
         base,
         goal,
+        off,
         radius,
         within,
         px,
         py,
     ):
-        """Distances from a goal, and from what is free within ``radius`` nodes of it, to all nodes up to the
-        body's and a little further that may lie on a way of ``within`` nodes; the queue's end. Where nothing
-        there is free, from further away.
+        """Distances from a goal's node, and from what is free less than ``radius`` cells from the goal along
+        both axes, where it lies ``off`` its node, to all nodes up to the body's and a little further that may
+        lie on a way of ``within`` nodes; the queue's end. Where nothing there is free, from further away.
         """
         tail, x, y = 0, goal & ti.static(self.grid.mask), goal >> ti.static(self.grid.bits)
         for wider in range(4):
             if tail == 0:
-                reach = radius + wider
+                span = radius + ti.cast(wider, ti.f32)
+                reach = ti.cast(ti.ceil(span), ti.i32)
                 for j in range(-reach, reach + 1):
                     for i in range(-reach, reach + 1):
-                        if not self.grid.solid(cells, base, x + i, y + j):
+                        away = ti.abs(ti.Vector([ti.cast(i, ti.f32), ti.cast(j, ti.f32)]) - off).max()
+                        if (away < span) and not self.grid.solid(cells, base, x + i, y + j):
                             tail = self.push(field, queue, base, self.grid.at(x + i, y + j), 0, tail)
         head, last = 0, FAR
         while head < tail:
@@ -171,6 +180,47 @@ class Ways:
             if distance + away <= within:
                 tail = self.spread(cells, field, queue, base, node, tail)
         return tail
+
+    @ti.func
+    def bends(self, cells: ti.template(), field: ti.template(), base, px, py, heading):
+        """Turns, of 45 degrees each, on a way from a pose in half cells to the goal that goes straight on as
+        long as that leads nearer, and then turns as little as it must.
+        """
+        x, y, left = px >> 1, py >> 1, FAR
+        for k in range(4):
+            i, j = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
+            distance = ti.cast(field[base + self.grid.at(i, j)], ti.i32)
+            if distance < left:
+                x, y, left = i, j, distance
+        turns, going = 0, ti.cast(left < FAR, ti.i32)
+        for _ in range(LONG):
+            if going & (left > 0):
+                going = 0
+                for k in ti.static(range(8)):
+                    # Straight on, or a turn to either side, or two, or three, or back.
+                    if going == 0:
+                        side = (heading + (0, 1, 7, 2, 6, 3, 5, 4)[k]) & 7
+                        way = self.ahead(side)
+                        dx, dy = way[0], way[1]
+                        open_ = ti.cast(field[base + self.grid.at(x + dx, y + dy)], ti.i32) == left - 1
+                        if open_ and dx * dy != 0:
+                            open_ = not (
+                                self.grid.solid(cells, base, x + dx, y)
+                                | self.grid.solid(cells, base, x, y + dy)
+                            )
+                        if open_:
+                            x, y, left, heading, going = x + dx, y + dy, left - 1, side, 1
+                            turns += (k + 1) // 2
+        return turns
+
+    @ti.func
+    def ahead(self, heading):
+        """Steps east and south at a heading."""
+        x, y = 0, 0
+        for h in ti.static(range(8)):
+            if heading == h:
+                x, y = WAYS[h][0], WAYS[h][1]
+        return ti.Vector([x, y])
 
     @ti.func
     def far(self, field: ti.template(), base, px, py):
