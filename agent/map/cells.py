@@ -59,6 +59,12 @@ class Grid:
         cells[i] = cells[i] | ti.cast(SOLID, ti.u16)
 
     @ti.func
+    def open(self, cells: ti.template(), base, x, y):
+        """Let the body have room on a node: it stands there."""
+        i = base + self.at(x, y)
+        cells[i] = cells[i] & ti.cast(~SOLID, ti.u16)
+
+    @ti.func
     def room(self, cells: ti.template(), base, px, py):
         """Whether the body has room at a pose, in half cells: on all nodes within half a cell of it."""
         free = 1

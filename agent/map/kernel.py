@@ -173,16 +173,19 @@ def step_kernel(program: Any, body: Body) -> Any:
             # remember
             away, picked = ti.abs(off).max(), 0
             if spotted > 0:
-                # The square's centre, from those of its faces that are seen.
-                middle, flat = 0.5 * (low + high), high - low < 0.02
-                if spotted == 1:
+                # The square's centre: it is exact along an axis where a face is seen, and else one of those
+                # places, if it was before, from which the square covers all that is seen of it.
+                flat, least, most = high - low < 0.02, high - half, low + half
+                middle = 0.5 * (low + high)
+                if known and (ti.abs(middle - off).max() <= SAME):
+                    middle = ti.max(least, ti.min(most, off))
+                elif spotted == 1:
                     middle += side
-                elif flat[0]:
-                    middle[0] += ti.select(side[0] > 0, half, -half)
-                elif flat[1]:
-                    middle[1] += ti.select(side[1] > 0, half, -half)
-                else:
-                    middle = ti.select(side > 0, low + half, high - half)
+                if spotted > 1:
+                    if not flat[1]:
+                        middle[0] = ti.select(side[0] > 0, most[0], least[0])
+                    if not flat[0]:
+                        middle[1] = ti.select(side[1] > 0, most[1], least[1])
                 picked = known & ti.cast(ti.abs(middle - off).max() > SAME, ti.i32)
                 target[2 * e], target[2 * e + 1] = x + middle[0], y + middle[1]
                 known = 1
@@ -203,6 +206,9 @@ def step_kernel(program: Any, body: Body) -> Any:
                 counts[w + LAST_NEW] = time
             if blocked[e] != 0:
                 forward = 0
+            if (px | py) & 1 == 0:
+                # It may stand nearer to a wall than the map would have let it go.
+                grid.open(cells, base, px >> 1, py >> 1)
             way = step_by * ways.ahead(heading)
             if (forward == 0) & grid.room(cells, base, px + way[0], py + way[1]):
                 # It cannot go where the map says it can: what hinders it lies between two rays.
