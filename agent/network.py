@@ -25,7 +25,7 @@ class QNetwork(nn.Module):
         features: int = 0,
         width: int = 128,
     ) -> None:
-        """Draw first weights from torch's generator: ``seeded_network`` seeds it around this call.
+        """Draw first weights from torch's generator: ``agent.build.network_of`` seeds it.
 
         ``features`` is how many numbers of a map it reads: ``agent.map.FEATURES``, or 0 for none.
         """
@@ -59,16 +59,3 @@ class QNetwork(nn.Module):
         seen = self.look(windows).relu_().flatten(1)
         known = [memory.flatten(1)] if features is None else [memory.flatten(1), features]
         return self.judge(torch.cat([seen, *known], dim=1))
-
-
-def seeded_network(
-    seed: int,
-    rays: int = 40,
-    channels: int = 2,
-    half_lives: tuple[float, ...] = (1, 4, 16, 64),
-    features: int = 0,
-) -> QNetwork:
-    """A new network whose weights are a function of the seed; torch's own generator is left as it was."""
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
-        return QNetwork(rays, channels, half_lives, features)

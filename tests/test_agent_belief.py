@@ -1,3 +1,4 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """What a map believes of places it has not looked at: against NumPy, by hand, and against the true houses."""
 
 import numpy as np

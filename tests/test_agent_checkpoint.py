@@ -11,7 +11,7 @@ import torch
 from agent.build import network_of
 from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, save
 from agent.config import PRESETS, Config, DQNConfig, PQNConfig
-from agent.network import seeded_network
+from agent.network import QNetwork
 
 CONFIG = PQNConfig(steps=1000, seed=3)
 
@@ -85,7 +85,7 @@ def test_other_tensors_are_refused(tmp_path):
 
 def test_a_network_of_another_shape_is_refused(tmp_path):
     path = tmp_path / "agent.safetensors"
-    other = seeded_network(0, rays=20).state_dict()
+    other = QNetwork(rays=20).state_dict()
     assert "another shape" in refusal(spoiled(path, other))
     assert "another shape" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
     assert "another shape" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))

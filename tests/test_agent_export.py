@@ -8,11 +8,12 @@ import pytest
 import torch
 
 from agent import checkpoint
+from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.cli import main
 from agent.config import PQNConfig
 from agent.export import INPUTS, OUTPUTS, NoExporter, Step, export
-from agent.network import QNetwork, seeded_network
+from agent.network import QNetwork
 from agent.recurrent import RecurrentQNetwork
 
 onnxruntime = pytest.importorskip("onnxruntime")
@@ -93,7 +94,7 @@ def test_without_the_exporter_one_line_says_what_to_install_and_nothing_is_writt
 def test_the_command_writes_a_checkpoints_network(tmp_path):
     config = PQNConfig()
     saved = tmp_path / "agent.safetensors"
-    checkpoint.save(Checkpoint(seeded_network(0), config, 0), saved)
+    checkpoint.save(Checkpoint(network_of(config), config, 0), saved)
     with pytest.raises(SystemExit) as done:
         main(["export", str(saved), "--out", str(tmp_path / "agent.onnx")])
     assert not done.value.code

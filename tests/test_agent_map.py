@@ -11,13 +11,13 @@ from scipy.sparse.csgraph import dijkstra
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import subsume
+from agent.build import network_of
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
 from agent.evaluate import play
 from agent.map import FEATURES, FREE, TAKEN, Map, Search, mirrored_features
 from agent.map.kernel import KIND, NONE, STALE
 from agent.map.ways import FAR
-from agent.network import seeded_network
 from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
 from agent.pqn import PQN
 from agent.world import make_worlds, shield
@@ -265,7 +265,7 @@ def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes(search)
 
 def test_behaviours_stack_avoid_over_explore_over_network(envs):
     """While no target is known the map decides, then the network does; the shield overrules both."""
-    network, surveyor, layer = seeded_network(0), Surveyor(envs.config), shield(envs)
+    network, surveyor, layer = network_of(PQNConfig()), Surveyor(envs.config), shield(envs)
     stacked = QPolicy(
         *(network, Stack(layer, Explore(surveyor)), torch.Generator().manual_seed(0)),
         epsilon=0.0,
@@ -304,7 +304,7 @@ def test_a_network_defers_to_the_map_where_actions_are_worth_the_same():
 
 
 def test_a_new_network_with_a_map_does_what_it_advises(envs):
-    policy = QPolicy(seeded_network(0, features=FEATURES), shield(envs), torch.Generator(), epsilon=0.0)
+    policy = QPolicy(network_of(PQNConfig(map=True)), shield(envs), torch.Generator(), epsilon=0.0)
     seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(E).bool()
     policy.begin(E)
     for _ in range(50):
@@ -316,7 +316,7 @@ def test_a_new_network_with_a_map_does_what_it_advises(envs):
 
 
 def test_a_checkpoint_keeps_a_network_with_a_map(tmp_path):
-    network = seeded_network(0, features=FEATURES)
+    network = network_of(PQNConfig(map=True))
     torch.nn.init.normal_(next(network.judge[-1].parameters()))
     save(Checkpoint(network, PRESETS["pqn-map"], steps=1), tmp_path / "agent.safetensors")
     found = load(tmp_path / "agent.safetensors")

@@ -4,10 +4,11 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT, mirrored
+from agent.build import network_of
 from agent.config import PQNConfig
 from agent.learner import Diverged
 from agent.memory import mirrored_memory
-from agent.network import QNetwork, seeded_network
+from agent.network import QNetwork
 from agent.pqn import PQN, Batch, lambda_returns, linear, q_loss
 from agent.recurrent import RecurrentQNetwork
 from logic.errors import RequestError
@@ -210,7 +211,7 @@ def test_the_network_has_the_stated_size_and_shape():
 
 def test_first_weights_are_a_function_of_the_seed_and_leave_torch_alone():
     before = torch.random.get_rng_state()
-    one, same, other = (seeded_network(seed).look.weight for seed in (1, 1, 2))
+    one, same, other = (network_of(PQNConfig(seed=seed)).look.weight for seed in (1, 1, 2))
     assert torch.equal(one, same)
     assert not torch.equal(one, other)
     assert torch.equal(before, torch.random.get_rng_state())

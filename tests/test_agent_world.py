@@ -10,11 +10,12 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
+from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.config import PQNConfig
 from agent.evaluate import evaluate, play, play_oracle
 from agent.learner import Progress
-from agent.network import QNetwork, seeded_network
+from agent.network import QNetwork
 from agent.policies import QPolicy, RandomPolicy
 from agent.pqn import PQN
 from agent.rollout import Rollout
@@ -136,7 +137,7 @@ def filled(envs: HouseVectorEnv, network: QNetwork, *, length: int, times: int) 
 
 
 def test_a_rollout_leaves_out_the_step_after_an_end_and_forgets_what_came_before(envs):
-    _, memory, _, valid = filled(envs, seeded_network(0), length=500, times=4)
+    _, memory, _, valid = filled(envs, network_of(PQNConfig()), length=500, times=4)
     assert valid.logical_not().nonzero()[:, 0].tolist() == [1500] * E
     held = memory.sum((2, 3)).gt(0)
     assert not held[[0, 1501]].any()
@@ -145,7 +146,7 @@ def test_a_rollout_leaves_out_the_step_after_an_end_and_forgets_what_came_before
 
 
 def test_a_rollout_goes_on_where_the_one_before_it_ended(envs):
-    network = seeded_network(0)
+    network = network_of(PQNConfig())
     halves, whole = filled(envs, network, length=20, times=2), filled(envs, network, length=40, times=1)
     assert all(torch.equal(a, b) for a, b in zip(halves, whole, strict=True))
 
@@ -165,7 +166,7 @@ def test_a_short_run_learns_something_and_says_how_it_goes(envs):
     assert history[0].epsilon == 0.4
     assert history[-1].epsilon == pytest.approx(SHORT.final_epsilon)
     assert all(math.isfinite(progress.loss) for progress in history)
-    pairs = zip(network.parameters(), seeded_network(0).parameters(), strict=True)
+    pairs = zip(network.parameters(), network_of(PQNConfig()).parameters(), strict=True)
     assert not any(torch.equal(weight, first) for weight, first in pairs)
 
 
@@ -216,7 +217,7 @@ def test_a_player_that_follows_the_oracle_scores_what_the_oracle_does(envs):
 
 
 def test_an_evaluation_is_a_function_of_its_seed_and_no_one_beats_the_oracle(envs):
-    network = seeded_network(0)
+    network = network_of(PQNConfig())
     scores = evaluate(Checkpoint(network, PQNConfig(), 0), envs, seed=1)
     assert (scores.oracle.targets >= np.maximum(scores.agent.targets, scores.walk.targets)).all()
     assert scores.walk.ratio(scores.oracle).value < 0.5
@@ -231,7 +232,8 @@ def test_the_policies_count_what_their_layer_overrules(envs):
     walk = play("walk", envs, RandomPolicy(PaperRule(rng), rng), seed=0)
     assert 0 < walk.interventions < walk.steps
     left = torch.tensor([[True, False, False]] * E)
-    spin = play("left", envs, QPolicy(seeded_network(0), lambda observation, blocked: left, rng), seed=0)
+    policy = QPolicy(network_of(PQNConfig()), lambda observation, blocked: left, rng)
+    spin = play("left", envs, policy, seed=0)
     assert spin.targets.sum() <= E  # it turns on the spot
     assert 0 < spin.interventions < spin.steps
 
