@@ -3,9 +3,10 @@
 """Views on the map: the place and heading to go to, from which a look would show most hiding places for its
 way. The searcher (``sim.searcher``) goes by the same rule, but knows the house; a map knows its own cells.
 
-The numbers below were chosen together on 160 validation houses, by targets in secondary rooms. In 160 others
-it found 0.04, 0.08 and 0.12 of the oracle's targets more than blocks did, in secondary, all and main rooms;
-all of it while the house was new, as far as secondary rooms go.
+The numbers below were chosen on 160 validation houses, by targets in secondary rooms. In 320 others an
+explorer that goes by them picks up 0.63 of the oracle's targets in secondary rooms, 0.70 in all and 0.98 in
+the main room. Half or twice one of them changes that by less than the noise, 0.007, but six times ``HASTE``
+costs 0.016.
 """
 
 import numpy as np
