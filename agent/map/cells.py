@@ -10,6 +10,9 @@ what is occupied stays so. The grid is a torus: it follows the body wherever an 
 
 from sim.runtime import ti
 
+WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
+"""Steps east and south that ``forward`` makes at each of the eight headings."""
+
 OCCUPIED, SOLID = 1, 2
 """Bits of a cell."""
 

@@ -6,11 +6,8 @@ A step along a diagonal goes as far along both axes, so all eight neighbours of 
 not known to be solid counts as free: the body finds out on its way.
 """
 
-from agent.map.cells import Grid
+from agent.map.cells import WAYS, Grid
 from sim.runtime import ti
-
-WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
-"""Steps east and south that ``forward`` makes at each of the eight headings."""
 
 FAR = (1 << 16) - 1
 """A node that no search has come to."""
