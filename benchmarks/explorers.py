@@ -1,0 +1,238 @@
+"""What the numbers of an agent's map are worth: ``python -m benchmarks.explorers --set THOUGHT=48``.
+
+The explorer by views (``agent.policies.Explorer``) plays an episode in each of 320 houses of validation
+seeds, as it is and with other numbers in the modules of ``agent.map``: each ``--set`` is a variant, of one
+number or of several (``--set DEPTH=4,views.PLENTY=300``). Tables tell what share of the oracle's targets each
+picks up, and what that differs, house by house, from the explorer as it is. Houses and scores are kept, so
+that a run that was stopped goes on where it was; scores by the sources that made them.
+"""
+
+import hashlib
+import inspect
+import io
+import signal
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from multiprocessing import get_context
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import torch
+import tyro
+from torch import Tensor
+
+from agent import avoidance, policies
+from agent.banks import VALIDATION, bank_hash
+from agent.baselines import baselines
+from agent.commands import Targets
+from agent.evaluate import begin
+from agent.map import Map
+from agent.policies import Explorer, Policy, Surveyor
+from agent.scoreboard import Sheet
+from agent.statistics import interquartile_mean
+from agent.world import make_worlds, shield
+from benchmarks.agents import LIBC, ROOMS, say
+from benchmarks.constants import MODULES, change, constants
+from logic import House, generate, load, save
+from logic.errors import RequestError, VitruviusError
+from logic.files import write_whole
+from sim import HouseVectorEnv, oracle, searcher
+from sim.config import DEFAULT
+
+SEED = VALIDATION[len(VALIDATION) // 2]
+"""Houses with r rooms are of seed ``SEED + r``: other studies take theirs from where the range begins."""
+
+THIRDS = ("first third", "second", "last")
+AS_IS, ORACLE, SEARCHER = "as it is", "oracle", "searcher"
+
+SOURCES = {ORACLE: [oracle], SEARCHER: [searcher]}
+"""What a score depends on besides the world, which tests hold to what it is; an explorer's on its map's."""
+
+
+class PlayerFailed(VitruviusError):
+    """A player's process ended before its scores were written."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True)
+class Explorers:
+    """Measure the explorer, and variants of it, in houses of validation seeds."""
+
+    targets: tuple[Targets, ...] = ("secondary",)
+    """Where targets lie: two tables for each."""
+
+    set: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """A variant: NAME=NUMBER, or several with commas between them. Repeat for other variants."""
+
+    searcher: bool = False
+    """The searcher too, which knows the house, and where in it a target may still be."""
+
+    houses: int = 64
+    """Houses of each number of rooms, 2 to 6."""
+
+    steps: int = DEFAULT.steps
+    """Of an episode that are played."""
+
+    out: Path = Path("runs/explorers")
+    """Folder for houses, scores and explorers.md."""
+
+    def run(self) -> None:
+        """Play what was not played yet, each player in a process of its own; print the tables."""
+        if self.houses < 1 or not len(THIRDS) <= self.steps <= DEFAULT.steps:
+            raise RequestError(f"--houses must be 1 or more, --steps {len(THIRDS)} to {DEFAULT.steps}")
+        for text in self.set:
+            constants(text)
+        players = list(dict.fromkeys((AS_IS, *self.set, *[SEARCHER] * self.searcher)))
+        for player in (ORACLE, *players):
+            if not all(self.path(mode, player).exists() for mode in self.targets):
+                # A kernel keeps the numbers that it was compiled with, as long as its process lives.
+                process = get_context("spawn").Process(target=_play, args=(self, player))
+                process.start()
+                process.join()
+                if process.exitcode:
+                    raise PlayerFailed(f"{player}: its process ended with {process.exitcode}, see above")
+        rooms, page = np.array([len(house.rooms) for house in self.bank]), []
+        for mode in self.targets:
+            kept = {player: np.load(self.path(mode, player)) for player in (ORACLE, *players)}
+            most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1)
+            page += [sheet.markdown() for sheet in sheets(mode, kept, most, rooms)]
+        write_whole(self.out / "explorers.md", "\n\n".join([*page, ""]).encode())
+        print("\n\n".join(page))
+
+    @cached_property
+    def bank(self) -> list[House]:
+        """The houses, made once."""
+        path = self.out / f"houses-{self.houses}.jsonl"
+        if not path.exists():
+            series = (generate(rooms, seed=SEED + rooms, count=self.houses) for rooms in ROOMS)
+            save([house for houses in series for house in houses], path)
+        return load(path)
+
+    def path(self, mode: str, player: str) -> Path:
+        """Where what a player did is kept: its targets (3, H) of each third of the episode in each house, and
+        microseconds of the map for a step of one environment.
+        """
+        known, name = [bank_hash(self.bank), self.steps], player
+        if player not in SOURCES:
+            known, name = [*known, sorted(changed(player).items())], "explorer"
+        sources = SOURCES.get(player, [*MODULES.values(), policies, avoidance])
+        key = hashlib.sha256(repr([*known, *map(inspect.getsource, sources)]).encode()).hexdigest()
+        return self.out / f"{mode}-{name}-{key[:12]}.npz"
+
+    def play(self, player: str) -> None:
+        """Play in the modes that are missing. A variant's numbers hold in this process from now on."""
+        torch.set_num_threads(1)
+        change(changed(player))
+        for mode in self.targets:
+            path, content = self.path(mode, player), io.BytesIO()
+            if not path.exists():
+                envs = make_worlds(self.bank, len(self.bank), mode)
+                policy, clock = explorer(envs)
+                if player in SOURCES:
+                    policy = baselines(envs, 0)[player]()
+                targets = episode(envs, policy, self.steps)
+                np.savez(content, targets=targets, microseconds=clock.microseconds)
+                write_whole(path, content.getvalue())
+                say(f"{mode}, {player}: {targets.sum() / len(self.bank):.2f} targets a house")
+
+
+class Clock(Surveyor):
+    """Keeps maps, and the seconds that they took."""
+
+    seconds: tuple[float, ...] = ()
+
+    def look(self, observation: Tensor, blocked: Tensor) -> Map:
+        """The maps, with what the last actions led to."""
+        began = perf_counter()
+        found = super().look(observation, blocked)
+        self.seconds += (perf_counter() - began,)
+        return found
+
+    @property
+    def microseconds(self) -> float:
+        """Of a map's step, but for the first, which compiles; not a number where there was none."""
+        return 1e6 * float(np.mean(self.seconds[1:])) / len(self.actions) if self.seconds else np.nan
+
+
+def changed(player: str) -> dict[str, float]:
+    """The numbers that a player's map has in place of its own."""
+    return {} if player in (AS_IS, *SOURCES) else constants(player)
+
+
+def explorer(envs: HouseVectorEnv) -> tuple[Policy, Clock]:
+    """An explorer by views for these environments, and what keeps its maps."""
+    policy, clock = Explorer(shield(envs), envs.config), Clock(envs.config, "views")
+    policy.surveyor = clock
+    return policy, clock
+
+
+def episode(envs: HouseVectorEnv, policy: Policy, steps: int) -> np.ndarray:
+    """Targets (3, H) that a policy picks up in each third of so many steps, environment i in house i."""
+    observation, blocked = begin(envs, 0), torch.zeros(envs.num_envs, dtype=torch.bool)
+    policy.begin(envs.num_envs)
+    targets = np.zeros((len(THIRDS), envs.num_envs))
+    for step in range(steps):
+        observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
+        blocked = info["blocked"]
+        targets[len(THIRDS) * step // steps] += reward.numpy()
+    return targets
+
+
+def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterator[Sheet]:
+    """A mode's tables, of what players did in houses of so many ``rooms`` (H,) where the oracle picks up
+    ``most`` (H,).
+    """
+    shares = {player: cuts(each["targets"] / most, rooms) for player, each in kept.items()}
+    names = shares[AS_IS]
+    yield Sheet(
+        f"Share of the oracle's targets, {mode}, {len(rooms)} houses",
+        ("player", "iqm", *names, "µs of the map"),
+        [
+            (
+                player,
+                f"{interquartile_mean(each['mean']).value:.3f}",
+                *(f"{share.mean():.3f}" for share in each.values()),
+                f"{float(kept[player]['microseconds']):.1f}",
+            )
+            for player, each in shares.items()
+        ],
+    )
+    if len(shares) == 1:
+        return
+    yield Sheet(
+        f"The same less that of the explorer as it is, {mode}, and the difference's standard error",
+        ("player", *names),
+        [
+            (player, *(difference(each[name] - names[name]) for name in names))
+            for player, each in shares.items()
+            if player != AS_IS
+        ],
+    )
+
+
+def cuts(shares: np.ndarray, rooms: np.ndarray) -> dict[str, np.ndarray]:
+    """Shares (3, H) of all houses, of those with so many ``rooms`` (H,), and in each third as a whole."""
+    by_rooms = {f"{number} rooms": shares.sum(axis=0)[rooms == number] for number in np.unique(rooms)}
+    return {"mean": shares.sum(axis=0)} | by_rooms | dict(zip(THIRDS, len(THIRDS) * shares, strict=True))
+
+
+def difference(pairs: np.ndarray) -> str:
+    """A mean difference over houses (H,), with its standard error."""
+    return f"{pairs.mean():+.3f} ± {pairs.std() / max(len(pairs) - 1, 1) ** 0.5:.3f}"
+
+
+def _play(study: Explorers, player: str) -> None:
+    LIBC.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG: end if the study is killed
+    study.play(player)
+
+
+if __name__ == "__main__":
+    try:
+        tyro.cli(Explorers).run()
+    except VitruviusError as error:
+        say(f"error: {error}")
+        sys.exit(error.exit_code)

@@ -1,0 +1,250 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
+"""How often ground that was never seen hides a target: ``python -m benchmarks.odds`` prints the table
+``agent.map.belief.ODDS`` as it is measured, beside the one that the code holds.
+
+Explorers by views play in 100 houses of training seeds. Every now and then each that seeks a target is asked
+for some of the hiding places on its map, and the house itself tells in which a target could lie that was not
+seen since the last pick-up. An entry is the share of those among the places with one count of what surrounds
+them, as the belief counts it, over that among places that had been seen before. Errors are over houses.
+"""
+
+import sys
+from dataclasses import dataclass
+from unittest.mock import patch
+
+import numpy as np
+import torch
+import tyro
+from scipy.ndimage import label
+from scipy.optimize import isotonic_regression
+from scipy.spatial import KDTree
+
+from agent.map import BITS, Map, belief
+from agent.map.belief import ODDS, SURE, Belief
+from agent.map.cells import SOLID, WAYS, Bytes, Cells, Grid, Wholes
+from agent.map.kernel import COUNTS, SINCE
+from agent.map.views import DEPTH
+from agent.policies import Explorer
+from agent.scoreboard import Sheet
+from agent.world import make_worlds, shield
+from benchmarks.agents import ROOMS, say
+from logic import House, generate
+from logic.errors import RequestError, VitruviusError
+from sim import HouseVectorEnv
+from sim.config import DEFAULT
+from sim.lookout import PITCH, Lookout
+from sim.runtime import Array, Launch, ti
+
+SIDE = 1 << BITS
+
+ENTRIES = len(ODDS)
+"""Places that were seen before are counted behind the table's entries."""
+
+FIRST, EVERY, PLACES = 15, 30, 8
+"""Steps until an explorer is asked, and until it is asked again; places that it is asked for."""
+
+BESIDE = 0.75 * PITCH
+"""Metres from a place to a spot where a target may lie that are the same place: a little more than the half
+diagonal between spots."""
+
+TRIFLE = 5
+"""Entries that are less count for nothing: so much is seen amiss."""
+
+RESAMPLES = 2000
+
+
+@dataclass(frozen=True)
+class Odds:
+    """Measure the table of odds in training houses."""
+
+    houses: int = 20
+    """Houses of each number of rooms, 2 to 6: the first of those that the study of agents learns in."""
+
+    steps: int = DEFAULT.steps
+    """Of an episode that are played."""
+
+    def run(self) -> None:
+        """Measure and print."""
+        if self.houses < 1 or not FIRST < self.steps <= DEFAULT.steps:
+            raise RequestError(f"--houses must be 1 or more, --steps {FIRST + 1} to {DEFAULT.steps}")
+        torch.set_num_threads(1)
+        series = [list(generate(rooms, seed=100 + rooms, count=self.houses)) for rooms in ROOMS]
+        free, asked = collect([house for houses in series for house in houses], self.steps)
+        if not free[:, ENTRIES].any():
+            raise RequestError("no place was asked for that had been seen before: more --houses or --steps")
+        print(sheet(free, asked).markdown())
+        print(f"\nODDS = {table(free.sum(axis=0), asked.sum(axis=0))}")
+
+
+class Places:
+    """The hiding places on maps, by what surrounds them."""
+
+    def __init__(self, map: Map) -> None:
+        """Ask these maps."""
+        self.map, number = map, len(map.advice)
+        grid, believed, half = Grid(BITS), Belief(Grid(BITS)), SIDE // 2
+
+        @ti.kernel
+        def ask(cells: Cells, asked: Bytes, since: Wholes, entries: Wholes):
+            for k in range(asked.shape[0]):
+                e, x, y = k // (half * half), 2 * (k % half), 2 * (k // half % half)
+                entries[k] = -1
+                # Nested: Taichi's ``and`` computes both sides.
+                if asked[k]:  # noqa: SIM102
+                    if grid.hides(cells, e * grid.area, x, y, since[e]):
+                        entries[k] = believed.odds(cells, e * grid.area, x, y)
+
+        self.arrays = {
+            "cells": map.arrays["cells"],
+            "asked": Array(ti.u8, number * half * half),
+            "since": Array(ti.i32, number),
+            "entries": Array(ti.i32, number * half * half),
+        }
+        # In a table of its own places the belief looks up which one it would take.
+        with patch.object(belief, "ODDS", tuple(range(ENTRIES))):
+            self._ask = Launch(ask, self.arrays)
+
+    def ask(self) -> np.ndarray:
+        """The entries (E, 128, 128) int32 of every other node along both axes, south by east of the start;
+        ``SURE`` where it was seen before, -1 where it is out of reach or hides nothing.
+        """
+        number, half = len(self.map.advice), SIDE // 2
+        self.arrays["since"].view()[:] = self.map.arrays["counts"].view().reshape(number, COUNTS)[:, SINCE]
+        within = np.stack([self.within_reach(e)[::2, ::2] for e in range(number)])
+        self.arrays["asked"].view()[:] = within.ravel()
+        self._ask()
+        return self.arrays["entries"].numpy().reshape(number, half, half)
+
+    def within_reach(self, environment: int) -> np.ndarray:
+        """The nodes (256, 256) bool that a search for views from the body may come to."""
+        cells = self.map.arrays["cells"].view().reshape(-1, SIDE, SIDE)[environment]
+        near = seen = cells >> 2 > 0
+        for dx, dy in WAYS:
+            near = near | np.roll(seen, (-DEPTH * dy, -DEPTH * dx), axis=(0, 1))
+        # The grid is a torus: with the body in its middle, what is near to it lies in one piece.
+        x, y = self.body(environment)
+        shift = SIDE // 2 - y, SIDE // 2 - x
+        parts, _ = label(np.roll(near & (cells & SOLID == 0), shift, axis=(0, 1)), np.ones((3, 3)))
+        part = parts[SIDE // 2, SIDE // 2]
+        return np.roll((parts == part) & (part > 0), (-shift[0], -shift[1]), axis=(0, 1))
+
+    def body(self, environment: int) -> np.ndarray:
+        """The node (2,) int that the body is on, east and south of its start."""
+        return np.floor(self.map.pose(environment)[:2]).astype(int)
+
+
+class Truth:
+    """Where targets may lie in houses that explorers are in, and what they have seen of that."""
+
+    def __init__(self, envs: HouseVectorEnv, starts: np.ndarray, cell: float) -> None:
+        """Begin where the bodies are, at their ``starts`` (E, 3), for maps of such cells, metres."""
+        self.watch, self.starts, self.cell = Lookout(envs), starts, cell
+        self.watch.begin()
+        arrays = self.watch.arrays
+        self.seen = arrays["seen"].view().reshape(envs.num_envs, -1)
+        spots = arrays["spots"].numpy().reshape(-1, 2) * envs.config.step
+        parts = np.split(spots, arrays["starts"].numpy()[1:-1])
+        self.trees = [
+            KDTree(part + origin)
+            for part, origin in zip(parts, arrays["origins"].numpy().reshape(-1, 2), strict=True)
+        ]
+
+    def look(self, picked: np.ndarray) -> None:
+        """Look from where the bodies are; where a target was ``picked`` (E,) bool, the next is sought."""
+        self.seen[picked] = 0
+        self.watch.look()
+
+    def where(self, environment: int, nodes: np.ndarray) -> np.ndarray:
+        """Where nodes (n, 2) of a map lie, cells east and south of its start: in the house, metres."""
+        x, y, heading = self.starts[environment]
+        # A map's axes are the walls', its east the one that the body began along, or next to clockwise.
+        turn = np.pi / 2 * (round(float(heading) / (np.pi / 4)) // 2)
+        along = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        return np.array([x, y]) + self.cell * nodes @ along
+
+    def free(self, environment: int, nodes: np.ndarray) -> np.ndarray:
+        """About which of these nodes (n, 2) a target could lie that was not seen since the last pick-up."""
+        away, spot = self.trees[environment].query(self.where(environment, nodes))
+        seen = np.unpackbits(self.seen[environment].view(np.uint8), bitorder="little")[spot]
+        return (away < BESIDE) & (seen == 0)
+
+
+def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places (H, 18) in each house by their entry, those that were seen before the last: that could hide a
+    target, and all that explorers were asked for.
+    """
+    number, chance = len(houses), np.random.default_rng(0)
+    envs = make_worlds(houses, number, "mixed")
+    observation, info = envs.reset(seed=0, options={"house": np.arange(number)})
+    policy = Explorer(shield(envs), envs.config, "views")
+    policy.begin(number)
+    map = policy.surveyor.map
+    places, truth = Places(map), Truth(envs, info["pose"], map.cell)
+    seen, blocked = torch.as_tensor(observation), torch.zeros(number, dtype=torch.bool)
+    free, asked = np.zeros((2, number, ENTRIES + 1), int)
+    for step in range(steps):
+        actions = policy(seen, blocked)
+        if step % EVERY == FIRST:
+            entries = places.ask()
+            for e in np.flatnonzero(map.seeks.numpy()):
+                nodes = chance.permutation(np.argwhere(entries[e] >= 0))[:PLACES]
+                entry = np.minimum(entries[e][tuple(nodes.T)], ENTRIES)
+                body = places.body(e)
+                away = (2 * nodes[:, ::-1] - body + SIDE // 2) % SIDE - SIDE // 2
+                np.add.at(asked[e], entry, 1)
+                np.add.at(free[e], entry, truth.free(e, body + away))
+        seen, reward, _, _, info = envs.step_torch(actions)
+        blocked = info["blocked"]
+        truth.look(reward.numpy() > 0)
+    return free, asked
+
+
+def odds(free: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """What places (..., 17) count, of ``SURE``, by such numbers (..., 18); not a number where none is."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = free / asked
+        return SURE * shares[..., :ENTRIES] / shares[..., ENTRIES:]
+
+
+def table(free: np.ndarray, asked: np.ndarray) -> tuple[int, ...]:
+    """The table by such numbers (18,): whole, rising, as more floor about a place never makes it less likely,
+    and 0 for trifles.
+    """
+    measured, weights = np.nan_to_num(odds(free, asked)), np.maximum(asked[:ENTRIES], 1e-6)
+    rising = isotonic_regression(measured, weights=weights).x
+    return tuple(int(min(round(each), SURE)) if each >= TRIFLE else 0 for each in rising)
+
+
+def sheet(free: np.ndarray, asked: np.ndarray) -> Sheet:
+    """What was measured in H houses (H, 18), beside the code's table."""
+    drawn = np.random.default_rng(0).integers(len(free), size=(RESAMPLES, len(free)))
+    others = odds(free[drawn].sum(axis=1), asked[drawn].sum(axis=1))
+    errors = np.ma.masked_invalid(others).std(axis=0)
+    free, asked = free.sum(axis=0), asked.sum(axis=0)
+    rows = zip(odds(free, asked), errors, table(free, asked), ODDS, strict=True)
+    lines = [
+        (
+            f"{k - 8:+d}",
+            f"{free[k]}",
+            f"{asked[k]}",
+            f"{found:.1f} ± {error:.1f}" if asked[k] else "-",
+            f"{entry}",
+            f"{held}",
+        )
+        for k, (found, error, entry, held) in enumerate(rows)
+    ]
+    lines.append(("seen before", f"{free[ENTRIES]}", f"{asked[ENTRIES]}", f"{SURE}", "", ""))
+    return Sheet(
+        f"What a place counts as a hiding place, {asked[:ENTRIES].sum()} that were never seen",
+        ("floor less walls about it", "free", "of", "measured", "table", "in the code"),
+        lines,
+    )
+
+
+if __name__ == "__main__":
+    try:
+        tyro.cli(Odds).run()
+    except VitruviusError as error:
+        say(f"error: {error}")
+        sys.exit(error.exit_code)

@@ -1,0 +1,251 @@
+"""The studies of the map's numbers: what is compared is alike but for them, and odds are those of houses."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from agent.map import belief, kernel, views, ways
+from agent.map.belief import ODDS, SURE
+from agent.map.cells import OCCUPIED
+from agent.policies import Explorer
+from agent.world import make_worlds, shield
+from benchmarks import explorers
+from benchmarks.constants import KNOWN, change, constants
+from benchmarks.explorers import Explorers, cuts, difference, sheets
+from benchmarks.odds import ENTRIES, Places, Truth, collect, odds, sheet, table
+from logic import save
+from logic.errors import RequestError
+from tests.worlds import random_house
+
+HOUSES = [random_house(seed) for seed in range(4)]
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let players play in this process, whose maps are compiled."""
+
+    class Process:
+        exitcode = None
+
+        def __init__(self, target: Any, args: tuple[Explorers, str]) -> None:
+            self.start = lambda: args[0].play(args[1])
+            self.join = lambda: None
+
+    monkeypatch.setattr(explorers, "get_context", lambda _: SimpleNamespace(Process=Process))
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Explorers:
+    """A short one, in houses that were made before."""
+    save(HOUSES, tmp_path / "houses-1.jsonl")
+    return Explorers(("main", "secondary"), ("THOUGHT=24",), houses=1, steps=120, out=tmp_path)
+
+
+def scores(study: Explorers) -> dict[str, bytes]:
+    return {path.name: np.load(path)["targets"].tobytes() for path in study.out.glob("*.npz")}
+
+
+# Variants.
+
+
+@pytest.mark.usefixtures("here")
+def test_a_variant_that_changes_nothing_differs_by_nothing(
+    study: Explorers, capsys: pytest.CaptureFixture
+) -> None:
+    study.run()
+    page = capsys.readouterr().out
+    assert page.strip() == (study.out / "explorers.md").read_text().strip()
+    most, same, *_ = (
+        line.split(" | ") for line in page.splitlines() if line.startswith(("| as it is", "| THOUGHT=24"))
+    )
+    assert 0 < float(most[2]) < 1.5
+    assert same[1:-1] == most[1:-1]
+    compared = [line for line in page.splitlines() if "±" in line]
+    assert len(compared) == 2
+    for line in compared:
+        assert set(line.removeprefix("| THOUGHT=24 | ").removesuffix(" |").split(" | ")) == {"+0.000 ± 0.000"}
+
+
+@pytest.mark.usefixtures("here")
+def test_a_study_that_was_killed_goes_on_where_it_was(
+    study: Explorers, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    played, episode = [], explorers.episode
+
+    def stopped(envs: Any, policy: Any, steps: int) -> np.ndarray:
+        played.append(policy)
+        if len(played) == 4:
+            raise KeyboardInterrupt
+        return episode(envs, policy, steps)
+
+    monkeypatch.setattr(explorers, "episode", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        study.run()
+    assert len(scores(study)) == 3
+    study.run()
+    assert len(played) == 3 + 1 + 3  # that it was stopped in is played anew
+    study.run()
+    assert len(played) == 7
+    assert not list(tmp_path.glob(".*"))  # nothing half written is left
+
+
+def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
+    paths = {
+        study.path("main", player) for player in ("oracle", "searcher", "as it is", "HASTE=5", "HASTE=6")
+    }
+    assert len(paths) == 5
+    assert study.path("main", "HASTE=5,DEPTH=4") == study.path("main", "DEPTH=4,views.HASTE=5.0")
+    before = study.path("main", "as it is"), study.path("main", "oracle")
+    monkeypatch.setattr(explorers.inspect, "getsource", lambda module: module.__name__ + "changed")
+    assert study.path("main", "as it is") != before[0]
+    assert Explorers(steps=30, houses=1, out=study.out).path("main", "oracle") != before[1]
+
+
+def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, name in ((views, "THOUGHT"), (kernel, "THOUGHT"), (views, "PLENTY"), (views, "HASTE")):
+        monkeypatch.setattr(module, name, getattr(module, name))
+    apart = ways.PLENTY
+    change(constants("THOUGHT=48,views.PLENTY=300,HASTE=5"))
+    assert (views.THOUGHT, kernel.THOUGHT, views.PLENTY, views.HASTE) == (48, 48, 300, 5.0)
+    assert apart == ways.PLENTY
+    assert "kernel.SCALARS" not in KNOWN  # other constants are made of it when it is read
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("TOUGHT=3", "TOUGHT is no number of agent.map that can be set. Did you mean THOUGHT?"),
+        ("THOUGHT=48,Q=1", "Q is no number"),
+        ("", "nothing is no number"),
+        ("PLENTY=3", "more than one PLENTY. Say views.PLENTY or ways.PLENTY"),
+        ("DEPTH=4.5", "DEPTH needs a number such as it has, 8, not '4.5'"),
+        ("DEPTH", "not ''"),
+        ("ODDS=3", "ODDS is no number"),
+    ],
+)
+def test_an_unknown_name_is_one_line_before_anything_is_played(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(RequestError) as caught:
+        Explorers(set=(text,), out=tmp_path).run()
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_player_whose_process_dies_is_told(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
+    process = SimpleNamespace(start=lambda: None, join=lambda: None, exitcode=-11)
+    monkeypatch.setattr(explorers, "get_context", lambda _: SimpleNamespace(Process=lambda **_: process))
+    with pytest.raises(explorers.PlayerFailed, match="oracle: its process ended with -11"):
+        study.run()
+
+
+def test_differences_are_of_the_same_houses() -> None:
+    """By hand: of 10 targets in each of four houses one finds 4, 6, 4, 6, another one more in two of them."""
+    one = np.zeros((3, 4))
+    one[0] = 4, 6, 4, 6
+    other = one.copy()
+    other[2, :2] += 1
+    rooms, kept = np.array([2, 2, 3, 3]), {"as it is": one, "A=1": other}
+    found = {name: {"targets": each, "microseconds": 3.0} for name, each in kept.items()}
+    share, less = sheets("main", found, np.full(4, 10), rooms)
+    assert share.rows[0] == ("as it is", "0.500", "0.500", "0.500", "0.500", "1.500", "0.000", "0.000", "3.0")
+    error = "0.029"  # two of 0.1 and two of 0: their deviation 0.0577 over the root of 4
+    none = "+0.000 ± 0.000"
+    assert less.rows == [("A=1", f"+0.050 ± {error}", "+0.100 ± 0.000", none, none, none, "+0.150 ± 0.087")]
+    assert list(cuts(one, rooms)) == ["mean", "2 rooms", "3 rooms", "first third", "second", "last"]
+    assert difference(np.array([0.5])) == "+0.500 ± 0.000"
+
+
+# Odds.
+
+
+def explored(steps: int) -> tuple[Any, Explorer, Truth]:
+    """Explorers after some steps, and the truth about them."""
+    torch.set_num_threads(1)
+    envs = make_worlds(HOUSES, len(HOUSES), "mixed")
+    observation, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
+    explorer = Explorer(shield(envs), envs.config, "views")
+    explorer.begin(len(HOUSES))
+    truth = Truth(envs, info["pose"], explorer.surveyor.map.cell)
+    seen, blocked = torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool)
+    for _ in range(steps):
+        seen, reward, _, _, info = envs.step_torch(explorer(seen, blocked))
+        blocked = info["blocked"]
+        truth.look(reward.numpy() > 0)
+    explorer.surveyor.look(seen, blocked)
+    return envs, explorer, truth
+
+
+def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_house() -> None:
+    envs, explorer, truth = explored(60)
+    map, pose = explorer.surveyor.map, envs.world.describe()[0]
+    entries = Places(map).ask()
+    assert belief.ODDS == ODDS
+    cells = map.arrays["cells"].view().reshape(len(HOUSES), 256, 256)
+    never = 0
+    for e in range(len(HOUSES)):
+        x, y, _ = map.pose(e)
+        assert truth.where(e, np.array([[x, y]]))[0] == pytest.approx(pose[e, :2], abs=1e-4)
+        for j, i in np.argwhere(entries[e] >= 0):
+            x, y = 2 * i, 2 * j
+            if cells[e, y, x] >= 4:
+                assert entries[e, j, i] == SURE
+                continue
+            never, met = never + 1, 8
+            for dx, dy in [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]:
+                line = [
+                    cells[e, (y + t * dy - (dy < 0)) % 256, (x + t * dx - (dx < 0)) % 256]
+                    for t in range(1, belief.ABOUT + 1)
+                ]
+                known = int(next((cell for cell in line if cell), 0))
+                met += -1 if known & OCCUPIED else int(known >= 4)
+            assert entries[e, j, i] == met
+    assert never > 50
+
+
+def test_a_place_is_free_until_the_body_has_seen_it() -> None:
+    _, _, truth = explored(0)
+    floor = truth.trees[0].data - truth.starts[0, :2]
+    heading = round(float(truth.starts[0, 2]) / (np.pi / 4)) // 2
+    turn = np.array([[0, 1], [-1, 0]])  # clockwise, south being down
+    nodes = floor @ np.linalg.matrix_power(turn.T, heading).T / truth.cell
+    assert truth.where(0, nodes) == pytest.approx(truth.trees[0].data)
+    seen = 1 - truth.free(0, nodes)
+    assert 0 < seen.sum() < len(nodes)
+    assert seen.sum() == truth.watch.share()[0] * len(nodes)
+    truth.look(np.ones(len(HOUSES), bool))
+    assert np.array_equal(1 - truth.free(0, nodes), seen)
+    assert not truth.free(0, np.array([[1e4, 1e4]]))[0]
+
+
+def test_places_are_counted_in_the_houses_that_they_are_of() -> None:
+    free, asked = collect(HOUSES, 200)
+    assert free.shape == asked.shape == (len(HOUSES), ENTRIES + 1)
+    assert (free <= asked).all()
+    assert asked.sum() > 50
+    assert free[:, ENTRIES].sum() > 0.5 * asked[:, ENTRIES].sum() > 0  # most floor seen is floor
+
+
+def test_a_table_is_a_share_of_what_was_seen_before_whole_and_rising() -> None:
+    asked = np.full(ENTRIES + 1, 100)
+    free = np.array([0, 2, 2, 0, 3, 3, 3, 9, 20, 18, 40, 45, 45, 60, 80, 80, 90, 80])
+    assert odds(free, asked)[10] == SURE * 0.4 / 0.8
+    assert table(free, asked) == (0, 0, 0, 0, 0, 0, 0, 11, 24, 24, 50, 56, 56, 75, 100, 100, 100)
+    free[12] = asked[12] = 0  # none of its kind: as the one before
+    assert table(free, asked)[11:13] == (56, 56)
+
+
+def test_an_error_is_that_of_houses_and_an_entry_without_places_is_left_open() -> None:
+    """Half of the houses have a share of 0.6, half of 0.2: their mean has a deviation of 0.2 / root 40."""
+    asked = np.full((40, ENTRIES + 1), 100)
+    free = np.tile(np.where(np.arange(40) % 2, 60, 20)[:, None], ENTRIES + 1)
+    free[:, ENTRIES], asked[:, 3], free[:, 3] = 80, 0, 0
+    rows = sheet(free, asked).rows
+    value, _, error = rows[10][3].split()
+    assert float(value) == 50
+    assert float(error) == pytest.approx(SURE * 0.2 / 40**0.5 / 0.8, rel=0.1)
+    assert rows[3][:4] == ("-5", "0", "0", "-")
+    assert [row[5] for row in rows[:-1]] == [str(entry) for entry in ODDS]
