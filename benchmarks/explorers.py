@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import torch
@@ -141,15 +141,15 @@ class Explorers:
 
 
 class Clock(Surveyor):
-    """Keeps maps, and the seconds that they took."""
+    """Keeps maps, and the seconds that they took of processors, whatever else these do."""
 
     seconds: tuple[float, ...] = ()
 
     def look(self, observation: Tensor, blocked: Tensor) -> Map:
         """The maps, with what the last actions led to."""
-        began = perf_counter()
+        began = process_time()
         found = super().look(observation, blocked)
-        self.seconds += (perf_counter() - began,)
+        self.seconds += (process_time() - began,)
         return found
 
     @property
@@ -196,7 +196,7 @@ def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterat
                 player,
                 f"{interquartile_mean(each['mean']).value:.3f}",
                 *(f"{share.mean():.3f}" for share in each.values()),
-                f"{float(kept[player]['microseconds']):.1f}",
+                f"{float(kept[player]['microseconds']):.1f}".replace("nan", "-"),
             )
             for player, each in shares.items()
         ],
