@@ -4,8 +4,7 @@
 |---|---|
 | random + avoidance | its rays: the paper's random walk under the paper's rule (``RandomPolicy``) |
 | script | its rays: to a target in sight, else around and at random (``Script``) |
-| explorer | its rays, and its own map of what they showed: to where a target may be (``Explorer``) |
-| explorer, by views | the same, and it goes where a look would show most for its way (``agent.map.views``) |
+| explorer | its rays, and its own map of what they showed: to where a look shows most (``Explorer``) |
 | searcher | the house, and where a target may still be |
 | oracle | the house and the target |
 
@@ -103,7 +102,6 @@ def baselines(envs: HouseVectorEnv, seed: int) -> dict[str, Callable[[], Policy]
         "random + avoidance": lambda: RandomPolicy(PaperRule(rng := chance()), rng),
         "script": lambda: Script(ray_angles(envs), shield(envs), chance()),
         "explorer": lambda: Explorer(shield(envs), envs.config),
-        "explorer, by views": lambda: Explorer(shield(envs), envs.config, "views"),
         "searcher": searcher,
         "oracle": lambda: Told(Oracle(envs).act),
     }

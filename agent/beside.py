@@ -18,7 +18,7 @@ from agent.protocol import Result
 from logic import House
 from logic.errors import VitruviusError
 
-OURS = ("paper", "random + avoidance", "script", "explorer", "explorer, by views", "searcher", "oracle")
+OURS = ("paper", "random + avoidance", "script", "explorer", "searcher", "oracle")
 """Players that a file may hold too, and that are measured anew: they would be the same."""
 
 

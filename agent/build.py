@@ -81,6 +81,5 @@ def layer_of(config: Config, envs: HouseVectorEnv, generator: torch.Generator) -
 def policy_of(network: Any, config: Config, envs: HouseVectorEnv, seed: int = 0) -> QPolicy:
     """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
     generator = torch.Generator().manual_seed(seed)
-    search = config.search if isinstance(config, PQNConfig) else "blocks"
-    surveyor = Surveyor(envs.config, search) if network.shape[3] else None
+    surveyor = Surveyor(envs.config) if network.shape[3] else None
     return QPolicy(network, layer_of(config, envs, generator), generator, surveyor=surveyor)

@@ -120,10 +120,6 @@ class PQNConfig(Config):
     map: bool = False
     """Whether the network reads a map of the house, made of the agent's own rays and actions."""
 
-    search: Literal["blocks", "views"] = "blocks"
-    """How its map chooses where to look: by blocks of hiding places, or, at several times the cost, by what a
-    look from each place would show."""
-
     novelty: float = 0.0
     """Reward for a step that brings the goal of its map nearer, and for seeing 40 new cells; it fades to 0 by
     ``fading`` of the run."""
@@ -291,7 +287,6 @@ PRESETS: dict[str, PQNConfig | DQNConfig] = {
         targets="secondary",
         steps=2_000_000,
         map=True,
-        search="views",
         novelty=0.02,
         guided=0.9,
         epsilon=1.0,

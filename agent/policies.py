@@ -8,7 +8,7 @@ from torch.nn.functional import one_hot
 
 from agent.actions import ACTIONS
 from agent.avoidance import Layer, random_preference, subsume
-from agent.map import Map, Search
+from agent.map import Map
 from agent.network import QNetwork
 from sim.config import DEFAULT, Config
 
@@ -37,16 +37,15 @@ class Policy(Protocol):
 class Surveyor:
     """Keeps a map of each environment for a policy, which tells it its actions."""
 
-    def __init__(self, world: Config, search: Search = "blocks") -> None:
-        """Make maps for worlds of this configuration, which search so."""
+    def __init__(self, world: Config) -> None:
+        """Make maps for worlds of this configuration."""
         self.world = world
-        self.search: Search = search
-        self.map = Map(world, 1, search)
+        self.map = Map(world, 1)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
         if len(self.map.advice) != environments:
-            self.map = Map(self.world, environments, self.search)
+            self.map = Map(self.world, environments)
         self.actions = torch.zeros(environments, dtype=torch.int64)
         self.fresh = torch.ones(environments, dtype=torch.bool)
 
@@ -141,10 +140,10 @@ class Explorer:
     may hide.
     """
 
-    def __init__(self, avoidance: Layer, world: Config = DEFAULT, search: Search = "blocks") -> None:
-        """Explore worlds of this configuration under ``avoidance``, by maps that search so."""
+    def __init__(self, avoidance: Layer, world: Config = DEFAULT) -> None:
+        """Explore worlds of this configuration under ``avoidance``."""
         self.avoidance, self.interventions = avoidance, 0
-        self.surveyor = Surveyor(world, search)
+        self.surveyor = Surveyor(world)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""

@@ -99,7 +99,7 @@ class PQN(Learner):
         if self.levels:
             envs.deal(self.levels.deal(envs.num_envs, self.generator))
         observation, memory = self.first_look(), self.network.memory.empty(envs.num_envs)
-        self.map = Map(envs.config, envs.num_envs, config.search) if config.map else None
+        self.map = Map(envs.config, envs.num_envs) if config.map else None
         self.rollout = Rollout.starting(config.rollout, observation, memory, self.map)
 
     @property

@@ -21,7 +21,6 @@ COLOURS = {
     "random + avoidance": "#8b8f96",
     "script": "#7a9a3a",
     "explorer": "#2f9c95",
-    "explorer, by views": "#1b6f6a",
     "searcher": "#a5518e",
     "oracle": "#c96a12",
 }

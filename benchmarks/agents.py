@@ -56,17 +56,16 @@ def _entry(name: str, preset: str, shows: str, said: str = "", beside: str = "")
 
 
 def _changed(name: str, shows: str, said: str) -> Entry:
-    """A change of the agent with a map, by the cheap search that all of these share."""
-    return _entry(f"map-{name}", "pqn-map", shows, f"--search blocks {said}".strip(), beside="pqn-map")
+    """A change of the agent with a map."""
+    return _entry(f"map-{name}", "pqn-map", shows, said, beside="pqn-map")
 
 
 ENTRIES = (
-    _entry("pqn-map", "pqn-map", "the agent with a map, which searches by blocks", "--search blocks"),
+    _entry("pqn-map", "pqn-map", "the agent with a map"),
     _entry("pqn", "pqn", "rays and fading traces of the past, no map"),
     _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
     _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
     _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the traces"),
-    _entry("map-views", "pqn-map", "its map searches by views, as the preset has it", beside="pqn-map"),
     _entry("pqn-secondary", "pqn", "no map at all", "--targets secondary", beside="pqn-map"),
     _changed("no-shield", "no avoidance layer", "--avoidance none"),
     _changed("paper-rule", "the paper's avoidance in place of the shield", "--avoidance paper"),

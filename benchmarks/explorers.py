@@ -1,8 +1,8 @@
 """What the numbers of an agent's map are worth: ``python -m benchmarks.explorers --set THOUGHT=48``.
 
-The explorer by views (``agent.policies.Explorer``) plays an episode in each of 320 houses of validation
+The explorer (``agent.policies.Explorer``) plays an episode in each of 320 houses of validation
 seeds, as it is and with other numbers in the modules of ``agent.map``: each ``--set`` is a variant, of one
-number or of several (``--set DEPTH=4,views.PLENTY=300``). Tables tell what share of the oracle's targets each
+number or of several (``--set DEPTH=4,PLENTY=300``). Tables tell what share of the oracle's targets each
 picks up, and what that differs, house by house, from the explorer as it is. Houses and scores are kept, so
 that a run that was stopped goes on where it was; scores by the sources that made them.
 """
@@ -164,8 +164,8 @@ def changed(player: str) -> dict[str, float]:
 
 
 def explorer(envs: HouseVectorEnv) -> tuple[Policy, Clock]:
-    """An explorer by views for these environments, and what keeps its maps."""
-    policy, clock = Explorer(shield(envs), envs.config), Clock(envs.config, "views")
+    """An explorer for these environments, and what keeps its maps."""
+    policy, clock = Explorer(shield(envs), envs.config), Clock(envs.config)
     policy.surveyor = clock
     return policy, clock
 

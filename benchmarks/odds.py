@@ -3,7 +3,7 @@
 """How often ground that was never seen hides a target: ``python -m benchmarks.odds`` prints the table
 ``agent.map.belief.ODDS`` as it is measured, beside the one that the code holds.
 
-Explorers by views play in 100 houses of training seeds. Every now and then each that seeks a target is asked
+Explorers play in 100 houses of training seeds. Every now and then each that seeks a target is asked
 for some of the hiding places on its map, and the house itself tells in which a target could lie that was not
 seen since the last pick-up. An entry is the share of those among the places with one count of what surrounds
 them, as the belief counts it, over that among places that had been seen before. Errors are over houses.
@@ -22,9 +22,8 @@ from scipy.spatial import KDTree
 
 from agent.map import BITS, Map, belief
 from agent.map.belief import ODDS, SURE, Belief
-from agent.map.cells import SOLID, WAYS, Bytes, Cells, Grid, Wholes
+from agent.map.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
 from agent.map.kernel import COUNTS, SINCE
-from agent.map.views import DEPTH
 from agent.policies import Explorer
 from agent.scoreboard import Sheet
 from agent.world import make_worlds, shield
@@ -117,15 +116,12 @@ class Places:
         return self.arrays["entries"].numpy().reshape(number, half, half)
 
     def within_reach(self, environment: int) -> np.ndarray:
-        """The nodes (256, 256) bool that a search for views from the body may come to."""
+        """The nodes (256, 256) bool that a search from the body may come to."""
         cells = self.map.arrays["cells"].view().reshape(-1, SIDE, SIDE)[environment]
-        near = seen = cells >> 2 > 0
-        for dx, dy in WAYS:
-            near = near | np.roll(seen, (-DEPTH * dy, -DEPTH * dx), axis=(0, 1))
         # The grid is a torus: with the body in its middle, what is near to it lies in one piece.
         x, y = self.body(environment)
         shift = SIDE // 2 - y, SIDE // 2 - x
-        parts, _ = label(np.roll(near & (cells & SOLID == 0), shift, axis=(0, 1)), np.ones((3, 3)))
+        parts, _ = label(np.roll(cells & (NEAR | SOLID) == NEAR, shift, axis=(0, 1)), np.ones((3, 3)))
         part = parts[SIDE // 2, SIDE // 2]
         return np.roll((parts == part) & (part > 0), (-shift[0], -shift[1]), axis=(0, 1))
 
@@ -177,7 +173,7 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
     number, chance = len(houses), np.random.default_rng(0)
     envs = make_worlds(houses, number, "mixed")
     observation, info = envs.reset(seed=0, options={"house": np.arange(number)})
-    policy = Explorer(shield(envs), envs.config, "views")
+    policy = Explorer(shield(envs), envs.config)
     policy.begin(number)
     map = policy.surveyor.map
     places, truth = Places(map), Truth(envs, info["pose"], map.cell)

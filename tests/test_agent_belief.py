@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from agent.map.belief import ABOUT, ODDS, SURE, Belief
-from agent.map.cells import OCCUPIED, Cells, Floats, Grid, Wholes
+from agent.map.cells import FLAGS, OCCUPIED, Cells, Floats, Grid, Wholes
 from agent.map.kernel import FOUND, HERE
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
@@ -45,30 +45,30 @@ def asked(cells: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray,
 
 def odds_of(cells: np.ndarray, x: int, y: int) -> int:
     """The same in NumPy: walls and floor first met in the eight directions from the corner of four cells."""
-    if cells[y, x] >= 4:
+    if cells[y, x] >> FLAGS:
         return SURE
     met = 0
     for dx, dy in [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]:
         along = [
             cells[(y + t * dy - (dy < 0)) % SIDE, (x + t * dx - (dx < 0)) % SIDE] for t in range(1, ABOUT + 1)
         ]
-        known = next((cell for cell in along if cell), 0)
-        met += 0 if not known else -1 if known & OCCUPIED else 1
+        known = next((cell for cell in along if cell >> FLAGS), 0)
+        met += 0 if not known >> FLAGS else -1 if known & OCCUPIED else 1
     return ODDS[met + 8]
 
 
 def test_odds_are_those_of_an_independent_count():
     chance = np.random.default_rng(0)
     for floor in (0.02, 0.1, 0.3):
-        cells = np.where(chance.random((SIDE, SIDE)) < floor, 5 << 2, 0)
-        cells[chance.random((SIDE, SIDE)) < 0.05] = OCCUPIED | 7 << 2
+        cells = np.where(chance.random((SIDE, SIDE)) < floor, 5 << FLAGS, 0)
+        cells[chance.random((SIDE, SIDE)) < 0.05] = OCCUPIED | 7 << FLAGS
         nodes = chance.integers(0, SIDE, (200, 2))
         assert asked(cells, nodes)[0].tolist() == [odds_of(cells, x, y) for x, y in nodes]
 
 
 def test_what_floor_surrounds_may_be_floor_and_what_walls_surround_is_none():
     ring = np.zeros((SIDE, SIDE), int)
-    ring[4:13, 4:13] = 3 << 2
+    ring[4:13, 4:13] = 3 << FLAGS
     ring[6:11, 6:11] = 0
     walled = np.where(ring, ring | OCCUPIED, 0)
     middle = np.array([[8, 8]])
@@ -83,7 +83,7 @@ def test_home_is_the_room_of_the_start_as_far_as_it_was_seen():
     cells = np.zeros((SIDE, SIDE), int)
     for y in range(-6, 12):
         for x in range(-6, 8):
-            cells[y % SIDE, x % SIDE] = 9 << 2
+            cells[y % SIDE, x % SIDE] = 9 << FLAGS
     cells[:, -6] |= OCCUPIED * (cells[:, -6] > 0)
     cells[9, [x % SIDE for x in range(-6, 2)]] |= OCCUPIED
     nodes = np.array([[0, 0], [-5, 0], [-6, 0], [7, 8], [7, 9], [7, 10], [8, 0]])
@@ -121,7 +121,7 @@ def test_a_map_knows_which_pick_ups_were_in_the_room_of_the_start():
     torch.set_num_threads(1)
     houses = [random_house(seed) for seed in range(6)]
     worlds = make_worlds(houses, 6, "mixed")
-    explorer = Explorer(shield(worlds), worlds.config, "views")
+    explorer = Explorer(shield(worlds), worlds.config)
     observation, info = worlds.reset(seed=0, options={"house": np.arange(6)})
     explorer.begin(6)
     boxes = np.array([house.floor.box for house in houses])

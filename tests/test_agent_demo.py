@@ -82,7 +82,6 @@ def test_a_checkpoint_of_the_demo_can_be_measured_and_filmed_again(made, tmp_pat
         "random + avoidance",
         "script",
         "explorer",
-        "explorer, by views",
         "searcher",
         "oracle",
     ]

@@ -15,7 +15,7 @@ from agent.build import network_of
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
 from agent.evaluate import play
-from agent.map import FEATURES, FREE, TAKEN, Map, Search, mirrored_features
+from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
 from agent.map.kernel import KIND, NONE, STALE
 from agent.map.ways import FAR
 from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
@@ -37,12 +37,6 @@ def envs() -> HouseVectorEnv:
     torch.set_num_threads(1)
     houses = [random_house(seed) for seed in range(E - 1)]
     return make_worlds([*houses, mirror(houses[0])], E, "mixed")
-
-
-@pytest.fixture(params=["blocks", "views"])
-def search(request) -> Search:
-    """How maps choose where to look."""
-    return request.param
 
 
 def walked(
@@ -78,8 +72,8 @@ def in_house(maps: Map, e: int, start: np.ndarray, points: np.ndarray) -> np.nda
     return np.stack([start[0] + east, start[1] + south], axis=-1)
 
 
-def test_the_map_knows_where_the_body_is(envs, search):
-    maps = Map(DEFAULT, E, search)
+def test_the_map_knows_where_the_body_is(envs):
+    maps = Map(DEFAULT, E)
     infos = walked(envs, maps, STEPS)
     for e in range(E):
         x, y, heading = maps.pose(e)
@@ -89,8 +83,8 @@ def test_the_map_knows_where_the_body_is(envs, search):
         assert (heading - turned - round(start[2] / (np.pi / 4)) % 2) % 8 == 0
 
 
-def test_what_is_free_on_the_map_is_floor_and_what_is_taken_holds_a_wall_or_a_piece(envs, search):
-    maps = Map(DEFAULT, E, search)
+def test_what_is_free_on_the_map_is_floor_and_what_is_taken_holds_a_wall_or_a_piece(envs):
+    maps = Map(DEFAULT, E)
     infos = walked(envs, maps, STEPS)
     for e in range(E):
         sides, cells = _sides(envs.houses[e]), maps.occupancy(e)
@@ -117,9 +111,9 @@ def _sides(house: House) -> np.ndarray:
     )
 
 
-def test_ways_are_as_long_as_a_graph_of_the_same_cells_has_them(envs, search):
+def test_ways_are_as_long_as_a_graph_of_the_same_cells_has_them(envs):
     """Against SciPy's Dijkstra: a diagonal step is as long as a straight one, and needs both corners."""
-    maps, checked = Map(DEFAULT, E, search), 0
+    maps, checked = Map(DEFAULT, E), 0
     for steps in (30, 50, 70, 90, 110):
         walked(envs, maps, steps)
         for e in range(E):
@@ -159,7 +153,7 @@ def _distances(free: np.ndarray, sources: np.ndarray) -> np.ndarray:
     return away.reshape(free.shape)
 
 
-def test_what_was_never_seen_is_not_in_the_map(search):
+def test_what_was_never_seen_is_not_in_the_map():
     """A room in the east that the body never turns to: small and empty, or large and furnished."""
     memories = []
     table = Piece(8.5, 1.0, 0.5, 0.5, type="table")
@@ -169,7 +163,7 @@ def test_what_was_never_seen_is_not_in_the_map(search):
         worlds = make_worlds([House(Rect(0, 0, 6.0, 4.0), (near, hidden))], 1, "main")
         options = {"house": [0], "pose": [[3.0, 2.0, np.pi]], "target": [[0.6, 0.6]]}
         observation, _ = worlds.reset(seed=0, options=options)
-        maps, blocked, fresh = Map(worlds.config, 1, search), torch.zeros(1).bool(), torch.ones(1).bool()
+        maps, blocked, fresh = Map(worlds.config, 1), torch.zeros(1).bool(), torch.ones(1).bool()
         action = torch.tensor([LEFT])
         for turn in [LEFT, RIGHT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT] * 4:
             maps.step(torch.as_tensor(observation), blocked, action, fresh)
@@ -181,18 +175,18 @@ def test_what_was_never_seen_is_not_in_the_map(search):
         assert np.array_equal(one, other)
 
 
-def test_a_map_does_not_depend_on_the_others_of_its_batch(envs, search):
-    together = Map(DEFAULT, E, search)
+def test_a_map_does_not_depend_on_the_others_of_its_batch(envs):
+    together = Map(DEFAULT, E)
     walked(envs, together, 100)
     alone = make_worlds([envs.houses[0]], 1, "mixed")
-    maps = Map(DEFAULT, 1, search)
+    maps = Map(DEFAULT, 1)
     walked(alone, maps, 100)
     assert torch.equal(maps.features[0], together.features[0])
     assert np.array_equal(maps.occupancy(0), together.occupancy(0))
 
 
-def test_a_new_episode_begins_with_an_empty_map(envs, search):
-    maps, twice = Map(DEFAULT, E, search), Map(DEFAULT, E, search)
+def test_a_new_episode_begins_with_an_empty_map(envs):
+    maps, twice = Map(DEFAULT, E), Map(DEFAULT, E)
     walked(envs, twice, 50, seed=1)
     for one in (maps, twice):
         walked(envs, one, 50)
@@ -200,7 +194,7 @@ def test_a_new_episode_begins_with_an_empty_map(envs, search):
     assert np.array_equal(maps.arrays["cells"].numpy(), twice.arrays["cells"].numpy())
 
 
-def test_features_of_the_mirror_are_the_mirrors_features(search):
+def test_features_of_the_mirror_are_the_mirrors_features():
     """Rays and actions exchanged left for right, from a straight and a diagonal start; the advice may differ
     where two ways are equally long, and with it which goal is taken.
     """
@@ -210,7 +204,7 @@ def test_features_of_the_mirror_are_the_mirrors_features(search):
         start = worlds.reset(seed=3)[1]["pose"][0]
         options = {"house": [0, 0], "pose": [[*start[:2], heading]] * 2}
         observation, _ = worlds.reset(seed=0, options=options)
-        one, other = Map(DEFAULT, 1, search), Map(DEFAULT, 1, search)
+        one, other = Map(DEFAULT, 1), Map(DEFAULT, 1)
         no, fresh, action = torch.zeros(1).bool(), torch.ones(1).bool(), torch.tensor([LEFT])
         agree = []
         blocked = no
@@ -229,10 +223,10 @@ def test_features_of_the_mirror_are_the_mirrors_features(search):
     assert torch.equal(mirrored_features(mirrored_features(features)), features)
 
 
-def test_the_explorer_finds_targets_behind_walls(envs, search):
+def test_the_explorer_finds_targets_behind_walls(envs):
     """Far more than a target-blind walk, in every house; and the map knows how many it picked up."""
     worlds = make_worlds(envs.houses, E, "secondary")
-    explorer = Explorer(shield(worlds), worlds.config, search)
+    explorer = Explorer(shield(worlds), worlds.config)
     score = play("explorer", worlds, explorer, seed=0)
     assert (score.targets >= 3).all()
     assert score.blocked <= score.steps * 0.001
@@ -240,7 +234,7 @@ def test_the_explorer_finds_targets_behind_walls(envs, search):
     assert np.abs(found - score.targets).sum() <= 0.1 * score.targets.sum()
 
 
-def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes(search):
+def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes():
     """Against the oracle, turns and all: in three quarters of cases in just as many."""
     number = 160
     worlds = make_worlds([random_house(0)], number, "main")
@@ -248,7 +242,7 @@ def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes(search)
     sees = observation[..., -1].any(-1)
     least = np.array([len(path) for path in Oracle(worlds).paths() if path is not None])
     assert len(least) == number
-    explorer, taken = Explorer(shield(worlds), worlds.config, search), np.zeros(number, int)
+    explorer, taken = Explorer(shield(worlds), worlds.config), np.zeros(number, int)
     explorer.begin(number)
     seen, blocked = torch.as_tensor(observation), torch.zeros(number).bool()
     for step in range(1, 200):
@@ -331,10 +325,8 @@ def test_novelty_and_guidance_need_a_map():
             replace(PQNConfig(), **{name: 0.5})
 
 
-def test_learning_with_a_map_is_a_function_of_the_seed(envs, search):
-    config = PQNConfig(
-        map=True, search=search, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200
-    )
+def test_learning_with_a_map_is_a_function_of_the_seed(envs):
+    config = PQNConfig(map=True, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200)
 
     def trained() -> dict[str, torch.Tensor]:
         learner = PQN(config, envs)
@@ -348,5 +340,5 @@ def test_learning_with_a_map_is_a_function_of_the_seed(envs, search):
 
 
 def test_episodes_longer_than_a_cell_can_tell_are_refused():
-    with pytest.raises(ValueError, match="16,38"):
+    with pytest.raises(ValueError, match="8,18"):
         Map(replace(DEFAULT, steps=20_000), 1)

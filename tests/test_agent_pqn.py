@@ -156,8 +156,8 @@ MAP = {"map": True, "novelty": 0.02, "guided": 0.5}
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, MAP, MAP | {"search": "views"}, RECURRENT],
-    ids=["traces", "map", "views", "recurrent"],
+    [{}, MAP, RECURRENT],
+    ids=["traces", "map", "recurrent"],
 )
 def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, changes):
     whole = learner_of(envs, **changes)

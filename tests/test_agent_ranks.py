@@ -56,7 +56,7 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     out = tmp_path / "run"
     train = [*TORCHRUN, "-m", "agent.cli", "train", str(tmp_path / "houses.jsonl"), "--out", str(out)]
-    small = ["--environments", "8", "--rollout", "16", "--map", "--search", "views"]
+    small = ["--environments", "8", "--rollout", "16", "--map"]
     ended = done([*train, *small, "--steps", "500"])
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert ended.stderr.count("vitruvius evaluate") == 1  # one of them tells

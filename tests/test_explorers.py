@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import torch
 
-from agent.map import belief, kernel, views, ways
+from agent.map import belief, kernel, views
 from agent.map.belief import ODDS, SURE
-from agent.map.cells import OCCUPIED
+from agent.map.cells import FLAGS, OCCUPIED
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from benchmarks import explorers
@@ -98,7 +98,7 @@ def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: 
         study.path("main", player) for player in ("oracle", "searcher", "as it is", "HASTE=5", "HASTE=6")
     }
     assert len(paths) == 5
-    assert study.path("main", "HASTE=5,DEPTH=4") == study.path("main", "DEPTH=4,views.HASTE=5.0")
+    assert study.path("main", "HASTE=5,LEAST=4") == study.path("main", "LEAST=4,views.HASTE=5.0")
     before = study.path("main", "as it is"), study.path("main", "oracle")
     monkeypatch.setattr(explorers.inspect, "getsource", lambda module: module.__name__ + "changed")
     assert study.path("main", "as it is") != before[0]
@@ -106,12 +106,12 @@ def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: 
 
 
 def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module, name in ((views, "THOUGHT"), (kernel, "THOUGHT"), (views, "PLENTY"), (views, "HASTE")):
+    for module, name in ((views, "THOUGHT"), (kernel, "THOUGHT"), (belief, "ABOUT"), (views, "HASTE")):
         monkeypatch.setattr(module, name, getattr(module, name))
-    apart = ways.PLENTY
-    change(constants("THOUGHT=48,views.PLENTY=300,HASTE=5"))
-    assert (views.THOUGHT, kernel.THOUGHT, views.PLENTY, views.HASTE) == (48, 48, 300, 5.0)
-    assert apart == ways.PLENTY
+    apart = kernel.ABOUT
+    change(constants("THOUGHT=48,belief.ABOUT=5,HASTE=5"))
+    assert (views.THOUGHT, kernel.THOUGHT, belief.ABOUT, views.HASTE) == (48, 48, 5, 5.0)
+    assert apart == kernel.ABOUT
     assert "kernel.SCALARS" not in KNOWN  # other constants are made of it when it is read
 
 
@@ -121,7 +121,7 @@ def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.M
         ("TOUGHT=3", "TOUGHT is no number of agent.map that can be set. Did you mean THOUGHT?"),
         ("THOUGHT=48,Q=1", "Q is no number"),
         ("", "nothing is no number"),
-        ("PLENTY=3", "more than one PLENTY. Say views.PLENTY or ways.PLENTY"),
+        ("ABOUT=3", "more than one ABOUT. Say belief.ABOUT or kernel.ABOUT"),
         ("DEPTH=4.5", "DEPTH needs a number such as it has, 8, not '4.5'"),
         ("DEPTH", "not ''"),
         ("ODDS=3", "ODDS is no number"),
@@ -167,7 +167,7 @@ def explored(steps: int) -> tuple[Any, Explorer, Truth]:
     torch.set_num_threads(1)
     envs = make_worlds(HOUSES, len(HOUSES), "mixed")
     observation, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
-    explorer = Explorer(shield(envs), envs.config, "views")
+    explorer = Explorer(shield(envs), envs.config)
     explorer.begin(len(HOUSES))
     truth = Truth(envs, info["pose"], explorer.surveyor.map.cell)
     seen, blocked = torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool)
@@ -191,7 +191,7 @@ def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_hou
         assert truth.where(e, np.array([[x, y]]))[0] == pytest.approx(pose[e, :2], abs=1e-4)
         for j, i in np.argwhere(entries[e] >= 0):
             x, y = 2 * i, 2 * j
-            if cells[e, y, x] >= 4:
+            if cells[e, y, x] >> FLAGS:
                 assert entries[e, j, i] == SURE
                 continue
             never, met = never + 1, 8
@@ -200,8 +200,8 @@ def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_hou
                     cells[e, (y + t * dy - (dy < 0)) % 256, (x + t * dx - (dx < 0)) % 256]
                     for t in range(1, belief.ABOUT + 1)
                 ]
-                known = int(next((cell for cell in line if cell), 0))
-                met += -1 if known & OCCUPIED else int(known >= 4)
+                known = int(next((cell for cell in line if cell >> FLAGS), 0))
+                met += -1 if known & OCCUPIED else int(known >> FLAGS > 0)
             assert entries[e, j, i] == met
     assert never > 50
 

@@ -5,13 +5,12 @@ not its pose, its house, its target or its reward. Headings are multiples of 45 
 along two axes, so odometry is exact. Axes: E environments, R rays, C channels, F features.
 """
 
-from typing import Literal
-
 import numpy as np
 import torch
 from torch import Tensor
 
-from agent.map.cells import LATEST, OCCUPIED
+from agent.map.cells import FLAGS, LATEST, OCCUPIED
+from agent.map.fan import FINE, fan
 from agent.map.kernel import (
     COUNTS,
     FEATURES,
@@ -30,12 +29,12 @@ from agent.map.kernel import (
     Y,
     step_kernel,
 )
-from agent.map.views import directions
-from agent.map.ways import BLOCK, FAR
+from agent.map.views import looks
+from agent.map.ways import FAR
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
-__all__ = ["FEATURES", "MIRROR", "Map", "Search"]
+__all__ = ["FEATURES", "MIRROR", "Map"]
 
 BITS = 8
 """The grid is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""
@@ -54,10 +53,6 @@ STATE = ("cells", "field", "queue", "hidden", "counts", "target", "advice", "fea
 """What a map goes on from."""
 
 
-Search = Literal["blocks", "views"]
-"""How a map chooses where to look: ``blocks`` is the cheap one, ``views`` the thorough one."""
-
-
 class Map:
     """Maps of E environments: one kernel takes them all a step further.
 
@@ -74,9 +69,8 @@ class Map:
     advice: Tensor
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
 
-    def __init__(self, config: Config, environments: int, search: Search = "blocks") -> None:
-        """Make maps for so many worlds of this configuration, all of them to be begun. ``search`` is how they
-        choose where to look: by blocks of hiding places, or by what a look from each place would show.
+    def __init__(self, config: Config, environments: int) -> None:
+        """Make maps for so many worlds of this configuration, all of them to be begun.
 
         Raises ``ValueError`` for episodes too long for a cell to tell when it was seen.
         """
@@ -88,9 +82,8 @@ class Map:
         angles = np.deg2rad(config.first_ray - config.ray_spacing * np.arange(rays))
         turned = angles + np.pi / 4 * np.arange(8)[:, None]
         reaches = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * config.range / self.cell
-        area, blocks, hidden = count << 2 * BITS, 2 * count << 2 * (BITS - BLOCK), 0
-        if search == "views":
-            blocks, hidden = 0, area >> 2
+        area = count << 2 * BITS
+        starts, behind = fan(angles, config.range / self.cell)
         program = start()
         self.arrays = {
             "observation": Array(ti.f32, count * rays * config.channels),
@@ -99,12 +92,13 @@ class Map:
             "action": Array(ti.i64, count),
             "directions": Array.of(reaches.astype(np.float32).ravel()),
             "clear": Array.of((_clear(angles, side, config.step) / config.range).astype(np.float32).ravel()),
+            "starts": Array.of(starts.ravel()),
+            "fan": Array.of(behind),
             "cells": Array(ti.u16, area),
             "field": Array(ti.u16, area),
             "queue": Array(ti.u16, area),
-            "blocks": Array(ti.i32, blocks),
-            "hidden": Array(ti.u8, hidden),
-            "looks": Array.of(directions()),
+            "hidden": Array(ti.u8, area >> 1),
+            "looks": Array.of(looks()),
             "counts": Array(ti.i32, count * COUNTS),
             "target": Array(ti.f32, count * 2),
             "advice": Array(ti.i64, count),
@@ -112,7 +106,8 @@ class Map:
         }
         self.arrays["field"].fill(np.full(area, FAR))
         half = config.target / 2 / self.cell
-        body = Body(rays, config.channels, int(config.sees_angle), step, half, BITS, search)
+        far = FINE * config.range / self.cell
+        body = Body(rays, config.channels, int(config.sees_angle), step, half, far, BITS)
         self._launch = Launch(step_kernel(program, body), self.arrays)
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._inputs = [tensors[name] for name in ("observation", "blocked", "action", "begun")]
@@ -180,7 +175,7 @@ class Map:
         """Cells (256, 256) uint8, south by east, unknown, free or taken; the start is the middle's corner."""
         side = 1 << BITS
         cells = self.arrays["cells"].view().reshape(-1, side, side)[environment]
-        states = np.where(cells & OCCUPIED, TAKEN, np.where(cells >> 2, FREE, UNKNOWN)).astype(np.uint8)
+        states = np.where(cells & OCCUPIED, TAKEN, np.where(cells >> FLAGS, FREE, UNKNOWN)).astype(np.uint8)
         return np.roll(states, (side // 2, side // 2), axis=(0, 1))
 
     def ways(self, environment: int) -> np.ndarray:

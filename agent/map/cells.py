@@ -3,9 +3,10 @@
 """The map's cells: what rays have shown, and when.
 
 A cell is half a body wide, so a body that stands on a corner of cells, a node, covers just the four about it.
-Cell and node (i, j) share a number: two bits, whether the cell is occupied and whether the node is solid (a
-body has no room there), under the step at which the cell was last seen, 0 for never. Houses stand still, so
-what is occupied stays so. The grid is a torus: it follows the body wherever an episode starts.
+Cell and node (i, j) share a number: three bits, whether the cell is occupied, whether the node is solid (a
+body has no room there) and whether it is near to what was seen, under the step at which the cell was last
+seen, 0 for never. Houses stand still, so what is occupied stays so. The grid is a torus: it follows the body
+wherever an episode starts.
 """
 
 from sim.runtime import ti
@@ -13,10 +14,16 @@ from sim.runtime import ti
 WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
 """Steps east and south that ``forward`` makes at each of the eight headings."""
 
-OCCUPIED, SOLID = 1, 2
+OCCUPIED, SOLID, NEAR = 1, 2, 4
 """Bits of a cell."""
 
-LATEST = (1 << 14) - 1
+FLAGS = 3
+"""How many they are."""
+
+DEPTH = 8
+"""Nodes beyond what was seen that are near: further on anything may be, most likely nothing."""
+
+LATEST = (1 << 16 - FLAGS) - 1
 """The last step that a cell can tell."""
 
 AROUND = 0.07
@@ -56,13 +63,18 @@ class Grid:
         return (ti.cast(cells[base + self.at(x, y)], ti.i32) & SOLID) >> 1
 
     @ti.func
+    def open(self, cells: ti.template(), base, node):
+        """Whether a way may lead to a node: it is near to what was seen, and not solid."""
+        return ti.cast(ti.cast(cells[base + node], ti.i32) & (SOLID | NEAR) == NEAR, ti.i32)
+
+    @ti.func
     def close(self, cells: ti.template(), base, x, y):
         """Let the body have no room on a node."""
         i = base + self.at(x, y)
         cells[i] = cells[i] | ti.cast(SOLID, ti.u16)
 
     @ti.func
-    def open(self, cells: ti.template(), base, x, y):
+    def clear(self, cells: ti.template(), base, x, y):
         """Let the body have room on a node: it stands there."""
         i = base + self.at(x, y)
         cells[i] = cells[i] & ti.cast(~SOLID, ti.u16)
@@ -76,31 +88,41 @@ class Grid:
         return free
 
     @ti.func
-    def see(self, cells: ti.template(), base, x, y, time):
-        """Note that a cell is seen; whether for the first time."""
-        i = base + self.at(x, y)
-        cell = ti.cast(cells[i], ti.i32)
-        cells[i] = ti.cast((cell & 3) | (time << 2), ti.u16)
-        return ti.cast(cell < 4, ti.i32)
+    def beside(self, node, way):
+        """The place that lies a packed way, south and east, from another."""
+        mask = ti.static(self.mask)
+        return (((node & ~mask) + (way & ~mask)) & ti.static(self.area - 1)) | ((node + way) & mask)
+
+    @ti.func
+    def see(self, cells: ti.template(), base, node, bits, time):
+        """Note that a cell is seen, and bits of it; what it was before."""
+        cell = ti.cast(cells[base + node], ti.i32)
+        cells[base + node] = ti.cast((cell & (SOLID | OCCUPIED)) | NEAR | bits | (time << FLAGS), ti.u16)
+        if cell < 1 << FLAGS:
+            x, y = node & ti.static(self.mask), node >> ti.static(self.bits)
+            for k in ti.static(range(8)):
+                near = base + self.at(x + WAYS[k][0] * DEPTH, y + WAYS[k][1] * DEPTH)
+                cells[near] = cells[near] | ti.cast(NEAR, ti.u16)
+        return cell
 
     @ti.func
     def see_body(self, cells: ti.template(), base, px, py, time):
-        """Note the cells that the body covers wholly, or half of them between two nodes."""
+        """Note the cells that the body covers wholly, or half of them between two nodes; how many are new."""
         new = 0
         for k in range(4):
-            new += self.see(cells, base, ((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1), time)
+            node = self.at(((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1))
+            new += ti.cast(self.see(cells, base, node, 0, time) < 1 << FLAGS, ti.i32)
         return new
 
     @ti.func
-    def see_line(self, cells: ti.template(), base, x, y, dx, dy, time):
-        """Note the cells on the way from the eye at (x, y) to what a ray hits; how many are new."""
-        length, new = ti.max(ti.abs(dx), ti.abs(dy)), 0
-        slope_x, slope_y = dx / ti.max(length, 1e-6), dy / ti.max(length, 1e-6)
-        # Half a cell behind the last place looked at lies what is hit, at the least by a twentieth.
-        for k in range(ti.cast(length + 0.45, ti.i32)):
-            t = ti.cast(k, ti.f32) + 0.5
-            i, j = ti.floor(x + slope_x * t), ti.floor(y + slope_y * t)
-            new += self.see(cells, base, ti.cast(i, ti.i32), ti.cast(j, ti.i32), time)
+    def see_fan(self, cells: ti.template(), fan: ti.template(), base, corner, first, last, reach, time):
+        """Note the cells of a list of the fan (``agent.map.fan``), from the eye's corner, that rays reach."""
+        new = 0
+        for k in range(first, last):
+            if fan[k] >> 16 > reach:
+                break
+            cell = self.see(cells, base, self.beside(corner, fan[k] & 0xFFFF), 0, time)
+            new += ti.cast(cell < 1 << FLAGS, ti.i32)
         return new
 
     @ti.func
@@ -111,10 +133,7 @@ class Grid:
         new = 0
         for j in range(j0, j1 + 1):
             for i in range(i0, i1 + 1):
-                at = base + self.at(i, j)
-                cell = ti.cast(cells[at], ti.i32)
-                cells[at] = ti.cast((cell & SOLID) | OCCUPIED | (time << 2), ti.u16)
-                if cell & OCCUPIED == 0:
+                if self.see(cells, base, self.at(i, j), OCCUPIED, time) & OCCUPIED == 0:
                     new += 1
                     for k in range(4):
                         self.close(cells, base, i + (k & 1), j + (k >> 1))
@@ -125,16 +144,19 @@ class Grid:
         """Whether a target may lie about a node, unseen since a step: it covers some 4 by 4 cells, the inner
         ones wholly. That is how many of these may be, less all but four.
         """
-        inner, outer = 0, 0
-        for k in range(4):
-            inner += self.may_hide(cells, base, x - 1 + (k & 1), y - 1 + (k >> 1), since)
-        if inner == 4:
-            for k in range(16):
-                outer += self.may_hide(cells, base, x - 2 + (k & 3), y - 2 + (k >> 2), since)
-        return ti.cast(outer >= 12, ti.i32)
+        hides, k = 1, 0
+        while (hides > 0) & (k < 4):
+            hides = self.may_hide(cells, base, x - 1 + (k & 1), y - 1 + (k >> 1), since)
+            k += 1
+        if hides:
+            outer = 0
+            for i in range(16):
+                outer += self.may_hide(cells, base, x - 2 + (i & 3), y - 2 + (i >> 2), since)
+            hides = ti.cast(outer >= 12, ti.i32)
+        return hides
 
     @ti.func
     def may_hide(self, cells: ti.template(), base, x, y, since):
         """Whether a cell is not occupied, nor was seen since a step."""
         cell = ti.cast(cells[base + self.at(x, y)], ti.i32)
-        return ti.cast((cell & OCCUPIED == 0) & ((cell >> 2) < since), ti.i32)
+        return ti.cast((cell & OCCUPIED == 0) & ((cell >> FLAGS) < since), ti.i32)

@@ -32,6 +32,9 @@ TOUCH = 0.1
 PATIENCE = 8
 """Steps between two searches for no other reason than that more is known to be occupied."""
 
+ABOUT = 2.5
+"""Cells from a goal at which a way may end that could not be had, or not any more, to the goal itself."""
+
 SAME = 4.5
 """A target seen so many cells from the one that is known is another: this one was picked up."""
 
@@ -54,8 +57,8 @@ class Body(NamedTuple):
     distance: int  # the channel that has it
     step: int  # half cells
     target: float  # half its side, cells
+    reach: float  # of rays, parts of a cell
     bits: int
-    search: str  # by blocks or by views
 
 
 @cache
@@ -64,8 +67,7 @@ def step_kernel(program: Any, body: Body) -> Any:
     grid = Grid(body.bits)
     ways = Ways(grid)
     views = Views(grid, ways)
-    by_views = body.search == "views"
-    rays, channels, distance_at, step_by, half = body[:5]
+    rays, channels, distance_at, step_by, half, reach_by = body[:6]
 
     @ti.func
     def diagonal(observation: ti.template(), directions: ti.template(), o):
@@ -95,12 +97,13 @@ def step_kernel(program: Any, body: Body) -> Any:
         action: Longs,
         directions: Floats,
         clear: Floats,
+        starts: Wholes,
+        fan: Wholes,
         cells: Cells,
         field: Cells,
         queue: Cells,
-        blocks: Wholes,
         hidden: Bytes,
-        looks: Floats,
+        looks: Wholes,
         counts: Wholes,
         target: Floats,
         advice: Longs,
@@ -116,8 +119,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     cells[base + k] = ti.cast(0, ti.u16)
                 for k in range(COUNTS):
                     counts[w + k] = 0
-                if ti.static(by_views):
-                    views.retry(hidden, e)
+                views.retry(hidden, e)
                 counts[w + SINCE] = 1
                 counts[w + HEADING] = diagonal(observation, directions, o)
             elif action[e] < 2:
@@ -134,7 +136,8 @@ def step_kernel(program: Any, body: Body) -> Any:
             new, hits, spotted, missed, forward = grid.see_body(cells, base, px, py, time), 0, 0, 0, 1
             low, high, side = ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9]), ti.Vector([0.0, 0.0])
             known, off = counts[w + KNOWN], ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
-            before, before_kind = ti.Vector([0.0, 0.0]), -1
+            before, before_kind, before_far = ti.Vector([0.0, 0.0]), -1, 0
+            corner, lists = grid.at(px >> 1, py >> 1), ((heading * 4) | (px & 1) | ((py & 1) << 1)) * 2 * rays
             for r in range(rays):
                 d, j = observation[o + r * channels + distance_at], 2 * (heading * rays + r)
                 reach = ti.Vector([directions[j], directions[j + 1]])
@@ -144,24 +147,22 @@ def step_kernel(program: Any, body: Body) -> Any:
                 end = d * reach
                 if (kind != 2) & (d < clear[(heading & 1) * rays + r]):
                     forward = 0
-                new += grid.see_line(cells, base, x, y, end[0], end[1], time)
+                # the ray's own cells, and those between the last one and it
+                far, i = ti.cast(d * reach_by, ti.i32), lists + 2 * r
+                new += grid.see_fan(cells, fan, base, corner, starts[i], starts[i + 1], far, time)
+                if r > 0:
+                    both = ti.min(far, before_far)
+                    new += grid.see_fan(cells, fan, base, corner, starts[i - 1], starts[i], both, time)
                 if kind == 1:
                     hits += grid.hit(cells, base, x + end[0], y + end[1], time)
-                # what lies between this ray and the last one, if both end on one line
+                # the wall between what this ray and the last one hit, if both lie on one line
                 gap = ti.abs(end - before)
-                if (
-                    (kind == before_kind)
-                    & (gap.max() > 1.0)
-                    & (gap.max() < WIDEST)
-                    & ((kind == 0) | (gap.min() < 1e-3))
-                ):
+                if (kind == 1) & (before_kind == 1) & (gap.max() < WIDEST) & (gap.min() < 1e-3):
                     pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
                     for k in range(1, pieces):
                         part = before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
-                        new += grid.see_line(cells, base, x, y, part[0], part[1], time)
-                        if kind == 1:
-                            hits += grid.hit(cells, base, x + part[0], y + part[1], time)
-                before, before_kind = end, kind
+                        hits += grid.hit(cells, base, x + part[0], y + part[1], time)
+                before, before_kind, before_far = end, kind, far
                 if kind == 2:
                     spotted += 1
                     side += reach / reach.norm()
@@ -195,11 +196,10 @@ def step_kernel(program: Any, body: Body) -> Any:
             if picked:
                 counts[w + SINCE] = time
                 counts[w + FOUND] += 1
-                if ti.static(by_views):
-                    views.retry(hidden, e)
-                    spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
-                    home = views.belief.home(cells, base)
-                    counts[w + HERE] += views.belief.within(home, spot[0], spot[1])
+                views.retry(hidden, e)
+                spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
+                home = views.belief.home(cells, base)
+                counts[w + HERE] += views.belief.within(home, spot[0], spot[1])
             counts[w + KNOWN], counts[w + NEW] = known, new
             counts[w + SEEN] += new
             if new > 0:
@@ -208,7 +208,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                 forward = 0
             if (px | py) & 1 == 0:
                 # It may stand nearer to a wall than the map would have let it go.
-                grid.open(cells, base, px >> 1, py >> 1)
+                grid.clear(cells, base, px >> 1, py >> 1)
             way = step_by * ways.ahead(heading)
             if (forward == 0) & grid.room(cells, base, px + way[0], py + way[1]):
                 # It cannot go where the map says it can: what hinders it lies between two rays.
@@ -222,10 +222,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                 counts[w + PROGRESS] = counts[w + WAY] - far
             kind, goal, since = counts[w + KIND], counts[w + GOAL], counts[w + SINCE]
             stale, age, tail, anew = counts[w + STALE] + hits, counts[w + AGE] + 1, counts[w + QUEUED], 0
-            within, look = 0, -1
-            if ti.static(by_views):
-                look = counts[w + LOOK]
-                counts[w + THINK] += 1
+            within, look = 0, counts[w + LOOK]
+            counts[w + THINK] += 1
             if known:
                 there = grid.at(
                     ti.cast(ti.floor(target[2 * e] + 0.5), ti.i32),
@@ -242,38 +240,32 @@ def step_kernel(program: Any, body: Body) -> Any:
                 done = ti.cast((look == heading) & (far == 0), ti.i32)
                 if look < 0:
                     done = 1 - grid.hides(cells, base, gx, gy, since)
-                if ti.static(by_views):
-                    done |= ti.cast(counts[w + THINK] > THOUGHT, ti.i32)
+                done |= ti.cast(counts[w + THINK] > THOUGHT, ti.i32)
                 if done | grid.solid(cells, base, gx, gy):
                     kind = NONE
             else:
                 kind = NONE
             if ((stale > 0) & (age > PATIENCE)) | (far == FAR):
                 anew = 1
-                if kind == SEARCH:
+                if (kind == SEARCH) & (far == FAR):
                     kind = NONE
             while kind == NONE:
                 ways.forget(field, queue, base, tail)
-                if ti.static(by_views):
-                    goal, look, within, tail = views.choose(
-                        cells,
-                        field,
-                        queue,
-                        hidden,
-                        looks,
-                        e,
-                        px,
-                        py,
-                        heading,
-                        since,
-                        counts[w + HERE],
-                        counts[w + FOUND],
-                    )
-                    counts[w + LOOK], counts[w + THINK] = look, 0
-                else:
-                    goal, within, tail = ways.choose(
-                        cells, field, queue, blocks, base, 2 * e * ways.blocks, px, py, since
-                    )
+                goal, look, within, tail = views.choose(
+                    cells,
+                    field,
+                    queue,
+                    hidden,
+                    looks,
+                    e,
+                    px,
+                    py,
+                    heading,
+                    since,
+                    counts[w + HERE],
+                    counts[w + FOUND],
+                )
+                counts[w + LOOK], counts[w + THINK] = look, 0
                 anew = 1
                 if goal >= 0:
                     kind = SEARCH
@@ -283,19 +275,20 @@ def step_kernel(program: Any, body: Body) -> Any:
                     # All is seen: look again where it has not looked for longest.
                     since += ti.max(1, (time - since) // 2)
                     counts[w + SINCE] = since
-                    if ti.static(by_views):
-                        views.retry(hidden, e)
+                    views.retry(hidden, e)
             if (anew > 0) & (kind != NONE):
                 ways.forget(field, queue, base, tail)
-                off, radius = ti.Vector([0.0, 0.0]), 0.5
+                tail, off, radius = 0, ti.Vector([0.0, 0.0]), 0.5
                 if kind == TARGET:
                     # As near as the body must come to touch it.
                     off, radius = ti.Vector([target[2 * e], target[2 * e + 1]]), 1.0 + half - TOUCH
                     off -= ti.floor(off + 0.5)
-                tail = ways.measure(cells, field, queue, base, goal, off, radius, within, px, py)
+                if within > 0:
+                    tail = ways.measure(cells, field, queue, base, goal, off, radius, within, px, py)
                 if ways.far(field, base, px, py) == FAR:
+                    # A view was chosen when less was known to be in its way: now a place near it will do.
                     ways.forget(field, queue, base, tail)
-                    tail = ways.measure(cells, field, queue, base, goal, off, 2.5, FAR, px, py)
+                    tail = ways.measure(cells, field, queue, base, goal, off, ABOUT, FAR, px, py)
                 stale, age = 0, 0
             far = ways.far(field, base, px, py)
             counts[w + KIND], counts[w + GOAL], counts[w + QUEUED], counts[w + AGE] = kind, goal, tail, age

@@ -12,8 +12,8 @@ that by less than the noise, 0.007; six times ``HASTE`` costs 0.016.
 import numpy as np
 
 from agent.map.belief import SURE, Belief
-from agent.map.cells import WAYS, Grid
-from agent.map.ways import AT_MOST, DETOUR, Ways
+from agent.map.cells import FLAGS, OCCUPIED, SOLID, Grid
+from agent.map.ways import DETOUR, Ways
 from sim.runtime import ti
 
 PITCH = 4
@@ -22,8 +22,11 @@ PITCH = 4
 RAYS = 5
 """Rays of a look in each octant, at even angles: a look is three octants, 135 degrees, much as the eye's."""
 
-STRIDE, REACH = 2.0, 54.0
+STRIDE, REACH = 2, 54
 """Cells between two places on a ray that are looked at, and the last one: some 7.7 m, the eye's range."""
+
+LOOKED = REACH // STRIDE
+"""Places on a ray that are looked at."""
 
 PLENTY = 600
 """Hiding places, of one node in four, beyond which a look is worth no more."""
@@ -34,9 +37,6 @@ LEAST = 2.0
 HASTE = 4.0
 """Steps added to a way's length when looks are compared: what a few steps cost is not all that they cost."""
 
-DEPTH = 8
-"""Nodes beyond what was seen that a search goes: further on anything may be, most likely nothing."""
-
 TRIED = 128
 """Bit of a hiding place that a look should have shown by the map's cells, but did not: it counts for none."""
 
@@ -44,29 +44,32 @@ THOUGHT = 24
 """Steps until it thinks again: what it saw on its way may have made another view better."""
 
 
-def directions() -> np.ndarray:
-    """Of a look's rays, octant by octant: east and south (8 RAYS 2,) float32."""
+def looks() -> np.ndarray:
+    """Of a look's rays, octant by octant: ways (8 RAYS LOOKED,) int32 from a node to those it looks at, as
+    ``Grid.beside`` takes them.
+    """
     aside = (np.arange(RAYS) - RAYS // 2) / RAYS
-    angles = np.pi / 4 * (np.arange(8)[:, None] + aside)
-    return np.stack([np.cos(angles), -np.sin(angles)], axis=-1).astype(np.float32).ravel()
+    angles = (np.pi / 4 * (np.arange(8)[:, None] + aside)).reshape(-1, 1)
+    along = STRIDE * np.arange(1, LOOKED + 1)
+    x, y = (np.rint(along * way).astype(np.int32) for way in (np.cos(angles), -np.sin(angles)))
+    return (((y & 0xFF) << 8) | (x & 0xFF)).ravel()
 
 
 @ti.data_oriented
 class Views:
     """The choice of a view. ``hidden`` has a byte for each even node: what a hiding place there counts while
-    a choice is made, nothing otherwise, and whether it was tried; ``rays`` are ``directions()``.
+    a choice is made, nothing otherwise, and whether it was tried; ``rays`` are ``looks()``.
     """
 
     def __init__(self, grid: Grid, ways: Ways) -> None:
         """Choose on this grid by these ways."""
         self.grid, self.ways, self.belief = grid, ways, Belief(grid)
-        self.area = grid.area >> 2
+        self.area = grid.area >> 1
 
     @ti.func
-    def at(self, x, y):
-        """The place of a node in its environment's part of ``hidden``."""
-        mask, bits = ti.static(self.grid.mask >> 1), ti.static(self.grid.bits - 1)
-        return (((y >> 1) & mask) << bits) | ((x >> 1) & mask)
+    def at(self, node):
+        """The place in its environment's part of ``hidden`` of a node, or of the even one before it."""
+        return (node & ti.static(~(self.grid.side + 1))) >> 1
 
     @ti.func
     def retry(self, hidden: ti.template(), e):
@@ -100,7 +103,7 @@ class Views:
         )
         for k in range(3):
             octant = (heading + k + 7) & 7
-            total -= self.gain(cells, hidden, rays, base, first, px, py, octant, 1)[1]
+            total -= self.gain(cells, base, hidden, rays, first, self.grid.at(px >> 1, py >> 1), octant, 1)[1]
         goal, look, within, best = nearest, -1, 0, 0.0
         if nearest >= 0:
             within = ti.cast(field[base + nearest], ti.i32)
@@ -114,10 +117,10 @@ class Views:
             # So far away, no view can be worth more than the best one.
             if most <= ti.max(best * way, SURE * LEAST):
                 going = 0
-            elif ((x | y) & (PITCH - 1) == 0 or distance == 0) and ti.cast(cells[base + node], ti.i32) >= 4:
+            elif ((x | y) & (PITCH - 1) == 0 or distance == 0) and cells[base + node] >> FLAGS != 0:
                 gains = ti.Vector([0.0] * 8)
                 for octant in ti.static(range(8)):
-                    gains[octant] = self.gain(cells, hidden, rays, base, first, 2 * x, 2 * y, octant, 0)[0]
+                    gains[octant] = self.gain(cells, base, hidden, rays, first, node, octant, 0)[0]
                 bearing = heading
                 if distance > 0:
                     bearing = self.bearing(
@@ -131,10 +134,8 @@ class Views:
                     if (gain >= SURE * LEAST) & (worth > best) & (not there):
                         best, goal, look, within = worth, node, h, distance
             head += 1
-        for k in range(tail):
-            node = ti.cast(queue[base + k], ti.i32)
-            i = first + self.at(node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits))
-            hidden[i] = hidden[i] & ti.cast(TRIED, ti.u8)
+        for k in range(ti.static(self.area)):
+            hidden[first + k] = hidden[first + k] & ti.cast(TRIED, ti.u8)
         return goal, look, within + DETOUR, tail
 
     @ti.func
@@ -158,68 +159,54 @@ class Views:
         head, tail = 0, self.ways.start(cells, field, queue, base, px, py)
         nearest, total = -1, 0
         home, shares = self.belief.home(cells, base), self.belief.shares(here, found)
-        while (head < tail) & (tail <= AT_MOST):
+        while head < tail:
             node = ti.cast(queue[base + head], ti.i32)
             head += 1
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
             if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
-                i = first + self.at(x, y)
                 share = ti.select(self.belief.within(home, x, y), shares[0], shares[1])
                 count = ti.cast(ti.ceil(share * self.belief.odds(cells, base, x, y)), ti.i32)
                 if (nearest < 0) & (count > 0):
                     nearest = node
+                i = first + self.at(node)
                 if hidden[i] == 0:
                     hidden[i] = ti.cast(count, ti.u8)
                     total += count
-            if self.near_seen(cells, base, x, y):
-                tail = self.ways.spread(cells, field, queue, base, node, tail)
+            tail = self.ways.spread(cells, field, queue, base, node, tail)
         return nearest, total, tail
-
-    @ti.func
-    def near_seen(self, cells: ti.template(), base, x, y):
-        """Whether anything about a node was seen."""
-        seen = ti.cast(cells[base + self.grid.at(x, y)], ti.i32) >> 2
-        if seen == 0:
-            for k in ti.static(range(8)):
-                dx, dy = WAYS[k][0] * DEPTH, WAYS[k][1] * DEPTH
-                seen |= ti.cast(cells[base + self.grid.at(x + dx, y + dy)], ti.i32) >> 2
-        return ti.cast(seen != 0, ti.i32)
 
     @ti.func
     def gain(
         self,
         cells: ti.template(),
+        base,
         hidden: ti.template(),
         rays: ti.template(),
-        base,
         first,
-        px,
-        py,
+        node,
         octant,
         try_: ti.template(),
     ):
-        """What hiding places count that the rays of an octant meet from a pose, in half cells: each stands
-        for the ground about it, as far as the next. With ``try_`` these are tried now: what they counted.
+        """What hiding places count that the rays of an octant meet from a node: each stands for the ground
+        about it, as far as the next. With ``try_`` these are tried now: what they counted.
         """
-        gain, count = 0.0, 0
+        gain, count = 0, 0
         for ray in range(RAYS):
-            j = 2 * (RAYS * octant + ray)
-            t, clear = STRIDE, 1
-            while clear > 0:
-                x = ti.cast(ti.floor(0.5 * ti.cast(px, ti.f32) + rays[j] * t + 0.5), ti.i32)
-                y = ti.cast(ti.floor(0.5 * ti.cast(py, ti.f32) + rays[j + 1] * t + 0.5), ti.i32)
-                if (ti.cast(cells[base + self.grid.at(x, y)], ti.i32) & 3 != 0) | (t > REACH):
+            j, k, clear = LOOKED * (RAYS * octant + ray), 0, 1
+            while clear & (k < LOOKED):
+                there = self.grid.beside(node, rays[j + k])
+                k += 1
+                if ti.cast(cells[base + there], ti.i32) & (OCCUPIED | SOLID):
                     clear = 0
                 else:
-                    i = first + self.at(x, y)
+                    i = first + self.at(there)
                     here = ti.cast(hidden[i], ti.i32) & (TRIED - 1)
-                    gain += t * ti.cast(here, ti.f32)
+                    gain += k * here
                     if ti.static(try_ == 1) and here > 0:
                         count += here
                         hidden[i] = ti.cast(TRIED, ti.u8)
-                    t += STRIDE
-        # A place stands for 2 by 2 cells.
-        return gain * ti.static(STRIDE * np.pi / 4 / RAYS / 4), count
+        # A place stands for 2 by 2 cells, as wide as rays are apart there.
+        return ti.cast(gain, ti.f32) * ti.static(STRIDE * STRIDE * np.pi / 4 / RAYS / 4), count
 
     @ti.func
     def bearing(self, dx, dy):

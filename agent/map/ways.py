@@ -12,17 +12,8 @@ from sim.runtime import ti
 FAR = (1 << 16) - 1
 """A node that no search has come to."""
 
-BLOCK = 4
-"""Hiding places are weighed by blocks of 2^4 by 2^4 nodes, some 2.3 m."""
-
-AT_MOST = 9000
-"""A search for a hiding place ends after so many nodes."""
-
 DETOUR = 16
 """Nodes by which a way may be longer than the shortest for its nodes to be measured."""
-
-NEAR, PLENTY = 4.0, 50
-"""What a way costs besides its nodes; more hiding places in a block than these do not count."""
 
 LONG = 40
 """Nodes of a way whose turns are counted."""
@@ -38,7 +29,6 @@ class Ways:
     def __init__(self, grid: Grid) -> None:
         """Search on this grid."""
         self.grid = grid
-        self.blocks = 1 << 2 * (grid.bits - BLOCK)
 
     @ti.func
     def forget(self, field: ti.template(), queue: ti.template(), base, tail):
@@ -64,13 +54,16 @@ class Ways:
         free = ti.Vector([0, 0, 0, 0])
         for k in ti.static(range(4)):
             dx, dy = (1, 0, -1, 0)[k], (0, 1, 0, -1)[k]
-            if not self.grid.solid(cells, base, x + dx, y + dy):
+            beside = self.grid.at(x + dx, y + dy)
+            if self.grid.open(cells, base, beside):
                 free[k] = 1
-                tail = self.push(field, queue, base, self.grid.at(x + dx, y + dy), distance, tail)
+                tail = self.push(field, queue, base, beside, distance, tail)
         for k in ti.static(range(4)):
             dx, dy = (1, -1, -1, 1)[k], (1, 1, -1, -1)[k]
-            if free[k] & free[(k + 1) % 4] & (1 - self.grid.solid(cells, base, x + dx, y + dy)):
-                tail = self.push(field, queue, base, self.grid.at(x + dx, y + dy), distance, tail)
+            if free[k] & free[(k + 1) % 4]:
+                beside = self.grid.at(x + dx, y + dy)
+                if self.grid.open(cells, base, beside):
+                    tail = self.push(field, queue, base, beside, distance, tail)
         return tail
 
     @ti.func
@@ -84,55 +77,6 @@ class Ways:
                     if ti.static(pass_ == 1) or not self.grid.solid(cells, base, x, y):
                         tail = self.push(field, queue, base, self.grid.at(x, y), 0, tail)
         return tail
-
-    @ti.func
-    def choose(
-        self,
-        cells: ti.template(),
-        field: ti.template(),
-        queue: ti.template(),
-        blocks: ti.template(),
-        base,
-        first,
-        px,
-        py,
-        since,
-    ):
-        """The hiding place to look at next, -1 for none, how long ways there may be, and the queue's end.
-
-        Of all blocks with hiding places the one with the most for its way: the root of their number, as the
-        last ones of a block come into sight with the first, over the distance to the nearest.
-        """
-        for k in range(ti.static(2 * self.blocks)):
-            blocks[first + k] = 0
-        head, tail = 0, self.start(cells, field, queue, base, px, py)
-        best, goal, within = 0.0, -1, 0
-        while head < tail:
-            node = ti.cast(queue[base + head], ti.i32)
-            distance = ti.cast(field[base + node], ti.i32)
-            # So far away, no block can be worth more than the best one.
-            if (self.worth(PLENTY, distance) < best) | (tail > AT_MOST):
-                break
-            head += 1
-            x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
-            # One node of four tells enough.
-            if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
-                block = first + 2 * (((y >> BLOCK) << ti.static(self.grid.bits - BLOCK)) | (x >> BLOCK))
-                if blocks[block] == 0:
-                    blocks[block + 1] = node
-                blocks[block] += 1
-                near = ti.cast(field[base + blocks[block + 1]], ti.i32)
-                worth = self.worth(blocks[block], near)
-                if worth > best:
-                    best, goal, within = worth, blocks[block + 1], near
-            tail = self.spread(cells, field, queue, base, node, tail)
-        return goal, within + DETOUR, tail
-
-    @ti.func
-    def worth(self, number, distance):
-        """What so many hiding places are worth so far away, squared."""
-        way = ti.cast(distance, ti.f32) + NEAR
-        return ti.cast(ti.min(number, PLENTY), ti.f32) / (way * way)
 
     @ti.func
     def measure(
