@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from agent.map.belief import ABOUT, ODDS, SURE, Belief
-from agent.map.cells import FLAGS, OCCUPIED, Cells, Floats, Grid, Wholes
+from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, Cells, Floats, Grid, Wholes
 from agent.map.kernel import FOUND, HERE
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
@@ -62,6 +62,8 @@ def test_odds_are_those_of_an_independent_count():
     for floor in (0.02, 0.1, 0.3):
         cells = np.where(chance.random((SIDE, SIDE)) < floor, 5 << FLAGS, 0)
         cells[chance.random((SIDE, SIDE)) < 0.05] = OCCUPIED | 7 << FLAGS
+        # What a cell tells of the node in its corner is neither floor nor wall.
+        cells |= chance.choice([0, SOLID, NEAR, SOLID | NEAR], (SIDE, SIDE))
         nodes = chance.integers(0, SIDE, (200, 2))
         assert asked(cells, nodes)[0].tolist() == [odds_of(cells, x, y) for x, y in nodes]
 

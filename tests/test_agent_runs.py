@@ -14,6 +14,7 @@ import torch
 from agent import checkpoint, runs
 from agent.banks import bank_hash
 from agent.config import PRESETS, DQNConfig, PQNConfig
+from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.runs import run
@@ -25,6 +26,8 @@ from tests.worlds import random_house
 HOUSES = [random_house(seed) for seed in range(4)]
 ROOT = Path(__file__).parents[1]
 CONFIG = PQNConfig(environments=8, rollout=16, steps=1500, seed=2)
+RECURRENT = replace(PRESETS["pqn-recurrent"], environments=8, rollout=16, steps=1500)
+REPLAY = replace(PRESETS["dqn"], environments=8, steps=4000, memory=1000, warm_up=100, batch=32)
 
 
 @pytest.fixture(autouse=True)
@@ -66,14 +69,12 @@ main(sys.argv[1:])
 """
 
 
-@pytest.mark.parametrize(
-    "changes", [(), ("--map", "--novelty", "0.02", "--curriculum", "--levels")], ids=["plain", "all of it"]
-)
-def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path, changes):
-    """By SIGKILL, wherever it stood; and again."""
+def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
+    """By SIGKILL, wherever it stood; and again. With all that a run may keep."""
     save(HOUSES, tmp_path / "houses.jsonl")
-    arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "4000", "--seed", "1", *changes]
+    arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
     arguments += ["--environments", "8", "--rollout", "16"]
+    arguments += ["--map", "--novelty", "0.02", "--curriculum", "--levels"]
 
     def started(name: str, *more: str) -> subprocess.Popen[str]:
         command = [sys.executable, "-c", SLOW, *arguments, "--out", str(tmp_path / name), *more]
@@ -81,7 +82,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path, changes):
 
     whole = started("whole")
     killed, lines = started("killed", "--resume"), 0  # --resume begins where there is nothing yet
-    for least in (4, 15):
+    for least in (4, 11):
         while lines < least and killed.poll() is None:
             time.sleep(0.02)
             file = tmp_path / "killed/metrics.jsonl"
@@ -94,6 +95,24 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path, changes):
         assert process.returncode == 0, said
     assert metrics(tmp_path / "killed") == metrics(tmp_path / "whole")
     assert same(tmp_path / "killed", tmp_path / "whole")
+
+
+@pytest.mark.parametrize("config", [CONFIG, RECURRENT, REPLAY], ids=["pqn", "pqn-recurrent", "dqn"])
+def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
+    """Of each algorithm; what was learnt after the last report that was kept is learnt anew."""
+    run(HOUSES, config, tmp_path / "whole")
+    learner = DQN if isinstance(config, DQNConfig) else PQN
+    advance, reports = learner.advance, len(metrics(tmp_path / "whole"))
+    assert reports >= 3
+    for left in (1, reports // 3):
+        turns = iter([advance] * left)
+        monkeypatch.setattr(learner, "advance", lambda learner, turns=turns: next(turns)(learner))
+        with pytest.raises(RuntimeError, match="StopIteration"):
+            run(HOUSES, config, tmp_path / "stopped", resume=True)
+    monkeypatch.setattr(learner, "advance", advance)
+    run(HOUSES, config, tmp_path / "stopped", resume=True)
+    assert metrics(tmp_path / "stopped") == metrics(tmp_path / "whole")
+    assert same(tmp_path / "stopped", tmp_path / "whole")
 
 
 def test_a_run_goes_on_with_more_steps(tmp_path):

@@ -1,9 +1,9 @@
 """The fan of an eye's rays over the map's cells: which cells lie behind which rays, nearest first.
 
-Rays cross near cells in numbers and miss far ones between them. So each cell belongs to the ray that passes
-its centre within half a cell and is nearest to it by angle, and is seen if that one reaches beyond it; or it
-lies between two rays, and is seen if both do. Headings are eight, and the eye stands on a cell's corner or
-half a cell from it: all cases fit in a table.
+Rays cross near cells in numbers and miss far ones between them. So each cell belongs to the ray that crosses it
+nearest to its centre by angle, and is seen if that one reaches beyond it; or it lies between two rays, and is
+seen if both do. Headings are eight, and the eye stands on a cell's corner or half a cell from it: all cases
+fit in a table.
 """
 
 import numpy as np
@@ -31,15 +31,14 @@ def fan(angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """
     wide = int(np.ceil(reach)) + 1
     south, east = np.mgrid[-wide:wide, -wide:wide].reshape(2, -1)
+    middles = np.append((angles[1:] + angles[:-1]) / 2, -np.inf)
     starts, lists, begun = [], [], 0
     for heading in range(len(WAYS)):
         for odd in range(4):
             x, y = east + 0.5 - 0.5 * (odd & 1), south + 0.5 - 0.5 * (odd >> 1)
-            angle = np.arctan2(-y, x) - np.pi / 4 * heading
-            aside = (angle[:, None] - angles + np.pi) % (2 * np.pi) - np.pi
-            nearest = np.abs(aside).argmin(-1)
-            off = aside[np.arange(len(x)), nearest]
-            away = np.hypot(x, y)
+            angle = (np.arctan2(-y, x) - np.pi / 4 * heading + np.pi) % (2 * np.pi) - np.pi
+            nearest = np.searchsorted(-middles, -angle)
+            off, away = angle - angles[nearest], np.hypot(x, y)
             on = (np.abs(np.sin(off)) * away <= BESIDE) & (np.cos(off) > 0)
             # Rays fall: what is counter-clockwise of one lies between the one before and it.
             list_ = np.where(on, 2 * nearest, np.where(off > 0, 2 * nearest - 1, 2 * nearest + 1))

@@ -1,0 +1,140 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
+"""Which cells rays show: the table against geometry, and what a map sees against the rooms that it sees."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import torch
+
+from agent.map import FREE, TAKEN, Map
+from agent.map.cells import DEPTH, FLAGS, NEAR, WAYS, Grid, Wholes
+from agent.map.fan import BESIDE, BEYOND, FINE, fan
+from agent.world import make_worlds
+from logic import Door, House, Rect, Room
+from sim import DEFAULT
+from sim.runtime import Array, Launch, start, ti
+
+ANGLES = np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
+REACH = 55.0
+
+
+def told(heading: int, odd: int) -> list[np.ndarray]:
+    """Of each list (n, 3): how far a ray must reach, and the cells' middles from the eye, ahead and aside (to
+    the left) of the heading, cells.
+    """
+    starts, entries = fan(ANGLES, REACH)
+    begins, turn = starts[4 * heading + odd], np.pi / 4 * heading
+    lists = []
+    for first, last in pairwise(begins):
+        far, way = entries[first:last] >> 16, entries[first:last] & 0xFFFF
+        east, south = (((axis + 128) & 0xFF) - 128 for axis in (way & 0xFF, way >> 8))
+        x, y = east + 0.5 - 0.5 * (odd & 1), south + 0.5 - 0.5 * (odd >> 1)
+        ahead, aside = x * np.cos(turn) - y * np.sin(turn), -x * np.sin(turn) - y * np.cos(turn)
+        lists.append(np.column_stack([far / FINE, ahead, aside]))
+    return lists
+
+
+@pytest.mark.parametrize("odd", range(4))
+@pytest.mark.parametrize("heading", range(8))
+def test_each_cell_before_the_eye_is_behind_one_ray_or_between_two(heading, odd):
+    lists = told(heading, odd)
+    assert len(lists) == 2 * len(ANGLES) - 1
+    for number, cells in enumerate(lists):
+        far, angle = cells[:, 0], np.arctan2(cells[:, 2], cells[:, 1])
+        away = np.hypot(cells[:, 1], cells[:, 2])
+        assert (np.diff(far) >= 0).all()
+        # Half a cell and more before what the ray hits, whichever ray it is.
+        assert (far <= away + BEYOND + 1 / FINE).all()
+        along = np.sqrt(np.maximum(0, away**2 - BESIDE**2))
+        assert (far >= np.minimum(along, away * np.cos(np.deg2rad(DEFAULT.ray_spacing))) + BEYOND).all()
+        if number % 2:
+            assert (angle < ANGLES[number // 2]).all()
+            assert (angle > ANGLES[number // 2 + 1]).all()
+        else:
+            assert (np.abs(away * np.sin(angle - ANGLES[number // 2])) <= BESIDE + 1e-9).all()
+    found = np.concatenate(lists)[:, 1:]
+    # All cells' middles between the outer rays, found without a table.
+    half = 0.5 * np.array([1 - (odd & 1), 1 - (odd >> 1)])
+    east, south = (axis.ravel() for axis in np.meshgrid(np.arange(-60, 60), np.arange(-60, 60)))
+    x, y, turn = east + half[0], south + half[1], np.pi / 4 * heading
+    ahead, aside = x * np.cos(turn) - y * np.sin(turn), -x * np.sin(turn) - y * np.cos(turn)
+    angle = np.arctan2(aside, ahead)
+    within = (angle < ANGLES[0]) & (angle > ANGLES[-1]) & (np.hypot(x, y) + BEYOND < REACH - 0.01)
+    places = {tuple(place) for place in np.rint(2 * found @ _turned(-heading)).astype(int).tolist()}
+    assert len(places) == len(found)  # none is on two lists
+    expected = {tuple(place) for place in np.rint(2 * np.column_stack([x, y])[within]).astype(int).tolist()}
+    assert expected <= places
+    assert len(places) < 1.1 * len(expected)
+
+
+def _turned(heading: int) -> np.ndarray:
+    """Ahead and aside of the opposite of a heading, as rows, to east and south."""
+    turn = -np.pi / 4 * heading
+    return np.array([[np.cos(turn), -np.sin(turn)], [-np.sin(turn), -np.cos(turn)]])
+
+
+def test_ways_from_a_cell_go_round_the_torus():
+    start()
+    grid, chance = Grid(8), np.random.default_rng(0)
+    cells, ways = chance.integers(0, 256, (2, 500, 2))
+
+    @ti.kernel
+    def ask(nodes: Wholes, packed: Wholes, ends: Wholes):
+        for k in range(nodes.shape[0]):
+            ends[k] = grid.beside(nodes[k], packed[k])
+
+    packed = [(both[:, 1] << 8 | both[:, 0]).astype(np.int32) for both in (cells, ways)]
+    arrays = {
+        "nodes": Array.of(packed[0]),
+        "packed": Array.of(packed[1]),
+        "ends": Array(ti.i32, len(cells)),
+    }
+    Launch(ask, arrays)()
+    ends = (cells + ways) % 256
+    assert arrays["ends"].numpy().tolist() == (ends[:, 1] << 8 | ends[:, 0]).tolist()
+
+
+@pytest.mark.parametrize("heading", [0.0, np.pi / 4, np.pi / 2, -3 * np.pi / 4])
+def test_one_look_shows_the_room_before_the_eye_to_its_walls_and_nothing_behind_them(heading):
+    """An empty room of 5 m by 4 m: of the cells that the eye's fan covers, all but the last at the walls."""
+    house = House(Rect(0, 0, 5.0, 4.0), (Room(0.0, 4.0, 4.0, 3.0, "hall", (), Door(1.0, 4.0, 0.762, 0.0)),))
+    worlds = make_worlds([house], 1, "main")
+    eye = np.array([2.5, 2.0])
+    options = {"house": [0], "pose": [[*eye, heading]], "target": [[0.6, 0.6]]}
+    observation, _ = worlds.reset(seed=0, options=options)
+    maps, no = Map(worlds.config, 1), torch.zeros(1).bool()
+    maps.step(torch.as_tensor(observation), no, torch.zeros(1, dtype=torch.int64), ~no)
+    cells = maps.occupancy(0)
+    south, east = (np.indices(cells.shape) - 127.5) * maps.cell
+    octant = round(heading / (np.pi / 4)) % 8
+    turn = (octant - octant % 2) * np.pi / 4  # the map's own east, where the episode began
+    x = eye[0] + east * np.cos(turn) + south * np.sin(turn)
+    y = eye[1] + south * np.cos(turn) - east * np.sin(turn)
+    angle = (np.arctan2(eye[1] - y, x - eye[0]) - heading + np.pi) % (2 * np.pi) - np.pi
+    covered = (angle < ANGLES[0]) & (angle > ANGLES[-1])
+    target = (np.abs(x - 0.6) < 0.4) & (np.abs(y - 0.6) < 0.4)
+    inside = np.minimum(np.minimum(x, 5.0 - x), np.minimum(y, 4.0 - y)) / maps.cell
+    behind = np.hypot(x - 0.6, y - 0.6) < 1.2  # the target's shadow
+    door = y > 3.9
+    assert ((cells == FREE)[(inside > 1.5) & covered & ~behind]).all()
+    assert not (cells == FREE)[(inside < -0.5) & ~door].any()
+    assert not (cells == TAKEN)[(np.abs(inside) > 1.1) & ~door & ~target].any()
+
+
+def test_ways_may_lead_where_something_was_seen_at_a_distance_along_one_of_eight_directions():
+    """The bit that says so, against the cells that were seen, moved in NumPy."""
+    house = House(Rect(0, 0, 5.0, 4.0), (Room(0.0, 4.0, 4.0, 3.0, "hall", (), Door(1.0, 4.0, 0.762, 0.0)),))
+    worlds = make_worlds([house], 1, "main")
+    observation, _ = worlds.reset(seed=0)
+    maps, no = Map(worlds.config, 1), torch.zeros(1).bool()
+    maps.step(torch.as_tensor(observation), no, torch.zeros(1, dtype=torch.int64), ~no)
+    for action in (0, 2, 2, 1, 2, 2, 0, 0, 2):
+        observation, _, _, _, info = worlds.step(np.array([action]))
+        maps.step(torch.as_tensor(observation), torch.as_tensor(info["blocked"]), torch.tensor([action]), no)
+    cells = maps.arrays["cells"].numpy().reshape(256, 256)
+    near = seen = cells >> FLAGS > 0
+    for dx, dy in WAYS:
+        near = near | np.roll(seen, (DEPTH * dy, DEPTH * dx), axis=(0, 1))
+    assert seen.sum() > 200
+    assert np.array_equal(cells & NEAR > 0, near)
