@@ -8,12 +8,14 @@ import pytest
 import torch
 
 from agent.map import FREE, TAKEN, Map
-from agent.map.cells import DEPTH, FLAGS, NEAR, WAYS, Grid, Wholes
+from agent.map.cells import DEPTH, FLAGS, NEAR, WAYS, WIDEST, Grid, Wholes
 from agent.map.fan import BESIDE, BEYOND, FINE, fan
+from agent.map.kernel import HEADING, TIME, X, Y
 from agent.world import make_worlds
 from logic import Door, House, Rect, Room
 from sim import DEFAULT
 from sim.runtime import Array, Launch, start, ti
+from tests.worlds import random_house
 
 ANGLES = np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
 REACH = 55.0
@@ -138,3 +140,74 @@ def test_ways_may_lead_where_something_was_seen_at_a_distance_along_one_of_eight
         near = near | np.roll(seen, (DEPTH * dy, DEPTH * dx), axis=(0, 1))
     assert seen.sum() > 200
     assert np.array_equal(cells & NEAR > 0, near)
+
+
+def test_between_two_rays_nothing_is_seen_beyond_the_shorter_of_them():
+    """One look from many starts in a furnished house, where near pieces stand before far walls."""
+    number = 40
+    worlds = make_worlds([random_house(0)], number, "main")
+    observation, _ = worlds.reset(seed=2)
+    maps, no = Map(worlds.config, number), torch.zeros(number).bool()
+    maps.step(torch.as_tensor(observation), no, torch.zeros(number, dtype=torch.int64), ~no)
+    reach = observation[..., 0] * worlds.config.range / maps.cell
+    kept_from = 0
+    for e in range(number):
+        cells = maps.occupancy(e)
+        south, east = np.indices(cells.shape) - 127.5
+        heading = maps.pose(e)[2] * np.pi / 4
+        angle = (np.arctan2(-south, east) - heading + np.pi) % (2 * np.pi) - np.pi
+        before = np.searchsorted(-ANGLES, -angle) - 1
+        inside = (before >= 0) & (before < len(ANGLES) - 1)
+        before = np.clip(before, 0, len(ANGLES) - 2)
+        away = np.hypot(south, east)
+        apart = away * np.sin(np.minimum(np.abs(angle - ANGLES[before]), np.abs(angle - ANGLES[before + 1])))
+        beyond = inside & (apart > BESIDE) & (away > np.minimum(reach[e, before], reach[e, before + 1]) + 1.5)
+        assert not (cells == FREE)[beyond].any()
+        kept_from += (beyond & (away < np.maximum(reach[e, before], reach[e, before + 1]) - 1.5)).sum()
+    assert kept_from > 200
+
+
+def test_each_look_is_the_fan_of_the_eye_where_it_stands():
+    """What a kernel stamps with a step, against the same lists in NumPy: bodies on cells' corners and between
+    them, at all headings. Beside the fan it notes the body and what rays hit.
+    """
+    number = 8
+    worlds = make_worlds([random_house(0)], number, "main")
+    observation, _ = worlds.reset(seed=2)
+    maps, begun, chance = Map(worlds.config, number), torch.ones(number).bool(), np.random.default_rng(0)
+    blocked, actions = torch.zeros(number).bool(), np.zeros(number, np.int64)
+    starts, entries = fan(ANGLES, worlds.config.range / maps.cell)
+    odd_poses = set()
+    for _ in range(40):
+        maps.step(torch.as_tensor(observation), blocked, torch.as_tensor(actions), begun)
+        # Half a part of a cell is for the kernel's rounding, in float32.
+        reach = observation[..., 0].astype(float) * worlds.config.range / maps.cell * FINE
+        cells = maps.arrays["cells"].numpy().reshape(number, 256, 256)
+        for e in range(number):
+            x, y, heading = maps._counts[e, [X, Y, HEADING]].tolist()
+            odd_poses.add((heading, x & 1, y & 1))
+            first = starts[4 * heading + (x & 1) + 2 * (y & 1)]
+            stamped = cells[e] >> FLAGS == int(maps._counts[e, TIME])
+            least, most = np.zeros((2, 256, 256), bool)
+            for list_, (begin, end) in enumerate(pairwise(first)):
+                ray = list_ // 2
+                far = reach[e, ray] if list_ % 2 == 0 else min(reach[e, ray], reach[e, ray + 1])
+                way, needs = entries[begin:end] & 0xFFFF, entries[begin:end] >> 16
+                south, east = ((y >> 1) + (way >> 8)) % 256, ((x >> 1) + way) % 256
+                least[south, east] |= needs <= far - 1
+                most[south, east] |= needs <= far + 1
+            assert stamped[least].all()
+            more = np.argwhere(stamped & ~most)
+            off = (more - 128 + 0.5 - np.array([y, x]) / 2 + 128 + 128) % 256 - 128
+            away = np.hypot(*off.T)
+            ends = reach[e] / FINE
+            angle = ANGLES + heading * np.pi / 4
+            hits = np.column_stack([-ends * np.sin(angle), ends * np.cos(angle)])[observation[e, :, 0] < 1]
+            near = (
+                np.abs(off[:, None] - hits).max(-1).min(-1, initial=9) if len(hits) else np.full(len(off), 9)
+            )
+            assert ((away < 1.6) | (near < WIDEST / 2 + 1)).all()
+        actions = chance.choice(3, number, p=[0.15, 0.1, 0.75])
+        observation, _, _, _, info = worlds.step(actions)
+        blocked, begun = torch.as_tensor(info["blocked"]), torch.zeros(number).bool()
+    assert len(odd_poses) >= 24  # of 8 headings by 4

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 import torch
 
-from agent import checkpoint
-from logic import save
+from agent import checkpoint, ranks
+from agent.config import PQNConfig
+from agent.runs import run
+from logic import RequestError, save
 from tests.worlds import random_house
 
 ROOT = Path(__file__).parents[1]
@@ -66,5 +68,10 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     steps = [json.loads(line)["steps"] for line in (out / "metrics.jsonl").read_text().splitlines()]
     assert steps == list(range(128, 1025, 128))
     assert checkpoint.load(out / "agent.safetensors").steps == 1024
-    odd = done([*train, "--environments", "7", "--out", str(tmp_path / "odd")])
-    assert "multiple of the 2 ranks" in odd.stderr
+
+
+def test_worlds_that_ranks_cannot_share_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(ranks, "size", lambda: 2)
+    with pytest.raises(RequestError, match="environments must be a multiple of the 2 ranks, not 7"):
+        run([random_house(0)], PQNConfig(environments=7), tmp_path / "run")
+    assert not (tmp_path / "run/config.json").exists()
