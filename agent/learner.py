@@ -134,8 +134,10 @@ class Learner(ABC):
             self.envs.set_houses(houses, self.curriculum.lessons[lesson].targets)
 
     def first_look(self) -> Tensor:
-        """Begin episodes in all worlds; what is seen (E, R, C). The first ones are drawn by the seed."""
-        seed = self.seed if self.steps == 0 else None
+        """Begin episodes in all worlds; what is seen (E, R, C). Seed and lesson alone say what is drawn: a
+        run that goes on in the midst of a lesson begins the next one like a run that was never stopped.
+        """
+        seed = self.seed + (self.lesson << 32)
         return torch.as_tensor(self.envs.reset(seed=seed)[0], device=self.config.device)
 
     @abstractmethod

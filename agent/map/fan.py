@@ -1,9 +1,9 @@
 """The fan of an eye's rays over the map's cells: which cells lie behind which rays, nearest first.
 
-Rays cross near cells in numbers and miss far ones between them. So each cell belongs to the ray that crosses it
-nearest to its centre by angle, and is seen if that one reaches beyond it; or it lies between two rays, and is
-seen if both do. Headings are eight, and the eye stands on a cell's corner or half a cell from it: all cases
-fit in a table.
+Rays cross near cells in numbers and miss far ones between them. So each cell belongs to the ray that crosses
+it nearest to its centre by angle, and is seen if that one reaches beyond it; or it lies between two rays, and
+is seen if both do. Headings are eight, and the eye stands on a cell's corner or half a cell from it: all
+cases fit in a table.
 """
 
 import numpy as np
