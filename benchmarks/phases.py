@@ -24,7 +24,7 @@ from agent.phases import PHASES, Account, follow
 from agent.policies import Policy
 from agent.scoreboard import Sheet
 from agent.world import make_worlds
-from benchmarks.transfer import fingerprint
+from benchmarks.transfer import code, fingerprint
 from logic import load
 from logic.files import write_whole
 
@@ -65,7 +65,7 @@ class Phases:
             if name in BESIDE:
                 makers[name] = name, make
         accounts = {}
-        setting = f"{self.targets}-{self.seed}-{bank_hash(houses)[:8]}"
+        setting = f"{self.targets}-{self.seed}-{bank_hash(houses)[:8]}-{code()}"
         for name, (key, make) in makers.items():
             path = self.out / f"{key[:8]}-{setting}.npz"
             if not path.exists():

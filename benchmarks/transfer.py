@@ -26,7 +26,8 @@ from logic import House, generate, load, save
 from logic.files import write_whole
 from sim.config import DEFAULT
 
-ORIGINAL = Path(__file__).resolve().parents[2] / "shared/seed/example1.json"
+ROOT = Path(__file__).resolve().parents[1]
+ORIGINAL = ROOT.parent / "shared/seed/example1.json"
 """The house of the original program; where it is not, it is left out."""
 
 BESIDE = ("explorer", "searcher")
@@ -130,13 +131,19 @@ class Transfer:
         self, agents: dict[str, list[Checkpoint]], name: str, houses: list[House], mode: Targets
     ) -> dict:
         """The figures of all players in a bank, from the file of an earlier run where there is one."""
-        key = json.dumps([fingerprint(each) for runs in agents.values() for each in runs])
+        key = json.dumps([code(), *(fingerprint(each) for runs in agents.values() for each in runs)])
         path = self.out / f"{name}-{mode}-{hashlib.sha256(key.encode()).hexdigest()[:8]}.json"
         if not path.exists():
             backend = BANKS[name].backend if name in BANKS else "continuous"
             result = next(measure(agents, houses, (mode,), backend=backend))
             write_whole(path, json.dumps(scoreboard.record([result])).encode())
         return json.loads(path.read_text())["targets"][mode]
+
+
+def code() -> str:
+    """A hash of all code that players and worlds are made of: what other code played is played anew."""
+    paths = sorted(path for part in ("agent", "sim") for path in (ROOT / part).rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:8]
 
 
 def fingerprint(agent: Checkpoint) -> str:

@@ -342,3 +342,22 @@ def test_learning_with_a_map_is_a_function_of_the_seed(envs):
 def test_episodes_longer_than_a_cell_can_tell_are_refused():
     with pytest.raises(ValueError, match="8,18"):
         Map(replace(DEFAULT, steps=20_000), 1)
+
+
+@pytest.mark.parametrize("slant", [0, 1])
+def test_a_map_begun_where_no_wall_is_in_sight_is_begun_again_at_the_first_wall(slant):
+    """In the midst of a hall of 20 m, straight and diagonal."""
+    house = House(
+        Rect(0, 0, 20.0, 20.0), (Room(0.0, 20.0, 4.0, 3.0, "hall", (), Door(1.0, 20.0, 0.762, 0.0)),)
+    )
+    worlds = make_worlds([house], 1, "main")
+    options = {"house": [0], "pose": [[10.0, 10.0, slant * np.pi / 4]], "target": [[2.0, 18.0]]}
+    observation, _ = worlds.reset(seed=0, options=options)
+    maps, no = Map(worlds.config, 1), torch.zeros(1).bool()
+    assert (observation[..., 0] == 1.0).all()
+    maps.step(torch.as_tensor(observation), no, torch.tensor([LEFT]), ~no)
+    for turn in [RIGHT, LEFT] + [FORWARD] * 60:
+        observation, _, _, _, info = worlds.step(np.array([turn]))
+        maps.step(torch.as_tensor(observation), torch.as_tensor(info["blocked"]), torch.tensor([turn]), no)
+    assert maps.pose(0)[2] % 2 == slant
+    assert (maps.occupancy(0) == TAKEN).sum() > 20

@@ -15,16 +15,16 @@ NONE, SEARCH, TARGET = range(3)
 
 (TIME, X, Y, HEADING, SINCE, KNOWN, KIND, GOAL, QUEUED, AGE, STALE) = range(11)
 (NEW, SEEN, LAST_NEW, FOUND, WAY, PROGRESS) = range(11, 17)
-(LOOK, THINK, HERE) = range(17, 20)
+(LOOK, THINK, HERE, ALIGNED) = range(17, 21)
 """What a map counts: steps; the eye's place in half cells and its heading; since when a target that is not
 known may have lain where it lies; whether one is known; the goal; how long the last search's queue is, how
 old it is and how many cells were occupied since; cells that are new, and all; when there were new ones last;
 targets picked up as far as it knows; half cells to the goal, and how many fewer than before the last action.
 Of a view: the heading to look at, -1 for none, and the steps since it was chosen; targets picked up in the
-space that the episode began in.
+space that the episode began in; whether a wall has told how the heading lies to the house.
 """
 
-COUNTS = 20
+COUNTS = 21
 
 TOUCH = 0.1
 """Cells that the body goes further than to where it touches the target."""
@@ -71,8 +71,9 @@ def step_kernel(program: Any, body: Body) -> Any:
 
     @ti.func
     def diagonal(observation: ti.template(), directions: ti.template(), o):
-        """Whether the heading lies at 45 degrees to the walls. Where two neighbouring rays end on one wall,
-        the line through both ends runs along an axis in one of the two cases: the pairs vote.
+        """Whether the heading lies at 45 degrees to the walls, -1 where no wall tells. Where two neighbouring
+        rays end on one wall, the line through both ends runs along an axis in one of the two cases: the pairs
+        vote.
         """
         votes = ti.Vector([0, 0])
         for r in range(rays - 1):
@@ -87,7 +88,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                         votes[h] += ti.cast(
                             ti.abs(one * directions[j] - other * directions[j + 2]) < 1e-3, ti.i32
                         )
-        return ti.cast(votes[1] > votes[0], ti.i32)
+        return ti.select(votes[0] == votes[1], -1, ti.cast(votes[1] > votes[0], ti.i32))
 
     @ti.kernel
     def step(
@@ -113,7 +114,20 @@ def step_kernel(program: Any, body: Body) -> Any:
         for e in range(blocked.shape[0]):
             base, w, o = e * grid.area, e * COUNTS, e * rays * channels
             # move
-            if begun[e] != 0:
+            fresh, slant = ti.cast(begun[e], ti.i32), -1
+            if fresh == 0:
+                if action[e] < 2:
+                    counts[w + HEADING] = (counts[w + HEADING] + ti.select(action[e] == 0, 1, 7)) & 7
+                elif blocked[e] == 0:
+                    way = ways.ahead(counts[w + HEADING])
+                    counts[w + X] += step_by * way[0]
+                    counts[w + Y] += step_by * way[1]
+            if (fresh == 1) | (counts[w + ALIGNED] == 0):
+                slant = diagonal(observation, directions, o)
+                if (slant >= 0) & (slant != counts[w + HEADING] & 1):
+                    # All that was seen, before the first wall, was taken for what lies 45 degrees aside.
+                    fresh = 1
+            if fresh:
                 ways.forget(field, queue, base, counts[w + QUEUED])
                 for k in range(grid.area):
                     cells[base + k] = ti.cast(0, ti.u16)
@@ -121,13 +135,9 @@ def step_kernel(program: Any, body: Body) -> Any:
                     counts[w + k] = 0
                 views.retry(hidden, e)
                 counts[w + SINCE] = 1
-                counts[w + HEADING] = diagonal(observation, directions, o)
-            elif action[e] < 2:
-                counts[w + HEADING] = (counts[w + HEADING] + ti.select(action[e] == 0, 1, 7)) & 7
-            elif blocked[e] == 0:
-                way = ways.ahead(counts[w + HEADING])
-                counts[w + X] += step_by * way[0]
-                counts[w + Y] += step_by * way[1]
+                counts[w + HEADING] = ti.max(slant, 0)
+            if slant >= 0:
+                counts[w + ALIGNED] = 1
             counts[w + TIME] += 1
             time, px, py, heading = counts[w + TIME], counts[w + X], counts[w + Y], counts[w + HEADING]
             x, y = 0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)
@@ -218,7 +228,7 @@ def step_kernel(program: Any, body: Body) -> Any:
             # choose
             far = ways.far(field, base, px, py)
             counts[w + PROGRESS] = 0
-            if (begun[e] == 0) & (far < FAR) & (counts[w + WAY] < FAR):
+            if (fresh == 0) & (far < FAR) & (counts[w + WAY] < FAR):
                 counts[w + PROGRESS] = counts[w + WAY] - far
             kind, goal, since = counts[w + KIND], counts[w + GOAL], counts[w + SINCE]
             stale, age, tail, anew = counts[w + STALE] + hits, counts[w + AGE] + 1, counts[w + QUEUED], 0

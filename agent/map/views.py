@@ -4,9 +4,9 @@
 way. The searcher (``sim.searcher``) goes by the same rule, but knows the house; a map knows its own cells.
 
 The numbers below were chosen on 160 validation houses, by targets in secondary rooms. In 320 others an
-explorer that goes by them picks up 0.63 of the oracle's targets in secondary rooms, 0.70 in all and 0.98 in
-the main room. Half of ``PITCH``, twice ``LEAST``, half or twice ``THOUGHT``, a third of ``PLENTY`` change
-that by less than the noise, 0.007; six times ``HASTE`` costs 0.016.
+explorer that goes by them picks up 0.64 of the oracle's targets in secondary rooms, 0.70 in all and 0.98 in
+the main room (``python -m benchmarks.explorers``; ``docs/agent-notes.md`` has what other numbers and rules
+are worth).
 """
 
 import numpy as np
