@@ -89,10 +89,8 @@ class Places:
             for k in range(asked.shape[0]):
                 e, x, y = k // (half * half), 2 * (k % half), 2 * (k // half % half)
                 entries[k] = -1
-                # Nested: Taichi's ``and`` computes both sides.
-                if asked[k]:  # noqa: SIM102
-                    if grid.hides(cells, e * grid.area, x, y, since[e]):
-                        entries[k] = believed.odds(cells, e * grid.area, x, y)
+                if asked[k] and grid.hides(cells, e * grid.area, x, y, since[e]):
+                    entries[k] = believed.odds(cells, e * grid.area, x, y)
 
         self.arrays = {
             "cells": map.arrays["cells"],

@@ -166,7 +166,7 @@ class Map:
     def pose(self, environment: int) -> tuple[float, float, int]:
         """Where the map thinks that the eye is: cells east and south of its start, and its heading. The
         frame's axes are the walls'; which of them is east was chosen so that the episode began at heading 0,
-        or at 1 if that was diagonal.
+        or at 1 if that was diagonal. Where no wall told so at first, it may begin again at the first wall.
         """
         counts = self._counts[environment].tolist()
         return counts[X] / 2, counts[Y] / 2, counts[HEADING]

@@ -1,9 +1,9 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
 # pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
-"""Ways on the map: breadth-first over nodes, to the place worth looking at next and from a goal to all about.
+"""Ways on the map: breadth-first over nodes, from the body to all places and from a goal to all about.
 
 A step along a diagonal goes as far along both axes, so all eight neighbours of a node are one apart. What is
-not known to be solid counts as free: the body finds out on its way.
+near to what was seen and not known to be solid counts as free: the body finds out on its way.
 """
 
 from agent.map.cells import WAYS, Grid
