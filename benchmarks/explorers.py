@@ -1,6 +1,6 @@
 """What the numbers of an agent's map are worth: ``python -m benchmarks.explorers --set THOUGHT=48``.
 
-The explorer (``agent.policies.Explorer``) plays an episode in each of 320 houses of validation
+The explorer (``agent.policies.Explorer``) plays four episodes in each of 320 houses of validation
 seeds, as it is and with other numbers in the modules of ``agent.map``: each ``--set`` is a variant, of one
 number or of several (``--set DEPTH=4,PLENTY=300``). Tables tell what share of the oracle's targets each
 picks up, and what that differs, house by house, from the explorer as it is. Houses and scores are kept, so
@@ -74,6 +74,9 @@ class Explorers:
     houses: int = 64
     """Houses of each number of rooms, 2 to 6."""
 
+    episodes: int = 4
+    """That each plays in each house: what differs by less than 0.01 is chance on one."""
+
     steps: int = DEFAULT.steps
     """Of an episode that are played."""
 
@@ -82,8 +85,9 @@ class Explorers:
 
     def run(self) -> None:
         """Play what was not played yet, each player in a process of its own; print the tables."""
-        if self.houses < 1 or not len(THIRDS) <= self.steps <= DEFAULT.steps:
-            raise RequestError(f"--houses must be 1 or more, --steps {len(THIRDS)} to {DEFAULT.steps}")
+        if min(self.houses, self.episodes) < 1 or not len(THIRDS) <= self.steps <= DEFAULT.steps:
+            lengths = f"--steps {len(THIRDS)} to {DEFAULT.steps}"
+            raise RequestError(f"--houses and --episodes must be 1 or more, {lengths}")
         for text in self.set:
             constants(text)
         players = list(dict.fromkeys((AS_IS, *self.set, *[SEARCHER] * self.searcher)))
@@ -98,7 +102,7 @@ class Explorers:
         rooms, page = np.array([len(house.rooms) for house in self.bank]), []
         for mode in self.targets:
             kept = {player: np.load(self.path(mode, player)) for player in (ORACLE, *players)}
-            most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1)
+            most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1 / self.episodes)
             page += [sheet.markdown() for sheet in sheets(mode, kept, most, rooms)]
         write_whole(self.out / "explorers.md", "\n\n".join([*page, ""]).encode())
         print("\n\n".join(page))
@@ -113,10 +117,10 @@ class Explorers:
         return load(path)
 
     def path(self, mode: str, player: str) -> Path:
-        """Where what a player did is kept: its targets (3, H) of each third of the episode in each house, and
-        microseconds of the map for a step of one environment.
+        """Where what a player did is kept: its targets (3, H) of each third of an episode in each house, on
+        average, and microseconds of the map for a step of one environment.
         """
-        known, name = [bank_hash(self.bank), self.steps], player
+        known, name = [bank_hash(self.bank), self.episodes, self.steps], player
         if player not in SOURCES:
             known, name = [*known, sorted(changed(player).items())], "explorer"
         sources = SOURCES.get(player, [*MODULES.values(), policies, avoidance])
@@ -130,14 +134,15 @@ class Explorers:
         for mode in self.targets:
             path, content = self.path(mode, player), io.BytesIO()
             if not path.exists():
-                envs = make_worlds(self.bank, len(self.bank), mode)
+                envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
                 policy, clock = explorer(envs)
                 if player in SOURCES:
                     policy = baselines(envs, 0)[player]()
-                targets = episode(envs, policy, self.steps)
+                targets = episode(envs, policy, self.steps, len(self.bank))
+                targets = targets.reshape(len(THIRDS), self.episodes, -1).mean(axis=1)
                 np.savez(content, targets=targets, microseconds=clock.microseconds)
                 write_whole(path, content.getvalue())
-                say(f"{mode}, {player}: {targets.sum() / len(self.bank):.2f} targets a house")
+                say(f"{mode}, {player}: {targets.sum() / len(self.bank):.2f} targets an episode")
 
 
 class Clock(Surveyor):
@@ -170,9 +175,12 @@ def explorer(envs: HouseVectorEnv) -> tuple[Policy, Clock]:
     return policy, clock
 
 
-def episode(envs: HouseVectorEnv, policy: Policy, steps: int) -> np.ndarray:
-    """Targets (3, H) that a policy picks up in each third of so many steps, environment i in house i."""
-    observation, blocked = begin(envs, 0), torch.zeros(envs.num_envs, dtype=torch.bool)
+def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np.ndarray:
+    """Targets (3, E) that a policy picks up in each third of so many steps, environment i in house i modulo
+    ``houses``.
+    """
+    observation = begin(envs, 0, np.arange(envs.num_envs) % houses)
+    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
     policy.begin(envs.num_envs)
     targets = np.zeros((len(THIRDS), envs.num_envs))
     for step in range(steps):

@@ -18,7 +18,7 @@ from agent.banks import benchmark
 from agent.build import policy_of
 from agent.commands import Targets
 from agent.map import BITS, Map
-from agent.map.kernel import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
+from agent.map.counts import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
 from agent.world import make_worlds
 from logic import House
 from sim.film import MARGIN, PAPER, SHARP, Camera, View, film

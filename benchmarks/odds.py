@@ -23,7 +23,7 @@ from scipy.spatial import KDTree
 from agent.map import BITS, Map, belief
 from agent.map.belief import ODDS, SURE, Belief
 from agent.map.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
-from agent.map.kernel import COUNTS, SINCE
+from agent.map.counts import COUNTS, SINCE
 from agent.policies import Explorer
 from agent.scoreboard import Sheet
 from agent.world import make_worlds, shield

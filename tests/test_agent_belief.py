@@ -7,7 +7,7 @@ import torch
 
 from agent.map.belief import ABOUT, ODDS, SURE, Belief
 from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, Cells, Floats, Grid, Wholes
-from agent.map.kernel import FOUND, HERE
+from agent.map.counts import FOUND, HERE
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from sim.runtime import Array, Launch, start, ti

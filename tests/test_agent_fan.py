@@ -9,8 +9,8 @@ import torch
 
 from agent.map import FREE, TAKEN, Map
 from agent.map.cells import DEPTH, FLAGS, NEAR, WAYS, WIDEST, Grid, Wholes
+from agent.map.counts import HEADING, TIME, X, Y
 from agent.map.fan import BESIDE, BEYOND, FINE, fan
-from agent.map.kernel import HEADING, TIME, X, Y
 from agent.world import make_worlds
 from logic import Door, House, Rect, Room
 from sim import DEFAULT

@@ -16,7 +16,7 @@ from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
 from agent.evaluate import play
 from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
-from agent.map.kernel import KIND, NONE, STALE
+from agent.map.counts import KIND, NONE, STALE
 from agent.map.ways import FAR
 from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
 from agent.pqn import PQN

@@ -42,7 +42,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
 def study(tmp_path: Path) -> Explorers:
     """A short one, in houses that were made before."""
     save(HOUSES, tmp_path / "houses-1.jsonl")
-    return Explorers(("main", "secondary"), ("THOUGHT=24",), houses=1, steps=120, out=tmp_path)
+    return Explorers(("main", "secondary"), ("THOUGHT=32",), houses=1, episodes=2, steps=120, out=tmp_path)
 
 
 def scores(study: Explorers) -> dict[str, bytes]:
@@ -60,14 +60,14 @@ def test_a_variant_that_changes_nothing_differs_by_nothing(
     page = capsys.readouterr().out
     assert page.strip() == (study.out / "explorers.md").read_text().strip()
     most, same, *_ = (
-        line.split(" | ") for line in page.splitlines() if line.startswith(("| as it is", "| THOUGHT=24"))
+        line.split(" | ") for line in page.splitlines() if line.startswith(("| as it is", "| THOUGHT=32"))
     )
     assert 0 < float(most[2]) < 1.5
     assert same[1:-1] == most[1:-1]
     compared = [line for line in page.splitlines() if "±" in line]
     assert len(compared) == 2
     for line in compared:
-        assert set(line.removeprefix("| THOUGHT=24 | ").removesuffix(" |").split(" | ")) == {"+0.000 ± 0.000"}
+        assert set(line.removeprefix("| THOUGHT=32 | ").removesuffix(" |").split(" | ")) == {"+0.000 ± 0.000"}
 
 
 @pytest.mark.usefixtures("here")
@@ -76,11 +76,11 @@ def test_a_study_that_was_killed_goes_on_where_it_was(
 ) -> None:
     played, episode = [], explorers.episode
 
-    def stopped(envs: Any, policy: Any, steps: int) -> np.ndarray:
+    def stopped(envs: Any, policy: Any, steps: int, houses: int) -> np.ndarray:
         played.append(policy)
         if len(played) == 4:
             raise KeyboardInterrupt
-        return episode(envs, policy, steps)
+        return episode(envs, policy, steps, houses)
 
     monkeypatch.setattr(explorers, "episode", stopped)
     with pytest.raises(KeyboardInterrupt):

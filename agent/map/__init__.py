@@ -10,26 +10,22 @@ import torch
 from torch import Tensor
 
 from agent.map.cells import FLAGS, LATEST, OCCUPIED
-from agent.map.fan import FINE, fan
-from agent.map.kernel import (
+from agent.map.counts import (
     COUNTS,
-    FEATURES,
     FOUND,
     HEADING,
     KIND,
     NEW,
     PROGRESS,
-    SCALARS,
     SEEN,
-    SIDES,
     TARGET,
     WAY,
-    Body,
     X,
     Y,
-    step_kernel,
 )
-from agent.map.views import looks
+from agent.map.fan import FINE, fan
+from agent.map.kernel import FEATURES, SCALARS, SIDES, Body, step_kernel
+from agent.map.views import PITCH, looks
 from agent.map.ways import FAR
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
@@ -49,7 +45,7 @@ MIRROR = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12] + [
 
 ASIDE = 11
 
-STATE = ("cells", "field", "queue", "hidden", "counts", "target", "advice", "features")
+STATE = ("cells", "field", "queue", "hidden", "shown", "counts", "target", "advice", "features")
 """What a map goes on from."""
 
 
@@ -98,6 +94,7 @@ class Map:
             "field": Array(ti.u16, area),
             "queue": Array(ti.u16, area),
             "hidden": Array(ti.u8, area >> 1),
+            "shown": Array(ti.u16, area // PITCH**2),
             "looks": Array.of(looks()),
             "counts": Array(ti.i32, count * COUNTS),
             "target": Array(ti.f32, count * 2),

@@ -6,25 +6,36 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from agent.map.cells import WIDEST, Bytes, Cells, Floats, Grid, Longs, Wholes
+from agent.map.counts import (
+    AGE,
+    ALIGNED,
+    COUNTS,
+    FOUND,
+    GOAL,
+    HEADING,
+    HERE,
+    KIND,
+    KNOWN,
+    LAST_NEW,
+    LOOK,
+    NEW,
+    NONE,
+    PROGRESS,
+    QUEUED,
+    SEARCH,
+    SEEN,
+    SINCE,
+    STALE,
+    TARGET,
+    THINK,
+    TIME,
+    WAY,
+    X,
+    Y,
+)
 from agent.map.views import THOUGHT, Views
 from agent.map.ways import FAR, Ways
 from sim.runtime import ti
-
-NONE, SEARCH, TARGET = range(3)
-"""What a goal is: none, a place where a target may hide, the target that was seen."""
-
-(TIME, X, Y, HEADING, SINCE, KNOWN, KIND, GOAL, QUEUED, AGE, STALE) = range(11)
-(NEW, SEEN, LAST_NEW, FOUND, WAY, PROGRESS) = range(11, 17)
-(LOOK, THINK, HERE, ALIGNED) = range(17, 21)
-"""What a map counts: steps; the eye's place in half cells and its heading; since when a target that is not
-known may have lain where it lies; whether one is known; the goal; how long the last search's queue is, how
-old it is and how many cells were occupied since; cells that are new, and all; when there were new ones last;
-targets picked up as far as it knows; half cells to the goal, and how many fewer than before the last action.
-Of a view: the heading to look at, -1 for none, and the steps since it was chosen; targets picked up in the
-space that the episode began in; whether a wall has told how the heading lies to the house.
-"""
-
-COUNTS = 21
 
 TOUCH = 0.1
 """Cells that the body goes further than to where it touches the target."""
@@ -104,6 +115,7 @@ def step_kernel(program: Any, body: Body) -> Any:
         field: Cells,
         queue: Cells,
         hidden: Bytes,
+        shown: Cells,
         looks: Wholes,
         counts: Wholes,
         target: Floats,
@@ -133,7 +145,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     cells[base + k] = ti.cast(0, ti.u16)
                 for k in range(COUNTS):
                     counts[w + k] = 0
-                views.retry(hidden, e)
+                views.retry(hidden, shown, e)
                 counts[w + SINCE] = 1
                 counts[w + HEADING] = ti.max(slant, 0)
             if slant >= 0:
@@ -206,7 +218,7 @@ def step_kernel(program: Any, body: Body) -> Any:
             if picked:
                 counts[w + SINCE] = time
                 counts[w + FOUND] += 1
-                views.retry(hidden, e)
+                views.retry(hidden, shown, e)
                 spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
                 home = views.belief.home(cells, base)
                 counts[w + HERE] += views.belief.within(home, spot[0], spot[1])
@@ -261,20 +273,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     kind = NONE
             while kind == NONE:
                 ways.forget(field, queue, base, tail)
-                goal, look, within, tail = views.choose(
-                    cells,
-                    field,
-                    queue,
-                    hidden,
-                    looks,
-                    e,
-                    px,
-                    py,
-                    heading,
-                    since,
-                    counts[w + HERE],
-                    counts[w + FOUND],
-                )
+                goal, look, within, tail = views.choose(cells, field, queue, hidden, shown, looks, counts, e)
                 counts[w + LOOK], counts[w + THINK] = look, 0
                 anew = 1
                 if goal >= 0:
@@ -285,7 +284,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     # All is seen: look again where it has not looked for longest.
                     since += ti.max(1, (time - since) // 2)
                     counts[w + SINCE] = since
-                    views.retry(hidden, e)
+                    views.retry(hidden, shown, e)
             if (anew > 0) & (kind != NONE):
                 ways.forget(field, queue, base, tail)
                 tail, off, radius = 0, ti.Vector([0.0, 0.0]), 0.5

@@ -13,6 +13,7 @@ import numpy as np
 
 from agent.map.belief import SURE, Belief
 from agent.map.cells import FLAGS, OCCUPIED, SOLID, Grid
+from agent.map.counts import COUNTS, FOUND, HEADING, HERE, SINCE, X, Y
 from agent.map.ways import DETOUR, Ways
 from sim.runtime import ti
 
@@ -40,7 +41,14 @@ HASTE = 4.0
 TRIED = 128
 """Bit of a hiding place that a look should have shown by the map's cells, but did not: it counts for none."""
 
-THOUGHT = 24
+GROWTH, SPARE = 1.2, 50
+"""A view may show so many times what it did when it was looked at on the map last, and so much more: there
+is less to hide with each step, but for ground that was not known then."""
+
+UNTOLD = (1 << 16) - 1
+"""What a view shows that was not looked at on the map since the last pick-up."""
+
+THOUGHT = 32
 """Steps until it thinks again: what it saw on its way may have made another view better."""
 
 
@@ -58,13 +66,17 @@ def looks() -> np.ndarray:
 @ti.data_oriented
 class Views:
     """The choice of a view. ``hidden`` has a byte for each even node: what a hiding place there counts while
-    a choice is made, nothing otherwise, and whether it was tried; ``rays`` are ``looks()``.
+    a choice is made, nothing otherwise, and whether it was tried; ``rays`` are ``looks()``. ``shown`` has for
+    each place that it may go to what the best look from there showed, when it was looked at on the map last.
+
+    Between two pick-ups a view mostly comes to show less. So a choice looks only from where it may still show
+    more for its way than the best: lazily, as in the accelerated greedy algorithm (Minoux, 1978).
     """
 
     def __init__(self, grid: Grid, ways: Ways) -> None:
         """Choose on this grid by these ways."""
         self.grid, self.ways, self.belief = grid, ways, Belief(grid)
-        self.area = grid.area >> 1
+        self.area, self.places = grid.area >> 1, grid.area // PITCH**2
 
     @ti.func
     def at(self, node):
@@ -72,10 +84,12 @@ class Views:
         return (node & ti.static(~(self.grid.side + 1))) >> 1
 
     @ti.func
-    def retry(self, hidden: ti.template(), e):
-        """Forget what was tried."""
+    def retry(self, hidden: ti.template(), shown: ti.template(), e):
+        """Forget what was tried, and what views showed."""
         for k in range(ti.static(self.area)):
             hidden[e * ti.static(self.area) + k] = ti.cast(0, ti.u8)
+        for k in range(ti.static(self.places)):
+            shown[e * ti.static(self.places) + k] = ti.cast(UNTOLD, ti.u16)
 
     @ti.func
     def choose(
@@ -84,56 +98,58 @@ class Views:
         field: ti.template(),
         queue: ti.template(),
         hidden: ti.template(),
+        shown: ti.template(),
         rays: ti.template(),
+        counts: ti.template(),
         e,
-        px,
-        py,
-        heading,
-        since,
-        here,
-        found,
     ):
         """The view to go to, a node and a heading: of all on nodes that were seen the one that would show
         most hiding places for its way. Where none would show enough, the nearest hiding place and -1; where
         there is none, -1 for both. Then how long ways there may be, and the queue's end.
         """
-        base, first = e * ti.static(self.grid.area), e * ti.static(self.area)
-        nearest, total, tail = self.survey(
-            cells, field, queue, hidden, base, first, px, py, since, here, found
-        )
+        w, base, first, part = e * COUNTS, e * self.grid.area, e * self.area, e * self.places
+        px, py, heading = counts[w + X], counts[w + Y], counts[w + HEADING]
+        nearest, total, likely, tail = self.survey(cells, field, queue, hidden, shown, counts, e)
         for k in range(3):
-            octant = (heading + k + 7) & 7
-            total -= self.gain(cells, base, hidden, rays, first, self.grid.at(px >> 1, py >> 1), octant, 1)[1]
+            here = self.grid.at(px >> 1, py >> 1)
+            total -= self.gain(cells, base, hidden, rays, first, here, (heading + k + 7) & 7, 1)[1]
+        most = ti.cast(ti.min(total, SURE * PLENTY), ti.f32)
         goal, look, within, best = nearest, -1, 0, 0.0
         if nearest >= 0:
             within = ti.cast(field[base + nearest], ti.i32)
-        head, going = 0, 1
+        # First from where it is most likely to be best, so that there is less to look at.
+        head, going = ti.select(likely >= 0, -1, 0), 1
         while (head < tail) & going:
-            node = ti.cast(queue[base + head], ti.i32)
+            node = likely
+            if head >= 0:
+                node = ti.cast(queue[base + head], ti.i32)
+            head += 1
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
-            distance = ti.cast(field[base + node], ti.i32)
-            way = 2.0 * ti.cast(distance, ti.f32) + HASTE
-            most = ti.cast(ti.min(total, SURE * PLENTY), ti.f32)
+            distance, at = ti.cast(field[base + node], ti.i32), part + self.place(x, y)
+            way, stands = 2.0 * ti.cast(distance, ti.f32) + HASTE, (x | y) & (PITCH - 1) == 0
+            may = GROWTH * ti.cast(shown[at], ti.f32) + SPARE
             # So far away, no view can be worth more than the best one.
-            if most <= ti.max(best * way, SURE * LEAST):
+            if (head > 0) & (most <= ti.max(best * way, SURE * LEAST)):
                 going = 0
-            elif ((x | y) & (PITCH - 1) == 0 or distance == 0) and cells[base + node] >> FLAGS != 0:
+            elif ((stands and may > best * way) or distance == 0) and cells[base + node] >> FLAGS != 0:
                 gains = ti.Vector([0.0] * 8)
                 for octant in ti.static(range(8)):
                     gains[octant] = self.gain(cells, base, hidden, rays, first, node, octant, 0)[0]
-                bearing = heading
+                bearing, highest = heading, 0.0
                 if distance > 0:
                     bearing = self.bearing(
                         2 * self.grid.apart(x, px >> 1) - (px & 1), 2 * self.grid.apart(y, py >> 1) - (py & 1)
                     )
                 for h in ti.static(range(8)):
                     gain = ti.min(most, gains[h] + gains[(h + 1) % 8] + gains[(h + 7) % 8])
+                    highest = ti.max(highest, gain)
                     turns = self.turns(heading, bearing) + self.turns(bearing, h)
                     worth = gain / (way + ti.cast(turns, ti.f32))
                     there = (distance == 0) & (turns == 0)
                     if (gain >= SURE * LEAST) & (worth > best) & (not there):
                         best, goal, look, within = worth, node, h, distance
-            head += 1
+                if stands:
+                    shown[at] = ti.cast(highest, ti.u16)
         for k in range(ti.static(self.area)):
             hidden[first + k] = hidden[first + k] & ti.cast(TRIED, ti.u8)
         return goal, look, within + DETOUR, tail
@@ -145,25 +161,23 @@ class Views:
         field: ti.template(),
         queue: ti.template(),
         hidden: ti.template(),
-        base,
-        first,
-        px,
-        py,
-        since,
-        here,
-        found,
+        shown: ti.template(),
+        counts: ti.template(),
+        e,
     ):
         """Find the ways to all nodes and what may hide there, on every other node of both axes: the nearest
-        hiding place, -1 for none; what those count that were not tried; and the queue's end.
+        hiding place, -1 for none; what those count that were not tried; the place from which most for its
+        way was shown last, -1 for none; and the queue's end.
         """
-        head, tail = 0, self.ways.start(cells, field, queue, base, px, py)
-        nearest, total = -1, 0
-        home, shares = self.belief.home(cells, base), self.belief.shares(here, found)
+        w, base, first, part = e * COUNTS, e * self.grid.area, e * self.area, e * self.places
+        nearest, total, likely, hoped = -1, 0, -1, 0.0
+        head, tail = 0, self.ways.start(cells, field, queue, base, counts[w + X], counts[w + Y])
+        home, shares = self.belief.home(cells, base), self.belief.shares(counts[w + HERE], counts[w + FOUND])
         while head < tail:
             node = ti.cast(queue[base + head], ti.i32)
             head += 1
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
-            if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, since):
+            if ((x | y) & 1 == 0) and self.grid.hides(cells, base, x, y, counts[w + SINCE]):
                 share = ti.select(self.belief.within(home, x, y), shares[0], shares[1])
                 count = ti.cast(ti.ceil(share * self.belief.odds(cells, base, x, y)), ti.i32)
                 if (nearest < 0) & (count > 0):
@@ -172,8 +186,18 @@ class Views:
                 if hidden[i] == 0:
                     hidden[i] = ti.cast(count, ti.u8)
                     total += count
+            if (x | y) & (PITCH - 1) == 0:
+                last = ti.cast(shown[part + self.place(x, y)], ti.f32)
+                worth = last / (2.0 * ti.cast(field[base + node], ti.f32) + HASTE)
+                if (last < UNTOLD) & (worth > hoped):
+                    likely, hoped = node, worth
             tail = self.ways.spread(cells, field, queue, base, node, tail)
-        return nearest, total, tail
+        return nearest, total, likely, tail
+
+    @ti.func
+    def place(self, x, y):
+        """The place in its environment's part of ``shown`` of a node that it may go to for a look."""
+        return (y // PITCH) * ti.static(self.grid.side // PITCH) + x // PITCH
 
     @ti.func
     def gain(
