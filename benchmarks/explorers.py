@@ -75,7 +75,7 @@ class Explorers:
     """Houses of each number of rooms, 2 to 6."""
 
     episodes: int = 4
-    """That each plays in each house: what differs by less than 0.01 is chance on one."""
+    """Episodes in each house, with other targets each: with one, differences below 0.01 are noise."""
 
     steps: int = DEFAULT.steps
     """Of an episode that are played."""
@@ -102,6 +102,7 @@ class Explorers:
         rooms, page = np.array([len(house.rooms) for house in self.bank]), []
         for mode in self.targets:
             kept = {player: np.load(self.path(mode, player)) for player in (ORACLE, *players)}
+            # Where the oracle finds none, as if it found one in all of the episodes.
             most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1 / self.episodes)
             page += [sheet.markdown() for sheet in sheets(mode, kept, most, rooms)]
         write_whole(self.out / "explorers.md", "\n\n".join([*page, ""]).encode())

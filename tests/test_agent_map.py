@@ -22,6 +22,7 @@ from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferrin
 from agent.pqn import PQN
 from agent.world import make_worlds, shield
 from logic import Door, House, Piece, Rect, Room
+from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
 from sim.oracle import Oracle
 from tests.test_agent_world import mirror
@@ -361,3 +362,11 @@ def test_a_map_begun_where_no_wall_is_in_sight_is_begun_again_at_the_first_wall(
         maps.step(torch.as_tensor(observation), torch.as_tensor(info["blocked"]), torch.tensor([turn]), no)
     assert maps.pose(0)[2] % 2 == slant
     assert (maps.occupancy(0) == TAKEN).sum() > 20
+
+
+def test_maps_of_another_revision_are_refused_before_anything_is_taken_up():
+    maps = Map(DEFAULT, 1)
+    before = maps.state
+    with pytest.raises(RequestError, match="another revision"):
+        maps.state = {name: value for name, value in before.items() if name != "shown"} | {"cells": None}
+    assert all(torch.equal(value, before[name]) for name, value in maps.state.items())

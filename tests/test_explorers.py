@@ -1,5 +1,6 @@
 """The studies of the map's numbers: what is compared is alike but for them, and odds are those of houses."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -93,6 +94,16 @@ def test_a_study_that_was_killed_goes_on_where_it_was(
     assert not list(tmp_path.glob(".*"))  # nothing half written is left
 
 
+def test_episodes_of_a_house_are_averaged(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
+    def by_house(envs: Any, policy: Any, steps: int, houses: int) -> np.ndarray:
+        return np.tile(np.arange(houses), (3, envs.num_envs // houses))
+
+    monkeypatch.setattr(explorers, "episode", by_house)
+    study.play("oracle")
+    kept = np.load(study.path("main", "oracle"))["targets"]
+    assert kept.tolist() == [[0, 1, 2, 3]] * 3
+
+
 def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
     paths = {
         study.path("main", player) for player in ("oracle", "searcher", "as it is", "HASTE=5", "HASTE=6")
@@ -100,9 +111,10 @@ def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: 
     assert len(paths) == 5
     assert study.path("main", "HASTE=5,LEAST=4") == study.path("main", "LEAST=4,views.HASTE=5.0")
     before = study.path("main", "as it is"), study.path("main", "oracle")
+    for changes in ({"steps": 30}, {"episodes": 3}):
+        assert replace(study, **changes).path("main", "oracle") != before[1]
     monkeypatch.setattr(explorers.inspect, "getsource", lambda module: module.__name__ + "changed")
     assert study.path("main", "as it is") != before[0]
-    assert Explorers(steps=30, houses=1, out=study.out).path("main", "oracle") != before[1]
 
 
 def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,6 +27,7 @@ from agent.map.fan import FINE, fan
 from agent.map.kernel import FEATURES, SCALARS, SIDES, Body, step_kernel
 from agent.map.views import PITCH, looks
 from agent.map.ways import FAR
+from logic.errors import RequestError
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
@@ -127,6 +128,8 @@ class Map:
 
     @state.setter
     def state(self, state: dict[str, Tensor]) -> None:
+        if set(state) != set(STATE):
+            raise RequestError("the maps were kept by another revision of agent.map: begin the run anew")
         for name in STATE:
             self.arrays[name].fill(state[name].numpy())
 
