@@ -20,6 +20,15 @@ onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")
 
 
+@pytest.fixture(autouse=True)
+def whole_floats():
+    """Runs may have told this process to multiply with fewer bits (``agent.runs``)."""
+    before = torch.get_float32_matmul_precision()
+    torch.set_float32_matmul_precision("highest")
+    yield
+    torch.set_float32_matmul_precision(before)
+
+
 def network(features: int | None) -> Any:
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
