@@ -5,9 +5,8 @@ way. The searcher (``sim.searcher``) goes by the same rule, but knows the house;
 
 The numbers below were chosen on 160 validation houses, by targets in secondary rooms, but for ``THOUGHT``,
 ``GROWTH`` and ``SPARE``: these in 320 others, where they change nothing but the cost. In those an
-explorer that goes by them picks up 0.65 of the oracle's targets in secondary rooms, 0.70 in all and 0.98 in
-the main room (``python -m benchmarks.explorers``; ``docs/agent-notes.md`` has what other numbers and rules
-are worth).
+explorer that goes by them picks up 0.65 of the oracle's targets (``python -m benchmarks.explorers``;
+``docs/agent-notes.md`` has what other numbers and rules are worth).
 """
 
 import numpy as np
@@ -111,9 +110,10 @@ class Views:
         counts: ti.template(),
         e,
     ):
-        """The view to go to, a node and a heading: of all on nodes that were seen the one that would show
-        most hiding places for its way. Where none would show enough, the nearest hiding place and -1; where
-        there is none, -1 for both. Then how long ways there may be, and the queue's end.
+        """The view to go to, a node and a heading: of those on nodes that were seen the one that would show
+        most hiding places for its way, as far as what is kept of them tells. Where none would show enough,
+        the nearest hiding place and -1; where there is none, -1 for both. Then how long ways there may be,
+        and the queue's end.
         """
         # Where this environment's part of counts, cells, hidden and shown begins.
         w, base, first, part = e * COUNTS, e * self.grid.area, e * self.area, e * self.places
