@@ -50,7 +50,7 @@ class Config:
     processor has it."""
 
     mirror: bool = True
-    """Whether half of all that is learnt from is seen with left and right exchanged."""
+    """Whether every second update sees what it learns from with left and right exchanged."""
 
     curriculum: bool = False
     """Whether easier worlds come first: main rooms, few rooms, no furniture. See ``agent.curriculum``."""
@@ -138,10 +138,10 @@ class PQNConfig(Config):
     """How far returns run along the path taken before they trust the network (lambda): 0 one step, 1 all."""
 
     epochs: int = 2
-    """Passes over each rollout; with ``mirror``, every second one is seen in it."""
+    """Passes over each rollout."""
 
     minibatches: int = 4
-    """Updates in an epoch."""
+    """Updates in an epoch; each learns from its share of the rollout."""
 
     algorithm: ClassVar[str] = "pqn"
     positive: ClassVar[tuple[str, ...]] = (*Config.positive, "rollout", "epochs", "minibatches")

@@ -142,8 +142,8 @@ class PQN(Learner):
             group["lr"] = config.learning_rate * linear(1.0, config.final_rate, self.fraction)
         losses = []
         for epoch in range(config.epochs):
-            turned = config.mirror and epoch % 2
-            for batch in self.batches(g):
+            for number, batch in enumerate(self.batches(g)):
+                turned = config.mirror and (epoch + number) % 2
                 losses.append(self.improve(batch.seen_in_the_mirror() if turned else batch))
         return float(torch.stack(losses).mean())
 

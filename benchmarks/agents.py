@@ -48,11 +48,13 @@ RATES = {"pqn": 46_000, "pqn-map": 21_500, "dqn": 12_000, "paper": 1_800, "pqn-r
 in steps, it does not depend on what else the machine does."""
 
 
-def _entry(name: str, preset: str, shows: str, said: str = "", beside: str = "") -> Entry:
+def _entry(
+    name: str, preset: str, shows: str, said: str = "", beside: str = "", whole: bool = False
+) -> Entry:
     """An entry with its preset's budget; its targets are the preset's, where no option says otherwise."""
     options = tuple(said.split())
     targets = options[options.index("--targets") + 1] if "--targets" in options else PRESETS[preset].targets
-    return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside)
+    return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside, whole)
 
 
 def _changed(name: str, shows: str, said: str) -> Entry:
@@ -62,6 +64,7 @@ def _changed(name: str, shows: str, said: str) -> Entry:
 
 ENTRIES = (
     _entry("pqn-map", "pqn-map", "the agent with a map"),
+    _entry("pqn-map-long", "pqn-map", "the whole budget of steps", beside="pqn-map", whole=True),
     _entry("pqn", "pqn", "rays and fading traces of the past, no map"),
     _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
     _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
@@ -78,7 +81,8 @@ ENTRIES = (
     _entry("pqn-no-mirror", "pqn", "nothing learnt from its mirror image", "--no-mirror", beside="pqn"),
     _entry("pqn-curriculum", "pqn", "easier worlds first", "--curriculum", beside="pqn"),
 )
-"""What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""
+"""What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it;
+one that is ``whole`` has its whole budget, whatever the share of the others."""
 
 
 class StudyFailed(VitruviusError):
@@ -119,7 +123,7 @@ class Agents:
             raise RequestError(f"--only {min(unknown)}: no entry. They are {known}")
         if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
-        entries = [replace(entry, steps=max(1, round(self.share * entry.steps))) for entry in ENTRIES]
+        entries = [self.shared(entry) for entry in ENTRIES if self.share < 1 or not entry.whole]
         out = self.out.resolve()
         houses = bank(out / "learn.jsonl", self.workers)
         # Seed by seed: wherever the study is stopped, the entries have about equally many runs.
@@ -138,6 +142,10 @@ class Agents:
         if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
         self.write(self.study(entries, trials, places))
+
+    def shared(self, entry: Entry) -> Entry:
+        """The entry with the share of its budget that it has here."""
+        return entry if entry.whole else replace(entry, steps=max(1, round(self.share * entry.steps)))
 
     def study(self, entries: Sequence[Entry], trials: Iterable["Trial"], places: dict[str, Path]) -> Study:
         """The records as the page wants them."""
@@ -235,7 +243,7 @@ class Trial:
 
     def plays(self, mode: str) -> bool:
         """Whether it is measured in a target mode: an agent of its own in all, a change in its own."""
-        return not self.entry.beside or self.entry.targets == mode
+        return self.entry.everywhere or self.entry.targets == mode
 
     def training(self, houses: Path) -> Job:
         """What trains it, or goes on with that."""

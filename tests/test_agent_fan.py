@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from agent.map import FREE, TAKEN, Map
-from agent.map.cells import DEPTH, FLAGS, NEAR, WAYS, WIDEST, Grid, Wholes
+from agent.map.cells import DEPTH, FLAGS, NEAR, OCCUPIED, WAYS, WIDEST, Grid, Wholes
 from agent.map.counts import HEADING, TIME, X, Y
 from agent.map.fan import BESIDE, BEYOND, FINE, fan
 from agent.world import make_worlds
@@ -187,7 +187,7 @@ def test_each_look_is_the_fan_of_the_eye_where_it_stands():
             x, y, heading = maps._counts[e, [X, Y, HEADING]].tolist()
             odd_poses.add((heading, x & 1, y & 1))
             first = starts[4 * heading + (x & 1) + 2 * (y & 1)]
-            stamped = cells[e] >> FLAGS == int(maps._counts[e, TIME])
+            stamped = (cells[e] & ~np.uint16(OCCUPIED)) >> FLAGS == int(maps._counts[e, TIME])
             least, most = np.zeros((2, 256, 256), bool)
             for list_, (begin, end) in enumerate(pairwise(first)):
                 ray = list_ // 2

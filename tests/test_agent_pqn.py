@@ -90,16 +90,17 @@ def envs() -> HouseVectorEnv:
 
 def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[Batch]]:
     """A learner after one rollout, and what it learnt from."""
-    learner = PQN(PQNConfig(environments=E, minibatches=1, steps=100_000, **changes), envs)
+    learner = PQN(PQNConfig(environments=E, steps=100_000, **({"minibatches": 1} | changes)), envs)
     batches, improve = [], learner.improve
     monkeypatch.setattr(learner, "improve", lambda batch: batches.append(batch) or improve(batch))
     learner.advance()
     return learner, batches
 
 
-def test_every_second_epoch_learns_from_the_mirror(envs, monkeypatch):
-    _, (lived, mirror) = learnt_from(envs, monkeypatch, epochs=2)
-    _, (same, other) = learnt_from(envs, monkeypatch, epochs=2, mirror=False)
+@pytest.mark.parametrize("shape", [{"epochs": 2}, {"epochs": 1, "minibatches": 2}], ids=str)
+def test_every_second_update_learns_from_the_mirror(envs, monkeypatch, shape):
+    _, (lived, mirror) = learnt_from(envs, monkeypatch, **shape)
+    _, (same, other) = learnt_from(envs, monkeypatch, **shape, mirror=False)
     torch.testing.assert_close(same.s_tm1, lived.s_tm1)
     torch.testing.assert_close(mirror.s_tm1, other.s_tm1.flip(1))
     torch.testing.assert_close(mirror.m_tm1, mirrored_memory(other.m_tm1))

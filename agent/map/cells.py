@@ -3,10 +3,11 @@
 """The map's cells: what rays have shown, and when.
 
 A cell is half a body wide, so a body that stands on a corner of cells, a node, covers just the four about it.
-Cell and node (i, j) share a number: three bits, whether the cell is occupied, whether the node is solid (a
-body has no room there) and whether it is near to what was seen, under the step at which the cell was last
-seen, 0 for never. Houses stand still, so what is occupied stays so. The grid is a torus: it follows the body
-wherever an episode starts.
+Cell and node (i, j) share a number: the step at which the cell was last seen, 0 for never; above it whether
+the cell is occupied; and below it whether the node is near to what was seen, and whether it is solid (a body
+has no room there). So one comparison tells the cells that are occupied or were seen since a step from all
+others. Houses stand still, so what is occupied stays so. The grid is a torus: it follows the body wherever an
+episode starts.
 """
 
 from sim.runtime import ti
@@ -14,16 +15,16 @@ from sim.runtime import ti
 WAYS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
 """Steps east and south that ``forward`` makes at each of the eight headings."""
 
-OCCUPIED, SOLID, NEAR = 1, 2, 4
+SOLID, NEAR, OCCUPIED = 1, 2, 1 << 15
 """Bits of a cell."""
 
-FLAGS = 3
-"""How many they are."""
+FLAGS = 2
+"""How many of them lie below the step."""
 
 DEPTH = 8
 """Nodes beyond what was seen that are near: further on anything may be, most likely nothing."""
 
-LATEST = (1 << 16 - FLAGS) - 1
+LATEST = (1 << 15 - FLAGS) - 1
 """The last step that a cell can tell."""
 
 AROUND = 0.07
@@ -60,7 +61,7 @@ class Grid:
     @ti.func
     def solid(self, cells: ti.template(), base, x, y):
         """Whether the body has no room on a node."""
-        return (ti.cast(cells[base + self.at(x, y)], ti.i32) & SOLID) >> 1
+        return ti.cast(ti.cast(cells[base + self.at(x, y)], ti.i32) & SOLID != 0, ti.i32)
 
     @ti.func
     def open(self, cells: ti.template(), base, node):
@@ -144,19 +145,18 @@ class Grid:
         """Whether a target may lie about a node, unseen since a step: it covers some 4 by 4 cells, the inner
         ones wholly. That is how many of these may be, less all but four.
         """
-        hides, k = 1, 0
-        while (hides > 0) & (k < 4):
-            hides = self.may_hide(cells, base, x - 1 + (k & 1), y - 1 + (k >> 1), since)
-            k += 1
+        rows, columns = ti.Vector([0, 0, 0, 0]), ti.Vector([0, 0, 0, 0])
+        for k in ti.static(range(4)):
+            rows[k] = base + self.at(0, y - 2 + k)
+            columns[k] = self.at(x - 2 + k, 0)
+        limit, hides, outer = since << FLAGS, 1, 0
+        for j, i in ti.static(((1, 1), (1, 2), (2, 1), (2, 2))):
+            if hides:
+                hides = ti.cast(ti.cast(cells[rows[j] + columns[i]], ti.i32) < limit, ti.i32)
         if hides:
-            outer = 0
-            for i in range(16):
-                outer += self.may_hide(cells, base, x - 2 + (i & 3), y - 2 + (i >> 2), since)
-            hides = ti.cast(outer >= 12, ti.i32)
+            for j in ti.static(range(4)):
+                for i in ti.static(range(4)):
+                    if ti.static(i in (0, 3) or j in (0, 3)):
+                        outer += ti.cast(ti.cast(cells[rows[j] + columns[i]], ti.i32) < limit, ti.i32)
+            hides = ti.cast(outer >= 8, ti.i32)
         return hides
-
-    @ti.func
-    def may_hide(self, cells: ti.template(), base, x, y, since):
-        """Whether a cell is not occupied, nor was seen since a step."""
-        cell = ti.cast(cells[base + self.at(x, y)], ti.i32)
-        return ti.cast((cell & OCCUPIED == 0) & ((cell >> FLAGS) < since), ti.i32)

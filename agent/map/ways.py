@@ -37,14 +37,16 @@ class Ways:
             field[base + ti.cast(queue[base + k], ti.i32)] = ti.cast(FAR, ti.u16)
 
     @ti.func
+    def reached(self, field: ti.template(), base, node):
+        """Whether the last search has come to a node."""
+        return ti.cast(ti.cast(field[base + node], ti.i32) < FAR, ti.i32)
+
+    @ti.func
     def push(self, field: ti.template(), queue: ti.template(), base, node, distance, tail):
-        """Come to a node, if it is the first time; the queue's new end."""
-        after = tail
-        if ti.cast(field[base + node], ti.i32) == FAR:
-            field[base + node] = ti.cast(distance, ti.u16)
-            queue[base + tail] = ti.cast(node, ti.u16)
-            after += 1
-        return after
+        """Come to a node for the first time; the queue's new end."""
+        field[base + node] = ti.cast(distance, ti.u16)
+        queue[base + tail] = ti.cast(node, ti.u16)
+        return tail + 1
 
     @ti.func
     def spread(self, cells: ti.template(), field: ti.template(), queue: ti.template(), base, node, tail):
@@ -55,14 +57,16 @@ class Ways:
         for k in ti.static(range(4)):
             dx, dy = (1, 0, -1, 0)[k], (0, 1, 0, -1)[k]
             beside = self.grid.at(x + dx, y + dy)
-            if self.grid.open(cells, base, beside):
+            # Most neighbours have been reached, and so are free: one memory to read in place of two.
+            free[k] = self.reached(field, base, beside)
+            if free[k] == 0 and self.grid.open(cells, base, beside):
                 free[k] = 1
                 tail = self.push(field, queue, base, beside, distance, tail)
         for k in ti.static(range(4)):
             dx, dy = (1, -1, -1, 1)[k], (1, 1, -1, -1)[k]
             if free[k] & free[(k + 1) % 4]:
                 beside = self.grid.at(x + dx, y + dy)
-                if self.grid.open(cells, base, beside):
+                if not self.reached(field, base, beside) and self.grid.open(cells, base, beside):
                     tail = self.push(field, queue, base, beside, distance, tail)
         return tail
 
@@ -74,8 +78,10 @@ class Ways:
             if tail == 0:
                 for k in range(4):
                     x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
-                    if ti.static(pass_ == 1) or not self.grid.solid(cells, base, x, y):
-                        tail = self.push(field, queue, base, self.grid.at(x, y), 0, tail)
+                    node = self.grid.at(x, y)
+                    free = ti.static(pass_ == 1) or not self.grid.solid(cells, base, x, y)
+                    if free and not self.reached(field, base, node):
+                        tail = self.push(field, queue, base, node, 0, tail)
         return tail
 
     @ti.func
