@@ -39,9 +39,10 @@ BITS = 8
 UNKNOWN, FREE, TAKEN = range(3)
 """What ``occupancy`` says of a cell."""
 
-MIRROR = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12] + [
-    SCALARS + (-heading % 8) * SIDES + side for heading in range(8) for side in range(SIDES)
-]
+MIRROR = torch.tensor(
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12]
+    + [SCALARS + (-heading % 8) * SIDES + side for heading in range(8) for side in range(SIDES)]
+)
 """Where each feature's mirror image stands; feature ``ASIDE`` changes its sign as well."""
 
 ASIDE = 11
@@ -61,7 +62,7 @@ class Map:
     features: Tensor
     """(E, F) float32, what a network is told: the goal's kind, the way to it and its bearing, what is new;
     and for each of the eight headings, counter-clockwise from the body's own, whether a step is free, how
-    much nearer it brings the goal, and what lies further on. The same memory after every step."""
+    much nearer it brings the goal, and whether it is advised. The same memory after every step."""
 
     advice: Tensor
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
@@ -189,7 +190,7 @@ def mirrored_features(features: Tensor) -> Tensor:
     """The same features (B, F) in a mirror. None (B, 0) stay none."""
     if not features.shape[1]:
         return features
-    image = features[:, MIRROR]
+    image = features.index_select(1, MIRROR)
     image[:, ASIDE].neg_()
     return image
 

@@ -52,10 +52,7 @@ SAME = 4.5
 WITHIN = 12.0
 """Cells from which a target's place is known well enough to say that it is not there."""
 
-LOOKS = (4, 8, 16, 32)
-"""Cells ahead at which the features tell whether something may hide, and whether it is occupied."""
-
-SCALARS, SIDES = 14, 3 + 2 * len(LOOKS)
+SCALARS, SIDES = 14, 3
 FEATURES = SCALARS + 8 * SIDES
 """Numbers that describe a map: some of the whole, some for each of the eight headings."""
 
@@ -323,10 +320,6 @@ def step_kernel(program: Any, body: Body) -> Any:
                 g = f + SCALARS + k * SIDES
                 features[g] = ti.cast(free, ti.f32)
                 features[g + 1] = ti.max(-1.0, ti.min(1.0, gains[k]))
-                for i in ti.static(range(len(LOOKS))):
-                    lx, ly = (px >> 1) + LOOKS[i] * way[0], (py >> 1) + LOOKS[i] * way[1]
-                    features[g + 3 + 2 * i] = ti.cast(grid.hides(cells, base, lx, ly, since), ti.f32)
-                    features[g + 4 + 2 * i] = ti.cast(grid.solid(cells, base, lx, ly), ti.f32)
             # Of the steps that lead nearest, the one with the fewest turns before and after it.
             turn, fewest = 1, 1 << 10
             for k in range(8):
