@@ -24,28 +24,21 @@ from agent.map.counts import (
     Y,
 )
 from agent.map.fan import FINE, fan
-from agent.map.kernel import FEATURES, SCALARS, SIDES, Body, step_kernel
+from agent.map.features import FEATURES, mirrored_features
+from agent.map.kernel import Body, step_kernel
 from agent.map.views import PITCH, looks
 from agent.map.ways import FAR
 from logic.errors import RequestError
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
-__all__ = ["FEATURES", "MIRROR", "Map"]
+__all__ = ["FEATURES", "Map", "mirrored_features"]
 
 BITS = 8
 """The grid is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""
 
 UNKNOWN, FREE, TAKEN = range(3)
 """What ``occupancy`` says of a cell."""
-
-MIRROR = torch.tensor(
-    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12]
-    + [SCALARS + (-heading % 8) * SIDES + side for heading in range(8) for side in range(SIDES)]
-)
-"""Where each feature's mirror image stands; feature ``ASIDE`` changes its sign as well."""
-
-ASIDE = 11
 
 STATE = ("cells", "field", "queue", "hidden", "shown", "counts", "target", "advice", "features")
 """What a map goes on from."""
@@ -184,15 +177,6 @@ class Map:
         side = 1 << BITS
         field = self.arrays["field"].view().reshape(-1, side, side)[environment]
         return np.roll(field, (side // 2, side // 2), axis=(0, 1))
-
-
-def mirrored_features(features: Tensor) -> Tensor:
-    """The same features (B, F) in a mirror. None (B, 0) stay none."""
-    if not features.shape[1]:
-        return features
-    image = features.index_select(1, MIRROR)
-    image[:, ASIDE].neg_()
-    return image
 
 
 def _clear(angles: np.ndarray, side: float, step: float, margin: float = 0.005) -> np.ndarray:

@@ -5,6 +5,7 @@
 from functools import cache
 from typing import Any, NamedTuple
 
+from agent.map.advice import Advice
 from agent.map.cells import WIDEST, Bytes, Cells, Floats, Grid, Longs, Wholes
 from agent.map.counts import (
     AGE,
@@ -33,6 +34,8 @@ from agent.map.counts import (
     X,
     Y,
 )
+from agent.map.features import describe
+from agent.map.sight import Sight
 from agent.map.views import THOUGHT, Views
 from agent.map.ways import FAR, Ways
 from sim.runtime import ti
@@ -46,15 +49,8 @@ PATIENCE = 8
 ABOUT = 2.5
 """Cells from a goal at which a way may end that could not be had, or not any more, to the goal itself."""
 
-SAME = 4.5
-"""A target seen so many cells from the one that is known is another: this one was picked up."""
-
-WITHIN = 12.0
-"""Cells from which a target's place is known well enough to say that it is not there."""
-
-SCALARS, SIDES = 14, 3
-FEATURES = SCALARS + 8 * SIDES
-"""Numbers that describe a map: some of the whole, some for each of the eight headings."""
+TOUCHED = 5.0
+"""Cells from a target, along both axes, at which it was picked up if it is gone."""
 
 
 class Body(NamedTuple):
@@ -75,6 +71,8 @@ def step_kernel(program: Any, body: Body) -> Any:
     grid = Grid(body.bits)
     ways = Ways(grid)
     views = Views(grid, ways)
+    sight = Sight(body.target)
+    adviser = Advice(grid, ways, body.step)
     rays, channels, distance_at, step_by, half, reach_by = body[:6]
 
     @ti.func
@@ -191,27 +189,15 @@ def step_kernel(program: Any, body: Body) -> Any:
                     missed |= ti.cast((along > 0) & (aside < 0.5) & (d * reach.norm() > along + 1.0), ti.i32)
 
             # remember
-            away, picked = ti.abs(off).max(), 0
+            picked = 0
             if spotted > 0:
-                # The square's centre: it is exact along an axis where a face is seen, and else one of those
-                # places, if it was before, from which the square covers all that is seen of it.
-                flat, least, most = high - low < 0.02, high - half, low + half
-                middle = 0.5 * (low + high)
-                if known and (ti.abs(middle - off).max() <= SAME):
-                    middle = ti.max(least, ti.min(most, off))
-                elif spotted == 1:
-                    middle += side
-                if spotted > 1:
-                    if not flat[1]:
-                        middle[0] = ti.select(side[0] > 0, most[0], least[0])
-                    if not flat[0]:
-                        middle[1] = ti.select(side[1] > 0, most[1], least[1])
-                picked = known & ti.cast(ti.abs(middle - off).max() > SAME, ti.i32)
-                target[2 * e], target[2 * e + 1] = x + middle[0], y + middle[1]
+                there = sight.centre(spotted, low, high, side, known, off)
+                picked = known & sight.other(there, off)
+                target[2 * e], target[2 * e + 1] = x + there[0], y + there[1]
                 known = 1
-            elif (known > 0) & ((away < 1.0 + half + 0.125) | ((missed > 0) & (away < WITHIN))):
+            elif known & sight.gone(off, missed):
                 known = 0
-                picked = ti.cast(away < 5.0, ti.i32)
+                picked = ti.cast(ti.abs(off).max() < TOUCHED, ti.i32)
             if picked:
                 counts[w + SINCE] = time
                 counts[w + FOUND] += 1
@@ -300,68 +286,23 @@ def step_kernel(program: Any, body: Body) -> Any:
             counts[w + KIND], counts[w + GOAL], counts[w + QUEUED], counts[w + AGE] = kind, goal, tail, age
             counts[w + STALE], counts[w + WAY] = stale, far
 
-            # advise, describe
-            f = e * FEATURES
-            span = ti.select((px | py) & 1 == 0, ti.max(2, step_by), step_by)
-            gains, nearest = ti.Vector([-1.0] * 8), -1.0
-            for k in range(8):
-                way = ways.ahead((heading + k) & 7)
-                qx, qy = px + span * way[0], py + span * way[1]
-                free = grid.room(cells, base, qx, qy)
-                free &= grid.room(cells, base, px + step_by * way[0], py + step_by * way[1])
-                if way[0] * way[1] != 0:
-                    free &= grid.room(cells, base, qx, py) & grid.room(cells, base, px, qy)
-                if k == 0:
-                    free &= forward
-                there = ways.far(field, base, qx, qy)
-                if (free > 0) & (there < FAR) & (far < FAR):
-                    gains[k] = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
-                    nearest = ti.max(nearest, gains[k])
-                g = f + SCALARS + k * SIDES
-                features[g] = ti.cast(free, ti.f32)
-                features[g + 1] = ti.max(-1.0, ti.min(1.0, gains[k]))
-            # Of the steps that lead nearest, the one with the fewest turns before and after it.
-            turn, fewest = 1, 1 << 10
-            for k in range(8):
-                if (nearest > -1.0) & (gains[k] == nearest):
-                    way = ways.ahead((heading + k) & 7)
-                    qx, qy = px + span * way[0], py + span * way[1]
-                    turns = ti.min(k, 8 - k) + ways.bends(cells, field, base, qx, qy, (heading + k) & 7)
-                    if turns < fewest:
-                        turn, fewest = k, turns
+            # advise
+            free, gains = adviser.steps(cells, field, base, px, py, heading, forward)
+            turn = adviser.turn(cells, field, base, px, py, heading, gains)
             if (kind == SEARCH) & (look >= 0) & (far == 0):
                 turn = (look - heading) & 7
-            act = 2
-            if turn > 4:
-                act = 1
-            elif turn > 0:
-                act = 0
+            act = adviser.action(turn)
             advice[e] = act
-            for k in range(8):
-                features[f + SCALARS + k * SIDES + 2] = ti.cast(turn == k, ti.f32)
+
+            # describe
             gx, gy = goal & grid.mask, goal >> grid.bits
             bearing = ti.Vector(
                 [ti.cast(grid.apart(gx, px >> 1), ti.f32), ti.cast(grid.apart(gy, py >> 1), ti.f32)]
             )
             if known:
                 bearing = ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
-            middle_ray = 2 * (heading * rays + rays // 2)
-            nose = ti.Vector([directions[middle_ray], directions[middle_ray + 1]])
-            crow = bearing.norm() + 1e-3
-            far_cells = 0.5 * ti.cast(ti.min(far, 2000), ti.f32)
-            features[f] = ti.cast(kind == SEARCH, ti.f32)
-            features[f + 1] = ti.cast(kind == TARGET, ti.f32)
-            features[f + 2] = ti.exp(-far_cells / 8.0)
-            features[f + 3] = ti.exp(-far_cells / 40.0)
-            features[f + 4] = ti.exp(-far_cells / 160.0)
-            features[f + 5] = ti.exp(-crow / 20.0)
-            features[f + 6] = ti.min(1.0, ti.cast(new, ti.f32) / 50.0)
-            features[f + 7] = ti.min(1.0, ti.cast(time - counts[w + LAST_NEW], ti.f32) / 100.0)
-            features[f + 8] = ti.min(1.0, ti.cast(time - since, ti.f32) / 300.0)
-            features[f + 9] = ti.cast(forward, ti.f32)
-            features[f + 10] = bearing.dot(nose) / (crow * nose.norm())
-            features[f + 11] = nose.cross(bearing) / (crow * nose.norm())
-            features[f + 12] = ti.cast(act == 0, ti.f32)
-            features[f + 13] = ti.cast(act == 1, ti.f32)
+            ahead = 2 * (heading * rays + rays // 2)
+            nose = ti.Vector([directions[ahead], directions[ahead + 1]])
+            describe(features, counts, e, forward, free, gains, turn, act, bearing, nose)
 
     return step

@@ -1,0 +1,64 @@
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
+# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
+"""What a map advises: the turn to the heading from which a step brings the goal nearest."""
+
+from agent.map.cells import Grid
+from agent.map.ways import FAR, Ways
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Advice:
+    """Advice to a body that goes so many half cells at a step, by the ways to its goal."""
+
+    def __init__(self, grid: Grid, ways: Ways, step: int) -> None:
+        """Advise on this grid by these ways."""
+        self.grid, self.ways, self.step = grid, ways, step
+
+    @ti.func
+    def span(self, px, py):
+        """Half cells to look ahead at a pose: a step, or from node to node where that is more."""
+        return ti.select((px | py) & 1 == 0, ti.max(2, self.step), self.step)
+
+    @ti.func
+    def steps(self, cells: ti.template(), field: ti.template(), base, px, py, heading, forward):
+        """Of a step at each of the eight headings, counter-clockwise from the body's own: whether it is free,
+        and how much nearer each half cell of it brings the goal, -1 where that is not known. The first is not
+        free where the rays say that the body cannot go ``forward``.
+        """
+        span, far = self.span(px, py), self.ways.far(field, base, px, py)
+        open_, gains = ti.Vector([0] * 8), ti.Vector([-1.0] * 8)
+        for k in range(8):
+            way = self.ways.ahead((heading + k) & 7)
+            qx, qy = px + span * way[0], py + span * way[1]
+            free = self.grid.room(cells, base, qx, qy)
+            free &= self.grid.room(cells, base, px + self.step * way[0], py + self.step * way[1])
+            if way[0] * way[1] != 0:
+                free &= self.grid.room(cells, base, qx, py) & self.grid.room(cells, base, px, qy)
+            if k == 0:
+                free &= forward
+            there = self.ways.far(field, base, qx, qy)
+            if (free > 0) & (there < FAR) & (far < FAR):
+                gains[k] = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
+            open_[k] = free
+        return open_, gains
+
+    @ti.func
+    def turn(self, cells: ti.template(), field: ti.template(), base, px, py, heading, gains):
+        """How far to turn, in eighths counter-clockwise: of the steps that lead nearest to the one with the
+        fewest turns before and after it. One where none is known to lead anywhere.
+        """
+        span, nearest, turn, fewest = self.span(px, py), gains.max(), 1, 1 << 10
+        for k in range(8):
+            if (nearest > -1.0) & (gains[k] == nearest):
+                way = self.ways.ahead((heading + k) & 7)
+                qx, qy = px + span * way[0], py + span * way[1]
+                turns = ti.min(k, 8 - k) + self.ways.bends(cells, field, base, qx, qy, (heading + k) & 7)
+                if turns < fewest:
+                    turn, fewest = k, turns
+        return turn
+
+    @ti.func
+    def action(self, turn):
+        """Left, right or forward, to make such a turn."""
+        return ti.select(turn == 0, 2, ti.cast(turn > 4, ti.i32))
