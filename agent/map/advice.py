@@ -32,9 +32,16 @@ class Advice:
             way = self.ways.ahead((heading + k) & 7)
             qx, qy = px + span * way[0], py + span * way[1]
             free = self.grid.room(cells, base, qx, qy)
-            free &= self.grid.room(cells, base, px + self.step * way[0], py + self.step * way[1])
+            free &= self.grid.passes(cells, base, px, py, way[0], way[1], ti.static(self.step))
             if way[0] * way[1] != 0:
                 free &= self.grid.room(cells, base, qx, py) & self.grid.room(cells, base, px, qy)
+                if ti.static(self.grid.touching):
+                    # Nor may a wall lie on any side of the square about the way.
+                    for corner in ti.static(range(2)):
+                        cx, cy = ti.select(corner, qx, px), ti.select(corner, qy, py)
+                        to = 1 - 2 * corner
+                        free &= self.grid.passes(cells, base, cx, cy, to * way[0], 0, ti.static(self.step))
+                        free &= self.grid.passes(cells, base, cx, cy, 0, to * way[1], ti.static(self.step))
             if k == 0:
                 free &= forward
             there = self.ways.far(field, base, qx, qy)

@@ -30,8 +30,12 @@ LATEST = (1 << 15 - FLAGS) - 1
 AROUND = 0.07
 """Cells about a hit that are taken for occupied too: a centimetre, more than the shield's margin."""
 
-WIDEST = 2.9
-"""Cells between two hits on one line that are joined to a wall: less than any door or passage is wide."""
+WIDEST, WIDEST_TOUCHING = 2.9, 1.9
+"""Cells between two hits on one line that are joined to a wall: less than any door or passage is wide, which
+is a body's width at least where bodies touch."""
+
+TOUCHING = 4
+"""Half cells in a step of bodies that go from one place to the next one beside it."""
 
 Cells, Bytes = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.u8, 1)
 Floats, Wholes = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
@@ -40,12 +44,19 @@ Longs = ti.types.ndarray(ti.i64, 1)
 
 @ti.data_oriented
 class Grid:
-    """A torus of 2^bits by 2^bits cells for each environment; ``base`` is where one's begins."""
+    """A torus of 2^bits by 2^bits cells for each environment; ``base`` is where one's begins.
 
-    def __init__(self, bits: int) -> None:
-        """Choose the size."""
+    Where bodies fill the cells of a house that lies on a grid (``sim.grid``), its walls are lines between
+    them, that a body may touch: ``touching``. Cells on both sides of a line are taken for occupied, as ever,
+    but only nodes on the line are solid.
+    """
+
+    def __init__(self, bits: int, step: int = 1) -> None:
+        """Choose the size, for bodies that go so many half cells a step."""
         self.bits, self.side = bits, 1 << bits
         self.mask, self.area = self.side - 1, 1 << 2 * bits
+        self.touching = step >= TOUCHING
+        self.widest = WIDEST_TOUCHING if self.touching else WIDEST
 
     @ti.func
     def at(self, x, y):
@@ -86,6 +97,14 @@ class Grid:
         free = 1
         for k in range(4):
             free &= 1 - self.solid(cells, base, (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1)
+        return free
+
+    @ti.func
+    def passes(self, cells: ti.template(), base, px, py, dx, dy, step: ti.template()):
+        """Whether the body has room all along a way of ``step`` half cells."""
+        free = self.room(cells, base, px + step * dx, py + step * dy)
+        for k in ti.static(range(2, step, 2)):
+            free &= self.room(cells, base, px + k * dx, py + k * dy)
         return free
 
     @ti.func
@@ -136,9 +155,28 @@ class Grid:
             for i in range(i0, i1 + 1):
                 if self.see(cells, base, self.at(i, j), OCCUPIED, time) & OCCUPIED == 0:
                     new += 1
-                    for k in range(4):
-                        self.close(cells, base, i + (k & 1), j + (k >> 1))
+                    if ti.static(not self.touching):
+                        for k in range(4):
+                            self.close(cells, base, i + (k & 1), j + (k >> 1))
+        if ti.static(self.touching):
+            self.line(cells, base, x, y)
         return new
+
+    @ti.func
+    def line(self, cells: ti.template(), base, x, y):
+        """Let the body have no room on the nodes about a hit on the line of a wall that it lies on: bodies
+        stand on even nodes, so lines run along odd ones.
+        """
+        across, down = 2.0 * ti.floor(0.5 * x) + 1.0, 2.0 * ti.floor(0.5 * y) + 1.0
+        upright = ti.abs(x - across) < ti.abs(y - down)
+        line, along = ti.select(upright, across, down), ti.select(upright, y, x)
+        for k in range(2):
+            node = ti.floor(along) + ti.cast(k, ti.f32)
+            # Not the next one to a wall's end: there a door may begin.
+            if ti.abs(along - node) < 1.0 - AROUND:
+                i = ti.cast(ti.select(upright, line, node), ti.i32)
+                j = ti.cast(ti.select(upright, node, line), ti.i32)
+                self.close(cells, base, i, j)
 
     @ti.func
     def hides(self, cells: ti.template(), base, x, y, since):

@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from agent.map.advice import Advice
-from agent.map.cells import WIDEST, Bytes, Cells, Floats, Grid, Longs, Wholes
+from agent.map.cells import Bytes, Cells, Floats, Grid, Longs, Wholes
 from agent.map.counts import (
     AGE,
     ALIGNED,
@@ -68,12 +68,13 @@ class Body(NamedTuple):
 @cache
 def step_kernel(program: Any, body: Body) -> Any:
     """The kernel for a running Taichi. Arguments are named for the map's arrays."""
-    grid = Grid(body.bits)
+    grid = Grid(body.bits, body.step)
     ways = Ways(grid)
     views = Views(grid, ways)
     sight = Sight(body.target)
     adviser = Advice(grid, ways, body.step)
     rays, channels, distance_at, step_by, half, reach_by = body[:6]
+    hinders = step_by // 2 if grid.touching else step_by
 
     @ti.func
     def diagonal(observation: ti.template(), directions: ti.template(), o):
@@ -174,7 +175,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     hits += grid.hit(cells, base, x + end[0], y + end[1], time)
                 # the wall between what this ray and the last one hit, if both lie on one line
                 gap = ti.abs(end - before)
-                if (kind == 1) & (before_kind == 1) & (gap.max() < WIDEST) & (gap.min() < 1e-3):
+                if (kind == 1) & (before_kind == 1) & (gap.max() < grid.widest) & (gap.min() < 1e-3):
                     pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
                     for k in range(1, pieces):
                         part = before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
@@ -214,10 +215,11 @@ def step_kernel(program: Any, body: Body) -> Any:
             if (px | py) & 1 == 0:
                 # It may stand nearer to a wall than the map would have let it go.
                 grid.clear(cells, base, px >> 1, py >> 1)
-            way = step_by * ways.ahead(heading)
-            if (forward == 0) & grid.room(cells, base, px + way[0], py + way[1]):
+            way = ways.ahead(heading)
+            if (forward == 0) & grid.passes(cells, base, px, py, way[0], way[1], step_by):
                 # It cannot go where the map says it can: what hinders it lies between two rays.
-                grid.close(cells, base, (px + way[0] + (way[0] > 0)) >> 1, (py + way[1] + (way[1] > 0)) >> 1)
+                qx, qy = px + hinders * way[0], py + hinders * way[1]
+                grid.close(cells, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
                 hits += 1
 
             # choose
