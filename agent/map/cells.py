@@ -53,7 +53,7 @@ class Grid:
 
     def __init__(self, bits: int, step: int = 1) -> None:
         """Choose the size, for bodies that go so many half cells a step."""
-        self.bits, self.side = bits, 1 << bits
+        self.bits, self.side, self.step = bits, 1 << bits, step
         self.mask, self.area = self.side - 1, 1 << 2 * bits
         self.touching = step >= TOUCHING
         self.widest = WIDEST_TOUCHING if self.touching else WIDEST

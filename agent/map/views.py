@@ -135,7 +135,7 @@ class Views:
             head += 1
             x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
             distance, at = ti.cast(field[base + node], ti.i32), part + self.place(x, y)
-            way, on_pitch = 2.0 * ti.cast(distance, ti.f32) + HASTE, (x | y) & (PITCH - 1) == 0
+            way, on_pitch = self.steps(distance), (x | y) & (PITCH - 1) == 0
             last, bound = ti.cast(shown[at], ti.f32), most
             if last < UNTOLD:
                 bound = GROWTH * last + SPARE
@@ -199,11 +199,16 @@ class Views:
                     total += count
             if (x | y) & (PITCH - 1) == 0:
                 last = ti.cast(shown[part + self.place(x, y)], ti.f32)
-                worth = last / (2.0 * ti.cast(field[base + node], ti.f32) + HASTE)
+                worth = last / self.steps(ti.cast(field[base + node], ti.i32))
                 if (last < UNTOLD) & (worth > hoped):
                     likely, hoped = node, worth
             tail = self.ways.spread(cells, field, queue, base, node, tail)
         return nearest, total, likely, tail
+
+    @ti.func
+    def steps(self, distance):
+        """What it costs to go so many nodes, but for the turns."""
+        return ti.static(2.0 / self.grid.step) * ti.cast(distance, ti.f32) + HASTE
 
     @ti.func
     def place(self, x, y):
