@@ -13,6 +13,9 @@ from torch import Tensor
 
 from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
 
+MARGIN = 0.005
+"""Metres of air that the shield keeps on every side of the body."""
+
 
 class Layer(Protocol):
     """A behaviour that may overrule those below it."""
@@ -34,19 +37,15 @@ class Shield:
     """
 
     def __init__(
-        self, angles: np.ndarray, reach: float, body: float, step: float, margin: float = 0.005
+        self, angles: np.ndarray, reach: float, body: float, step: float, margin: float | None = None
     ) -> None:
         """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
-        keeps on every side; metres.
+        keeps on every side, by default as in ``clearance``; metres.
         """
-        half, sine, cosine = body / 2 + margin, np.abs(np.sin(angles)), np.cos(angles)
-        with np.errstate(divide="ignore"):  # the ray straight ahead leaves by the front alone
-            straight = np.minimum((half + step) / cosine, half / sine)
-            diagonal = np.sqrt(2) * np.minimum((half + step) / (cosine + sine), half / sine)
         self.reach = reach
-        self.clear = torch.tensor(np.stack([straight, diagonal]) / reach, dtype=torch.float32)
+        self.clear = torch.tensor(clearance(angles, body, step, margin) / reach, dtype=torch.float32)
         # Where the body stands straight, the walls run along the first two; diagonally, along the others.
         turned = angles + np.pi / 4 * np.array([[0], [2], [1], [3]])
         self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32)
@@ -74,6 +73,22 @@ class Shield:
         same = (place[..., 1:] - place[..., :-1]).abs_() < 1e-4
         votes = (same & (distance[..., None, 1:] < 1)).sum(-1)
         return votes[..., 2:].sum(-1) > votes[..., :2].sum(-1)
+
+
+def clearance(angles: np.ndarray, body: float, step: float, margin: float | None = None) -> np.ndarray:
+    """How far each ray (2, R) must reach for a step forward to be free, straight and diagonal, metres.
+
+    ``angles`` (R,) radians from the heading, ``body`` the side of the square, ``step`` its move along each
+    axis, ``margin`` the air that it keeps on every side: half a centimetre, but for a body that goes as far
+    as it is wide. That one fills the cells of a grid, so what stands in the next cell touches it.
+    """
+    if margin is None:
+        margin = MARGIN if step < body else -MARGIN
+    half, sine, cosine = body / 2 + margin, np.abs(np.sin(angles)), np.cos(angles)
+    with np.errstate(divide="ignore"):  # the ray straight ahead leaves by the front alone
+        straight = np.minimum((half + step) / cosine, half / sine)
+        diagonal = np.sqrt(2) * np.minimum((half + step) / (cosine + sine), half / sine)
+    return np.stack([straight, diagonal])
 
 
 class PaperRule:

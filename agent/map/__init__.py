@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from agent.avoidance import clearance
 from agent.map.cells import FLAGS, LATEST, OCCUPIED
 from agent.map.counts import (
     COUNTS,
@@ -82,7 +83,9 @@ class Map:
             "begun": Array(ti.u8, count),
             "action": Array(ti.i64, count),
             "directions": Array.of(reaches.astype(np.float32).ravel()),
-            "clear": Array.of((_clear(angles, side, config.step) / config.range).astype(np.float32).ravel()),
+            "clear": Array.of(
+                (clearance(angles, side, config.step) / config.range).astype(np.float32).ravel()
+            ),
             "starts": Array.of(starts.ravel()),
             "fan": Array.of(behind),
             "cells": Array(ti.u16, area),
@@ -177,14 +180,3 @@ class Map:
         side = 1 << BITS
         field = self.arrays["field"].view().reshape(-1, side, side)[environment]
         return np.roll(field, (side // 2, side // 2), axis=(0, 1))
-
-
-def _clear(angles: np.ndarray, side: float, step: float, margin: float = 0.005) -> np.ndarray:
-    """How far each ray (2, R) must reach for a step forward to be free, straight and diagonal: the shield's
-    table (``agent.avoidance.Shield``), metres.
-    """
-    half, sine, cosine = side / 2 + margin, np.abs(np.sin(angles)), np.cos(angles)
-    with np.errstate(divide="ignore"):
-        straight = np.minimum((half + step) / cosine, half / sine)
-        diagonal = np.sqrt(2) * np.minimum((half + step) / (cosine + sine), half / sine)
-    return np.stack([straight, diagonal])
