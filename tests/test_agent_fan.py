@@ -8,7 +8,20 @@ import pytest
 import torch
 
 from agent.map import FREE, TAKEN, Map
-from agent.map.cells import DEPTH, FLAGS, NEAR, OCCUPIED, WAYS, WIDEST, Grid, Wholes
+from agent.map.cells import (
+    DEPTH,
+    FLAGS,
+    NEAR,
+    OCCUPIED,
+    SOLID,
+    TOUCHING,
+    WAYS,
+    WIDEST,
+    Cells,
+    Floats,
+    Grid,
+    Wholes,
+)
 from agent.map.counts import HEADING, TIME, X, Y
 from agent.map.fan import BESIDE, BEYOND, FINE, fan
 from agent.world import make_worlds
@@ -95,6 +108,33 @@ def test_ways_from_a_cell_go_round_the_torus():
     Launch(ask, arrays)()
     ends = (cells + ways) % 256
     assert arrays["ends"].numpy().tolist() == (ends[:, 1] << 8 | ends[:, 0]).tolist()
+
+
+@pytest.mark.parametrize(
+    ("place", "solid"),
+    [
+        ((3.0, 2.5), {(3, 2), (3, 3)}),
+        ((2.4, 5.0), {(2, 5), (3, 5)}),
+        ((-1.0001, 0.5), {(-1, 0), (-1, 1)}),
+        ((3.0, 3.03), {(3, 3)}),  # the wall may end here, and a door begin
+        ((3.0, 2.97), {(3, 3)}),
+        ((4.02, 7.0001), {(4, 7)}),
+    ],
+)
+def test_what_touching_bodies_meet_leaves_no_room_on_its_line_alone(place, solid):
+    start()
+    grid = Grid(8, TOUCHING)
+
+    @ti.kernel
+    def ask(cells: Cells, hit: Floats):
+        for _ in range(1):
+            grid.hit(cells, 0, hit[0], hit[1], 1)
+
+    cells = Array(ti.u16, grid.area)
+    Launch(ask, {"cells": cells, "hit": Array.of(np.array(place, np.float32))})()
+    table = cells.numpy().reshape(256, 256)
+    assert {((i + 128) % 256 - 128, (j + 128) % 256 - 128) for j, i in np.argwhere(table & SOLID)} == solid
+    assert (table & OCCUPIED > 0).sum() >= 2  # on both sides of the line
 
 
 @pytest.mark.parametrize("heading", [0.0, np.pi / 4, np.pi / 2, -3 * np.pi / 4])
