@@ -12,9 +12,7 @@ import torch
 from torch import Tensor
 
 from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
-
-MARGIN = 0.005
-"""Metres of air that the shield keeps on every side of the body."""
+from sim.config import Config
 
 
 class Layer(Protocol):
@@ -37,12 +35,12 @@ class Shield:
     """
 
     def __init__(
-        self, angles: np.ndarray, reach: float, body: float, step: float, margin: float | None = None
+        self, angles: np.ndarray, reach: float, body: float, step: float, margin: float = 0.005
     ) -> None:
         """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
-        keeps on every side, by default as in ``clearance``; metres.
+        keeps on every side; metres.
         """
         self.reach = reach
         self.clear = torch.tensor(clearance(angles, body, step, margin) / reach, dtype=torch.float32)
@@ -75,20 +73,24 @@ class Shield:
         return votes[..., 2:].sum(-1) > votes[..., :2].sum(-1)
 
 
-def clearance(angles: np.ndarray, body: float, step: float, margin: float | None = None) -> np.ndarray:
+def clearance(angles: np.ndarray, body: float, step: float, margin: float) -> np.ndarray:
     """How far each ray (2, R) must reach for a step forward to be free, straight and diagonal, metres.
 
     ``angles`` (R,) radians from the heading, ``body`` the side of the square, ``step`` its move along each
-    axis, ``margin`` the air that it keeps on every side: half a centimetre, but for a body that goes as far
-    as it is wide. That one fills the cells of a grid, so what stands in the next cell touches it.
+    axis, ``margin`` the air that it keeps on every side.
     """
-    if margin is None:
-        margin = MARGIN if step < body else -MARGIN
     half, sine, cosine = body / 2 + margin, np.abs(np.sin(angles)), np.cos(angles)
     with np.errstate(divide="ignore"):  # the ray straight ahead leaves by the front alone
         straight = np.minimum((half + step) / cosine, half / sine)
         diagonal = np.sqrt(2) * np.minimum((half + step) / (cosine + sine), half / sine)
     return np.stack([straight, diagonal])
+
+
+def air(world: Config) -> float:
+    """Metres that the shield keeps on every side of the body. What stands in the next cell touches a body
+    that fills its own: there it is less than nothing, as distances are rounded.
+    """
+    return -0.005 if world.in_cells else 0.005
 
 
 class PaperRule:

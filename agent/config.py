@@ -50,7 +50,7 @@ class Config:
     processor has it."""
 
     mirror: bool = True
-    """Whether every second update sees what it learns from with left and right exchanged."""
+    """Whether half of all updates see what they learn from with left and right exchanged."""
 
     curriculum: bool = False
     """Whether easier worlds come first: main rooms, few rooms, no furniture. See ``agent.curriculum``."""

@@ -6,7 +6,7 @@ from typing import cast
 import gymnasium
 import numpy as np
 
-from agent.avoidance import Shield
+from agent.avoidance import Shield, air
 from logic import House, HouseFileError
 from sim import HouseVectorEnv
 from sim.config import Config
@@ -44,4 +44,4 @@ def shield(envs: HouseVectorEnv) -> Shield:
     """The avoidance layer for the body and the rays of these worlds."""
     world = envs.config
     angles = np.deg2rad(world.first_ray - world.ray_spacing * np.arange(world.rays))
-    return Shield(angles, reach=world.range, body=world.body[0], step=world.step)
+    return Shield(angles, reach=world.range, body=world.body[0], step=world.step, margin=air(world))

@@ -44,8 +44,8 @@ BANK = "0caaed03d5bb8fc50bfaffabf8a4fdcfcc09199ed328cb57dbaf51fa37280a1f"
 
 BUDGET = 15 * 60
 RATES = {"pqn": 46_000, "pqn-map": 21_500, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
-"""The whole budget of a run: as many steps as 15 minutes give on one quiet core, at so many a second. Counted
-in steps, it does not depend on what else the machine does."""
+"""The whole budget of a run: as many steps as 15 minutes gave on one quiet core of the machine that the study
+began on, at so many a second. Counted in steps, it does not depend on the machine."""
 
 
 def _entry(
@@ -118,12 +118,12 @@ class Agents:
 
     def run(self) -> None:
         """Do all of it."""
-        if unknown := set(self.only) - {entry.name for entry in ENTRIES}:
-            known = ", ".join(entry.name for entry in ENTRIES)
+        entries = [self.shared(entry) for entry in ENTRIES if self.share < 1 or not entry.whole]
+        if unknown := set(self.only) - {entry.name for entry in entries}:
+            known = ", ".join(entry.name for entry in entries)
             raise RequestError(f"--only {min(unknown)}: no entry. They are {known}")
         if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
-        entries = [self.shared(entry) for entry in ENTRIES if self.share < 1 or not entry.whole]
         out = self.out.resolve()
         houses = bank(out / "learn.jsonl", self.workers)
         # Seed by seed: wherever the study is stopped, the entries have about equally many runs.

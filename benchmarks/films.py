@@ -18,6 +18,7 @@ from agent.banks import benchmark
 from agent.build import policy_of
 from agent.commands import Targets
 from agent.map import BITS, Map
+from agent.map.cells import FLAGS
 from agent.map.counts import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
 from agent.world import make_worlds
 from logic import House
@@ -90,7 +91,7 @@ class Window:
         side = 1 << BITS
         counts, states = map.arrays["counts"].view()[:COUNTS], map.occupancy(0)
         cells = map.arrays["cells"].view()[: side * side].reshape(side, side).astype(int)
-        when = np.roll(cells >> 2, (side // 2, side // 2), axis=(0, 1))
+        when = np.roll(cells >> FLAGS, (side // 2, side // 2), axis=(0, 1))
         image = np.full((side, side, 3), PAPER, np.uint8)
         image[states == 1] = OLD
         image[(states == 1) & (when >= counts[SINCE])] = FREE

@@ -21,6 +21,9 @@ class Config:
     step: float = 2 * PIXEL
     """How far ``forward`` goes along an axis, metres; on a diagonal it goes as far along both axes."""
 
+    in_cells: bool = False
+    """Whether the body fills a cell of a grid and goes from cell to cell: the grid backend sets it."""
+
     collision: Literal["swept", "original"] = "swept"
     """The rule that blocks a move: ``swept``, what the body touches on its way, or the ``original``
     program's, which looks at the new place only and forgets which wall a door is in."""

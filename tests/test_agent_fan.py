@@ -14,7 +14,6 @@ from agent.map.cells import (
     NEAR,
     OCCUPIED,
     SOLID,
-    TOUCHING,
     WAYS,
     WIDEST,
     Cells,
@@ -123,7 +122,7 @@ def test_ways_from_a_cell_go_round_the_torus():
 )
 def test_what_touching_bodies_meet_leaves_no_room_on_its_line_alone(place, solid):
     start()
-    grid = Grid(8, TOUCHING)
+    grid = Grid(8, step=4, touching=True)
 
     @ti.kernel
     def ask(cells: Cells, hit: Floats):

@@ -124,7 +124,7 @@ def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.M
     change(constants("THOUGHT=48,belief.ABOUT=5,HASTE=5"))
     assert (views.THOUGHT, kernel.THOUGHT, belief.ABOUT, views.HASTE) == (48, 48, 5, 5.0)
     assert apart == kernel.ABOUT
-    assert "kernel.SCALARS" not in KNOWN  # other constants are made of it when it is read
+    assert "features.SCALARS" not in KNOWN  # other constants are made of it when it is read
 
 
 @pytest.mark.parametrize(

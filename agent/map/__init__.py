@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.avoidance import clearance
+from agent.avoidance import air, clearance
 from agent.map.cells import FLAGS, LATEST, OCCUPIED
 from agent.map.counts import (
     COUNTS,
@@ -84,7 +84,7 @@ class Map:
             "action": Array(ti.i64, count),
             "directions": Array.of(reaches.astype(np.float32).ravel()),
             "clear": Array.of(
-                (clearance(angles, side, config.step) / config.range).astype(np.float32).ravel()
+                (clearance(angles, side, config.step, air(config)) / config.range).astype(np.float32).ravel()
             ),
             "starts": Array.of(starts.ravel()),
             "fan": Array.of(behind),
@@ -102,7 +102,7 @@ class Map:
         self.arrays["field"].fill(np.full(area, FAR))
         half = config.target / 2 / self.cell
         far = FINE * config.range / self.cell
-        body = Body(rays, config.channels, int(config.sees_angle), step, half, far, BITS)
+        body = Body(rays, config.channels, int(config.sees_angle), step, config.in_cells, half, far, BITS)
         self._launch = Launch(step_kernel(program, body), self.arrays)
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._inputs = [tensors[name] for name in ("observation", "blocked", "action", "begun")]

@@ -34,9 +34,6 @@ WIDEST, WIDEST_TOUCHING = 2.9, 1.9
 """Cells between two hits on one line that are joined to a wall: less than any door or passage is wide, which
 is a body's width at least where bodies touch."""
 
-TOUCHING = 4
-"""Half cells in a step of bodies that go from one place to the next one beside it."""
-
 Cells, Bytes = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.u8, 1)
 Floats, Wholes = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
 Longs = ti.types.ndarray(ti.i64, 1)
@@ -51,12 +48,11 @@ class Grid:
     but only nodes on the line are solid.
     """
 
-    def __init__(self, bits: int, step: int = 1) -> None:
-        """Choose the size, for bodies that go so many half cells a step."""
+    def __init__(self, bits: int, step: int = 1, touching: bool = False) -> None:
+        """Choose the size, for bodies that go so many half cells a step: four where they are ``touching``."""
         self.bits, self.side, self.step = bits, 1 << bits, step
         self.mask, self.area = self.side - 1, 1 << 2 * bits
-        self.touching = step >= TOUCHING
-        self.widest = WIDEST_TOUCHING if self.touching else WIDEST
+        self.touching, self.widest = touching, WIDEST_TOUCHING if touching else WIDEST
 
     @ti.func
     def at(self, x, y):
@@ -81,9 +77,10 @@ class Grid:
 
     @ti.func
     def close(self, cells: ti.template(), base, x, y):
-        """Let the body have no room on a node."""
-        i = base + self.at(x, y)
+        """Let the body have no room on a node; whether it had some."""
+        i, had = base + self.at(x, y), 1 - self.solid(cells, base, x, y)
         cells[i] = cells[i] | ti.cast(SOLID, ti.u16)
+        return had
 
     @ti.func
     def clear(self, cells: ti.template(), base, x, y):
@@ -147,7 +144,9 @@ class Grid:
 
     @ti.func
     def hit(self, cells: ti.template(), base, x, y, time):
-        """Note what stands at a place: the cells within a centimetre; how many were not known to be taken."""
+        """Note what stands at a place: the cells within a centimetre. How many were not known to be taken, or
+        where bodies touch, how many nodes to be solid.
+        """
         i0, i1 = ti.cast(ti.floor(x - AROUND), ti.i32), ti.cast(ti.floor(x + AROUND), ti.i32)
         j0, j1 = ti.cast(ti.floor(y - AROUND), ti.i32), ti.cast(ti.floor(y + AROUND), ti.i32)
         new = 0
@@ -159,14 +158,15 @@ class Grid:
                         for k in range(4):
                             self.close(cells, base, i + (k & 1), j + (k >> 1))
         if ti.static(self.touching):
-            self.line(cells, base, x, y)
+            new = self.line(cells, base, x, y)
         return new
 
     @ti.func
     def line(self, cells: ti.template(), base, x, y):
         """Let the body have no room on the nodes about a hit on the line of a wall that it lies on: bodies
-        stand on even nodes, so lines run along odd ones.
+        stand on even nodes, so lines run along odd ones. How many had some.
         """
+        new = 0
         across, down = 2.0 * ti.floor(0.5 * x) + 1.0, 2.0 * ti.floor(0.5 * y) + 1.0
         upright = ti.abs(x - across) < ti.abs(y - down)
         line, along = ti.select(upright, across, down), ti.select(upright, y, x)
@@ -176,7 +176,8 @@ class Grid:
             if ti.abs(along - node) < 1.0 - AROUND:
                 i = ti.cast(ti.select(upright, line, node), ti.i32)
                 j = ti.cast(ti.select(upright, node, line), ti.i32)
-                self.close(cells, base, i, j)
+                new += self.close(cells, base, i, j)
+        return new
 
     @ti.func
     def hides(self, cells: ti.template(), base, x, y, since):

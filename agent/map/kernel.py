@@ -46,8 +46,10 @@ TOUCH = 0.1
 PATIENCE = 8
 """Steps between two searches for no other reason than that more is known to be occupied."""
 
-ABOUT = 2.5
-"""Cells from a goal at which a way may end that could not be had, or not any more, to the goal itself."""
+ABOUT, ABOUT_TOUCHING = 2.5, 1.5
+"""Cells from a goal at which a way may end that could not be had, or not any more, to the goal itself: not
+beyond a wall, and where bodies touch a wall it is as thin as a line.
+"""
 
 TOUCHED = 5.0
 """Cells from a target, along both axes, at which it was picked up if it is gone."""
@@ -60,6 +62,7 @@ class Body(NamedTuple):
     channels: int
     distance: int  # the channel that has it
     step: int  # half cells
+    touching: bool  # whether it fills a cell of the house
     target: float  # half its side, cells
     reach: float  # of rays, parts of a cell
     bits: int
@@ -68,13 +71,15 @@ class Body(NamedTuple):
 @cache
 def step_kernel(program: Any, body: Body) -> Any:
     """The kernel for a running Taichi. Arguments are named for the map's arrays."""
-    grid = Grid(body.bits, body.step)
+    grid = Grid(body.bits, body.step, body.touching)
     ways = Ways(grid)
     views = Views(grid, ways)
     sight = Sight(body.target)
     adviser = Advice(grid, ways, body.step)
-    rays, channels, distance_at, step_by, half, reach_by = body[:6]
+    rays, channels, distance_at, step_by = body[:4]
+    half, reach_by = body.target, body.reach
     hinders = step_by // 2 if grid.touching else step_by
+    about = ABOUT_TOUCHING if grid.touching else ABOUT
 
     @ti.func
     def diagonal(observation: ti.template(), directions: ti.template(), o):
@@ -282,7 +287,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                 if ways.far(field, base, px, py) == FAR:
                     # A view was chosen when less was known to be in its way: now a place near it will do.
                     ways.forget(field, queue, base, tail)
-                    tail = ways.measure(cells, field, queue, base, goal, off, ABOUT, FAR, px, py)
+                    tail = ways.measure(cells, field, queue, base, goal, off, about, FAR, px, py)
                 stale, age = 0, 0
             far = ways.far(field, base, px, py)
             counts[w + KIND], counts[w + GOAL], counts[w + QUEUED], counts[w + AGE] = kind, goal, tail, age

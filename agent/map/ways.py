@@ -57,7 +57,7 @@ class Ways:
         for k in ti.static(range(4)):
             dx, dy = (1, 0, -1, 0)[k], (0, 1, 0, -1)[k]
             beside = self.grid.at(x + dx, y + dy)
-            # Most neighbours have been reached, and so are free: one memory to read in place of two.
+            # What was reached is free, but for where the search began: mostly no more need be read.
             free[k] = self.reached(field, base, beside)
             if free[k] == 0 and self.grid.open(cells, base, beside):
                 free[k] = 1

@@ -306,9 +306,9 @@ has never seen. Whenever it picks up a target the next one appears. The **ratio*
 that an oracle picks up there, who knows the house and the target and takes the shortest way: 1 is perfect,
 and the human of the paper stands at {human}, who had the whole map in sight.
 
-**Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes give on one quiet
-core; each of these runs had {share} of it, the work of {minutes} minutes{but}. No run was chosen or left
-out by how well it did.
+**Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
+core of the machine that the study began on. Each of these runs had {share} of it,
+the work of {minutes} minutes{but}. No run was chosen or left out by how well it did.
 
 - Learnt in: {learnt_in}.
 - Measured in: {measured_in}; nothing learns in them.

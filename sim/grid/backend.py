@@ -40,7 +40,8 @@ class Grid(Motion, Sight):
                     f"house {index} of {len(houses)}: the edge at {stray:.3f} m is off the grid of "
                     f"{cell:g} m; the grid backend takes houses that were generated with one --cell"
                 )
-        return replace(config, body=(cell, cell), eye=(cell / 2, cell / 2), step=cell, collision="swept")
+        body = {"body": (cell, cell), "eye": (cell / 2, cell / 2), "step": cell, "in_cells": True}
+        return replace(config, collision="swept", **body)
 
     def pack(self, houses: Sequence[House]) -> Bank:
         """See ``Backend``."""
