@@ -9,7 +9,7 @@ import safetensors.torch
 import torch
 
 from agent.build import network_of
-from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, save
+from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, released, save
 from agent.config import PRESETS, Config, DQNConfig, PQNConfig
 from agent.network import QNetwork
 
@@ -50,6 +50,13 @@ def test_a_checkpoint_comes_back_as_it_was(tmp_path, preset):
     given = torch.rand(5, *network.shape[:2]), network.memory.empty(5)
     features = [torch.rand(5, network.shape[3])] if network.shape[3] else []
     assert torch.equal(found.network(*given, *features), network(*given, *features))
+
+
+@pytest.mark.parametrize("name", released())
+def test_a_released_agent_is_of_a_network_that_can_be_made(name):
+    found = load(name)
+    assert found.name
+    assert found.steps > 0
 
 
 def test_saving_leaves_one_file_and_replaces_an_old_one(tmp_path):
