@@ -1,5 +1,7 @@
 """Q(lambda), the loss and the mirror, against numbers worked out by hand; runs that stop and go on."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
@@ -90,7 +92,8 @@ def envs() -> HouseVectorEnv:
 
 def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[Batch]]:
     """A learner after one rollout, and what it learnt from."""
-    learner = PQN(PQNConfig(environments=E, steps=100_000, **({"minibatches": 1} | changes)), envs)
+    config = replace(PQNConfig(environments=E, minibatches=1, steps=100_000), **changes)
+    learner = PQN(config, envs)
     batches, improve = [], learner.improve
     monkeypatch.setattr(learner, "improve", lambda batch: batches.append(batch) or improve(batch))
     learner.advance()
