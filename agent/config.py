@@ -278,12 +278,13 @@ is stored and not the one that avoidance overruled; that a state's worth ignores
 (torch's own). Different: 8 worlds in many houses, where the original had one world in one house.
 """
 
-PQN = PQNConfig(precision="medium")
+PQN = PQNConfig(precision="medium", mirror=False)
 
 PRESETS: dict[str, PQNConfig | DQNConfig] = {
     "pqn": PQN,
     "pqn-map": replace(
         PQN,
+        mirror=True,
         targets="secondary",
         steps=2_000_000,
         map=True,
@@ -292,7 +293,7 @@ PRESETS: dict[str, PQNConfig | DQNConfig] = {
         epsilon=1.0,
         epochs=1,
     ),
-    "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), mirror=False, steps=4_500_000),
+    "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
     "dqn": DQNConfig(environments=64, learning_rate=5e-4, final_rate=0.1, epsilon=1.0, exploration=0.1),
     "paper": PAPER,
 }

@@ -78,7 +78,7 @@ ENTRIES = (
     _changed("no-novelty", "no reward for exploring", "--novelty 0"),
     _changed("no-guide", "random actions never follow the map's advice", "--guided 0"),
     _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance none", beside="pqn"),
-    _entry("pqn-no-mirror", "pqn", "nothing learnt from its mirror image", "--no-mirror", beside="pqn"),
+    _entry("pqn-mirror", "pqn", "half of it learnt from its mirror image", "--mirror", beside="pqn"),
     _entry("pqn-curriculum", "pqn", "easier worlds first", "--curriculum", beside="pqn"),
 )
 """What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it;
