@@ -238,8 +238,7 @@ class Trial:
     @property
     def finished(self) -> bool:
         """Whether its agent has seen all of its steps."""
-        agent = self.folder.agent
-        return agent.exists() and checkpoint.load(agent).steps >= self.entry.steps
+        return finished(self.folder, self.entry.steps)
 
     def plays(self, mode: str) -> bool:
         """Whether it is measured in a target mode: an agent of its own in all, a change in its own."""
@@ -272,13 +271,7 @@ class Trial:
 
     def require_same_budget(self) -> None:
         """Raise ``RequestError`` where a run with another budget lies in the folder: schedules would jump."""
-        if self.folder.config.exists():
-            steps = json.loads(self.folder.config.read_text())["config"]["steps"]
-            if steps != self.entry.steps:
-                raise RequestError(
-                    f"{self.folder.path}: is a run of {steps:,} steps, not {self.entry.steps:,}. "
-                    "Give another --out for another --share"
-                )
+        require_same_budget(self.folder, self.entry.steps)
 
     def record(self) -> Run:
         """How it went, as far as it did."""
@@ -304,6 +297,22 @@ class Trial:
 
 
 CLI = (sys.executable, "-m", "agent.cli")
+
+
+def finished(folder: Folder, steps: int) -> bool:
+    """Whether the agent of a run has seen so many steps."""
+    return folder.agent.exists() and checkpoint.load(folder.agent).steps >= steps
+
+
+def require_same_budget(folder: Folder, steps: int) -> None:
+    """Raise ``RequestError`` where a run of other than so many steps lies in the folder."""
+    if folder.config.exists():
+        kept = json.loads(folder.config.read_text())["config"]["steps"]
+        if kept != steps:
+            raise RequestError(
+                f"{folder.path}: is a run of {kept:,} steps, not {steps:,}. "
+                "Give another --out for another --share"
+            )
 
 
 def bank(path: Path, workers: int) -> Path:

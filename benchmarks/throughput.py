@@ -16,12 +16,11 @@ from statistics import median
 
 import tyro
 
-from agent import checkpoint
 from agent.config import PRESETS, PQNConfig
 from agent.results.series import machine, table_rows
 from agent.runs import Folder
 from agent.scoreboard import WHERE
-from benchmarks.agents import BUDGET, RATES, bank, machine_info, say
+from benchmarks.agents import BUDGET, RATES, bank, finished, machine_info, require_same_budget, say
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 
@@ -115,21 +114,16 @@ class Throughput:
 
     def train(self, series: Series, number: int, houses: Path) -> None:
         """Train one of its runs, or go on with it; nothing where it is done."""
-        folder, steps = series.folders[number].path, round(self.share * BUDGET * RATES[series.preset])
-        kept = series.folders[number]
-        if (
-            kept.config.exists()
-            and (found := json.loads(kept.config.read_text())["config"]["steps"]) != steps
-        ):
-            raise RequestError(f"{kept.path}: a run of {found:,} steps, not {steps:,}. Give another --out")
-        if kept.agent.exists() and checkpoint.load(kept.agent).steps >= steps:
+        folder, steps = series.folders[number], round(self.share * BUDGET * RATES[series.preset])
+        require_same_budget(folder, steps)
+        if finished(folder, steps):
             return
         say(f"{series.name}, seed {self.seeds[number]}, {steps / 1e6:.2f} M steps")
         command = [sys.executable, "-m", "torch.distributed.run", "--standalone"]
         command += ["--nproc-per-node", str(series.processes)]
         command += ["-m", "agent.cli", "train", str(houses), "--preset", series.preset]
         command += ["--environments", str(series.worlds), "--steps", str(steps), "--name", series.name]
-        command += ["--seed", str(self.seeds[number]), "--out", str(folder), "--resume"]
+        command += ["--seed", str(self.seeds[number]), "--out", str(folder.path), "--resume"]
         cores = sorted(os.sched_getaffinity(0))
         os.sched_setaffinity(0, cores[: series.processes])  # what is started keeps to these
         try:

@@ -9,11 +9,11 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class Advice:
-    """Advice to a body that goes so many half cells at a step, by the ways to its goal."""
+    """Advice to a body on a grid, by the ways to its goal."""
 
-    def __init__(self, grid: Grid, ways: Ways, step: int) -> None:
+    def __init__(self, grid: Grid, ways: Ways) -> None:
         """Advise on this grid by these ways."""
-        self.grid, self.ways, self.step = grid, ways, step
+        self.grid, self.ways, self.step = grid, ways, grid.step
 
     @ti.func
     def span(self, px, py):

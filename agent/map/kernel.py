@@ -75,7 +75,7 @@ def step_kernel(program: Any, body: Body) -> Any:
     ways = Ways(grid)
     views = Views(grid, ways)
     sight = Sight(body.target)
-    adviser = Advice(grid, ways, body.step)
+    adviser = Advice(grid, ways)
     rays, channels, distance_at, step_by = body[:4]
     half, reach_by = body.target, body.reach
     hinders = step_by // 2 if grid.touching else step_by
