@@ -26,6 +26,11 @@ def joined(device: str = "cpu") -> Iterator[None]:
         yield
         return
     _keep_to_own_processors(int(os.environ["LOCAL_RANK"]), int(os.environ["LOCAL_WORLD_SIZE"]))
+    # The optimiser imports this module late, and its functions' default arguments then hold the group that is
+    # there for good: gloo's threads outlive the interpreter and may abort the process as it ends
+    # (https://github.com/pytorch/pytorch/issues/190489). Imported first, it finds no group to hold.
+    import torch.distributed.nn.functional  # noqa: F401
+
     dist.init_process_group("nccl" if device == "cuda" else "gloo")
     try:
         yield

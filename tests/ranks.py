@@ -1,8 +1,10 @@
 """What each rank of ``test_agent_ranks.py`` does, and the single process: ``python -m tests.ranks FILE``."""
 
 import sys
+import weakref
 
 import torch
+import torch.distributed as dist
 
 from agent import ranks
 from agent.config import PQNConfig
@@ -19,7 +21,10 @@ CONFIG = PQNConfig(
 def main(file: str) -> None:
     """Learn from two rollouts, in which episodes end; the first rank writes gradients and weights."""
     torch.set_num_threads(1)
+    record, group = {}, None
     with ranks.joined():
+        if dist.is_initialized():
+            group = weakref.ref(dist.group.WORLD)
         houses = [random_house(seed) for seed in range(4)]
         envs = HouseVectorEnv(houses, WORLDS // ranks.size(), max_episode_steps=20)
         learner, gradients = PQN(CONFIG, envs), []
@@ -36,7 +41,8 @@ def main(file: str) -> None:
         if not ranks.rank():
             steps, targets = [now.steps for now in told], [now.targets for now in told]
             record = {"gradients": gradients, "weights": everyones, "steps": steps, "targets": targets}
-            torch.save(record, file)
+    if record:
+        torch.save({**record, "left": group is None or group() is None}, file)
 
 
 if __name__ == "__main__":

@@ -54,6 +54,11 @@ def test_all_ranks_hold_the_same_weights(lived):
     assert torch.equal(*two["weights"])
 
 
+def test_nothing_of_the_group_outlives_it(lived):
+    """Else gloo's threads still run as the interpreter ends, and now and then abort the process."""
+    assert all(each["left"] for each in lived)
+
+
 def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     out = tmp_path / "run"
