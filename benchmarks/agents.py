@@ -5,38 +5,34 @@ in the benchmark bank and writes the page of results: with ``--publish`` into do
 started again it goes on, and what is finished is not done again.
 """
 
-import ctypes
 import json
 import os
 import platform
 import signal
 import subprocess
 import sys
-from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from time import sleep
 from typing import Any, Literal
 
 import tyro
 
-from agent import checkpoint
-from agent.banks import bank_hash
+from agent import beside, checkpoint
+from agent.banks import bank_hash, benchmark
 from agent.config import PRESETS
-from agent.protocol import MODES
+from agent.evaluate import Score
+from agent.protocol import MODES, Result
 from agent.results.agent_plots import pictures
-from agent.results.agents import Entry, Run, Study, agents_page, result_of
+from agent.results.agents import Entry, Guest, Run, Study, agents_page, result_of
 from agent.results.series import machine
 from agent.runs import Folder
+from benchmarks.jobs import ROOT, Job, failure, run_all, say, why
 from logic import generate, load, save
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
-
-ROOT = Path(__file__).parents[1]
 
 ROOMS, COUNT = (2, 3, 4, 5, 6), 205
 BANK = "0caaed03d5bb8fc50bfaffabf8a4fdcfcc09199ed328cb57dbaf51fa37280a1f"
@@ -85,6 +81,29 @@ ENTRIES = (
 one that is ``whole`` has its whole budget, whatever the share of the others."""
 
 
+GUEST_STEPS = 1_000_000
+"""Of each run of another library's agent, whatever the share."""
+
+
+def _guest(name: str, command: str, shows: str) -> Guest:
+    return Guest(f"{name} + avoidance", f"examples/{command} --avoid", GUEST_STEPS, "main", shows)
+
+
+GUESTS = {
+    "sb3-dqn": _guest(
+        "SB3 DQN", "stable_baselines.py --algorithm dqn", "deep Q-learning of Stable-Baselines3"
+    ),
+    "sb3-ppo": _guest(
+        "SB3 PPO", "stable_baselines.py --algorithm ppo", "policy gradients of Stable-Baselines3"
+    ),
+    "torchrl-ppo": _guest("TorchRL PPO", "torchrl_ppo.py", "policy gradients of TorchRL"),
+    "one-file": _guest(
+        "PQN in one file", "one_file.py", "parallel Q-learning in plain torch, as CleanRL does"
+    ),
+}
+"""Agents of other libraries, by the folders of their runs. Each learns, plays and writes its own scores."""
+
+
 class StudyFailed(VitruviusError):
     """A part of the study that all else stands on did not come about."""
 
@@ -99,7 +118,7 @@ class Agents:
     """Part of the whole budget of each run; the schedules follow it."""
 
     only: tuple[str, ...] = ()
-    """Entries to train, by name; by default all. The page has all that are finished."""
+    """Entries and guests to train, by name; by default all. The page has all that are finished."""
 
     seeds: tuple[int, ...] = (0, 1, 2)
     """Of the training runs of each entry."""
@@ -119,8 +138,9 @@ class Agents:
     def run(self) -> None:
         """Do all of it."""
         entries = [self.shared(entry) for entry in ENTRIES if self.share < 1 or not entry.whole]
-        if unknown := set(self.only) - {entry.name for entry in entries}:
-            known = ", ".join(entry.name for entry in entries)
+        names = [*(entry.name for entry in entries), *GUESTS]
+        if unknown := set(self.only) - set(names):
+            known = ", ".join(names)
             raise RequestError(f"--only {min(unknown)}: no entry. They are {known}")
         if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
@@ -130,8 +150,9 @@ class Agents:
         trials = [Trial(entry, seed, out) for seed in self.seeds for entry in entries]
         for trial in trials:
             trial.require_same_budget()
-        asked = [t for t in trials if not self.only or t.entry.name in self.only]
-        run_all([t.training(houses) for t in asked if not t.finished], self.workers)
+        visits = [Visit(name, seed, out) for seed in self.seeds for name in GUESTS]
+        asked = [each for each in (*trials, *visits) if not self.only or each.name in self.only]
+        run_all([each.training(houses) for each in asked if not each.finished], self.workers)
         finished = [trial for trial in trials if trial.finished]
         if not finished:
             raise StudyFailed(f"{self.out}: no run is finished, there is nothing to measure")
@@ -141,13 +162,19 @@ class Agents:
         run_all([measuring(mode, players[mode], places[mode]) for mode in late], self.workers)
         if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
-        self.write(self.study(entries, trials, places))
+        self.write(self.study(entries, trials, visits, places))
 
     def shared(self, entry: Entry) -> Entry:
         """The entry with the share of its budget that it has here."""
         return entry if entry.whole else replace(entry, steps=max(1, round(self.share * entry.steps)))
 
-    def study(self, entries: Sequence[Entry], trials: Iterable["Trial"], places: dict[str, Path]) -> Study:
+    def study(
+        self,
+        entries: Sequence[Entry],
+        trials: Iterable["Trial"],
+        visits: Sequence["Visit"],
+        places: dict[str, Path],
+    ) -> Study:
         """The records as the page wants them."""
         runs = [trial.record() for trial in trials if trial.begun]
         told = {run.entry for run in runs}
@@ -156,6 +183,10 @@ class Agents:
         }
         dates = [path.stat().st_mtime for path in self.out.rglob("*.*") if path.name != "study.json"]
         test = records[self.modes[0]]["bank"]
+        results = {mode: result_of(record["targets"][mode], mode) for mode, record in records.items()}
+        came = [visit for visit in visits if visit.finished and visit.guest.targets in results]
+        for visit in came:
+            results[visit.guest.targets] = with_score(results[visit.guest.targets], visit.score())
         seeds = " ".join(map(str, self.seeds))
         days = sorted({str(datetime.fromtimestamp(date, UTC).date()) for date in dates})
         return Study(
@@ -170,7 +201,9 @@ class Agents:
             measured_in=f"{test['file']}, {test['houses']} houses (hash `{test['hash'][:12]}`)",
             entries=tuple(entry for entry in entries if entry.name in told),
             runs=tuple(runs),
-            results={mode: result_of(record["targets"][mode], mode) for mode, record in records.items()},
+            results=results,
+            guests=tuple(dict.fromkeys(visit.guest for visit in came)),
+            absent=tuple(visit.record() for visit in visits if visit.begun and not visit.finished),
         )
 
     def write(self, study: Study) -> None:
@@ -184,46 +217,17 @@ class Agents:
 
 
 @dataclass(frozen=True)
-class Job:
-    """A process of the study: what it does, and where it notes how that went."""
-
-    name: str
-    command: tuple[str, ...]
-    folder: Path
-
-    def start(self, processor: int) -> subprocess.Popen[bytes]:
-        """Start it on one processor; what it prints goes to a file."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        failure(self.folder).unlink(missing_ok=True)
-        one = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
-        with (self.folder / "log.txt").open("ab") as log:
-            return subprocess.Popen(
-                self.command,
-                stdout=log,
-                stderr=log,
-                stdin=subprocess.DEVNULL,
-                cwd=ROOT,
-                env=os.environ | one,
-                preexec_fn=partial(_keep_to, processor),  # noqa: PLW1509 (no threads are at work here)
-            )
-
-    def end(self, code: int) -> None:
-        """Tell how it went; a failure is noted too."""
-        words = "done"
-        if code:
-            lines = (self.folder / "log.txt").read_text(errors="replace").strip().splitlines()
-            words = f"failed, exit code {code}: {lines[-1] if lines else 'it said nothing'}"
-            write_whole(failure(self.folder), words.encode())
-        say(f"{self.name}: {words}")
-
-
-@dataclass(frozen=True)
 class Trial:
     """An entry with a seed: a training run in its folder."""
 
     entry: Entry
     seed: int
     out: Path
+
+    @property
+    def name(self) -> str:
+        """Its entry's."""
+        return self.entry.name
 
     @property
     def folder(self) -> Folder:
@@ -277,12 +281,11 @@ class Trial:
         """How it went, as far as it did."""
         lines = list(self._reports())
         thin = lines[:: -(-len(lines) // 300)] + lines[-1:] if lines else []
-        note = failure(self.folder.path)
         return Run(
             entry=self.entry.name,
             seed=self.seed,
             finished=self.finished,
-            failed=note.read_text() if note.exists() else "",
+            failed=why(self.folder.path),
             curve=tuple((line["steps"], line["targets"]) for line in thin),
             last=lines[-1] if lines else None,
         )
@@ -294,6 +297,62 @@ class Trial:
                     yield json.loads(line)
                 except ValueError:
                     return  # a kill may tear the last line
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A guest with a seed: a run of an example, which is whole or is not there."""
+
+    name: str
+    seed: int
+    out: Path
+
+    @property
+    def guest(self) -> Guest:
+        """Who it is."""
+        return GUESTS[self.name]
+
+    @property
+    def scores(self) -> Path:
+        """What it writes."""
+        return self.out / f"{self.name}-{self.seed}" / "scores.json"
+
+    @property
+    def begun(self) -> bool:
+        """Whether it was ever started."""
+        return self.scores.parent.exists()
+
+    @property
+    def finished(self) -> bool:
+        """Whether it has learnt from all of its steps, and played."""
+        return self.scores.exists() and json.loads(self.scores.read_text())["steps"] == self.guest.steps
+
+    def training(self, houses: Path) -> Job:
+        """What trains and measures it."""
+        words = self.guest.command.split()
+        options = ("--steps", str(self.guest.steps), "--seed", str(self.seed), "--out", _told(self.scores))
+        command = (sys.executable, words[0], _told(houses), *words[1:], *options)
+        return Job(
+            f"{self.name}, seed {self.seed}, {self.guest.steps / 1e6:.2f} M steps",
+            command,
+            self.scores.parent,
+        )
+
+    def record(self) -> Run:
+        """How it went where it has no score: nothing is seen of it before."""
+        return Run(self.name, self.seed, False, why(self.scores.parent), (), None)
+
+    def score(self) -> Score:
+        """What it did in the benchmark bank. Raises ``agent.beside.ScoreError`` where that was in another."""
+        mode, name = self.guest.targets, self.guest.name
+        [score] = beside.read(self.scores, benchmark(), [mode])[mode][name]
+        return score
+
+
+def with_score(result: Result, score: Score) -> Result:
+    """The result with another run of a player: of a new one, before all others, or of one that it has."""
+    runs = {score.player: (*result.players.get(score.player, ()), score)}
+    return replace(result, players=runs | result.players | runs)
 
 
 CLI = (sys.executable, "-m", "agent.cli")
@@ -344,38 +403,10 @@ def measured(folder: Path, trials: Iterable[Trial]) -> bool:
     return all(agent.stat().st_mtime <= file.stat().st_mtime for agent in agents)
 
 
-def run_all(jobs: Iterable[Job], workers: int) -> None:
-    """Run jobs, so many at a time, each on a processor of its own as long as there are some."""
-    processors = sorted(os.sched_getaffinity(0))
-    free = [processors[number % len(processors)] for number in range(workers)]
-    waiting, running = deque(jobs), dict[subprocess.Popen[bytes], tuple[Job, int]]()
-    try:
-        while waiting or running:
-            while waiting and free:
-                job, processor = waiting.popleft(), free.pop(0)
-                say(f"{job.name}: begins, {len(waiting)} wait")
-                running[job.start(processor)] = job, processor
-            sleep(0.5)
-            for process in [each for each in running if each.poll() is not None]:
-                job, processor = running.pop(process)
-                free.append(processor)
-                job.end(process.returncode)
-    finally:
-        for process in running:
-            process.terminate()
-        for process in running:
-            process.wait()
-
-
 def _told(path: Path) -> str:
     """A path as commands have it: checkpoints keep these, and should tell nothing of whose machine it was."""
     path = path.resolve()
     return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)
-
-
-def failure(folder: Path) -> Path:
-    """Where it is noted why the last try failed."""
-    return folder / "failed.txt"
 
 
 def machine_info() -> dict[str, Any]:
@@ -397,20 +428,6 @@ def revision() -> str:
         subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
         or "unknown"
     )
-
-
-def say(text: str) -> None:
-    """A line for who watches."""
-    print(f"{datetime.now(UTC):%H:%M:%S} {text}", file=sys.stderr, flush=True)
-
-
-LIBC = ctypes.CDLL(None)
-
-
-def _keep_to(processor: int) -> None:
-    """In a new process: keep to one processor, or Taichi's workers crowd; end if the study is killed."""
-    os.sched_setaffinity(0, {processor})
-    LIBC.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
 
 
 def _stop(*_: object) -> None:

@@ -34,8 +34,9 @@ from agent.policies import Explorer, Policy, Surveyor
 from agent.scoreboard import Sheet
 from agent.statistics import interquartile_mean
 from agent.world import make_worlds, shield
-from benchmarks.agents import LIBC, ROOMS, say
+from benchmarks.agents import ROOMS
 from benchmarks.constants import MODULES, change, constants
+from benchmarks.jobs import LIBC, say
 from logic import House, generate, load, save
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole

@@ -27,7 +27,8 @@ from agent.map.counts import COUNTS, SINCE
 from agent.policies import Explorer
 from agent.scoreboard import Sheet
 from agent.world import make_worlds, shield
-from benchmarks.agents import ROOMS, say
+from benchmarks.agents import ROOMS
+from benchmarks.jobs import say
 from logic import House, generate
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv

@@ -20,7 +20,8 @@ from agent.config import PRESETS, PQNConfig
 from agent.results.series import machine, table_rows
 from agent.runs import Folder
 from agent.scoreboard import WHERE
-from benchmarks.agents import BUDGET, RATES, bank, finished, machine_info, require_same_budget, say
+from benchmarks.agents import BUDGET, RATES, bank, finished, machine_info, require_same_budget
+from benchmarks.jobs import say
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 

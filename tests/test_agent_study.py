@@ -2,12 +2,14 @@
 
 import json
 import os
+import runpy
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tyro
 
 from agent import checkpoint
 from agent.build import network_of
@@ -17,10 +19,13 @@ from agent.config import PQNConfig, differences
 from agent.evaluate import Score
 from agent.protocol import MODES, Result
 from agent.results.agent_plots import pictures
-from agent.results.agents import Entry, Run, Study, agents_page, by_seed, difference, result_of
+from agent.results.agents import Entry, Guest, Run, Study, agents_page, by_seed, difference, result_of
 from agent.scoreboard import record
-from benchmarks.agents import ENTRIES, Agents, Job, Trial, measured, run_all
+from benchmarks.agents import ENTRIES, GUESTS, Agents, Trial, Visit, measured, with_score
+from benchmarks.jobs import Job, run_all
 from logic.errors import RequestError
+
+ROOT = Path(__file__).parents[1]
 
 HOUSES = 60
 
@@ -119,6 +124,19 @@ def test_a_share_leaves_whole_entries_as_they_are(tmp_path: Path) -> None:
     assert [mode for mode in MODES if Trial(change, 0, tmp_path).plays(mode)] == [change.targets]
 
 
+@pytest.mark.parametrize("name", GUESTS)
+def test_every_guest_is_an_example_that_can_be_asked_for(name: str, tmp_path: Path, monkeypatch) -> None:
+    command = Visit(name, 3, tmp_path).training(tmp_path / "houses.jsonl").command
+    file = ROOT / command[1]
+    monkeypatch.syspath_prepend(file.parent)
+    pytest.importorskip(
+        {"torchrl_ppo": "torchrl", "stable_baselines": "stable_baselines3"}.get(file.stem, "torch")
+    )
+    asked = tyro.cli(runpy.run_path(str(file))["Example"], args=list(command[2:]))
+    assert (asked.avoid, asked.targets, asked.seed) == (True, GUESTS[name].targets, 3)
+    assert (asked.steps, asked.out) == (GUESTS[name].steps, Visit(name, 3, tmp_path).scores)
+
+
 # Runs.
 
 
@@ -169,6 +187,15 @@ def test_a_measurement_is_kept_until_an_agent_is_newer_or_another(tmp_path: Path
     assert not measured(folder, trials)
 
 
+def test_a_guest_is_finished_when_it_has_learnt_from_its_steps_and_played(tmp_path: Path) -> None:
+    visit = Visit("one-file", 0, tmp_path)
+    assert not visit.begun
+    visit.scores.parent.mkdir()
+    for steps, finished in ((100, False), (GUESTS["one-file"].steps, True)):
+        visit.scores.write_text(json.dumps({"steps": steps}))
+        assert (visit.begun, visit.finished) == (True, finished)
+
+
 # Processes.
 
 
@@ -215,6 +242,15 @@ def test_the_same_scores_differ_by_nothing_with_certainty(study: Study) -> None:
     assert found.all == (0, 0, 0)
 
 
+def test_a_guests_runs_are_one_player_before_those_that_learn_nothing() -> None:
+    one = result(plain=(0.8, 0.7))
+    guests = [score("guest", level, seed) for seed, level in enumerate((0.5, 0.6))]
+    both = with_score(with_score(one, guests[0]), guests[1])
+    assert list(both.players) == ["guest", "plain", "oracle"]
+    assert both.players["guest"] == tuple(guests)
+    assert both.figures("plain") == one.figures("plain")
+
+
 # The page.
 
 
@@ -234,6 +270,23 @@ def test_the_page_tells_whose_budget_was_whole(study: Study) -> None:
 
 def test_the_page_tells_failed_runs(study: Study) -> None:
     assert "- bare, seed 0: failed, exit code 1: error: the loss is nan" in agents_page(study)
+
+
+def test_the_page_has_guests_where_they_were_measured_and_tells_those_that_failed(study: Study) -> None:
+    guest = Guest("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
+    main = with_score(study.results["main"], score(guest.name, 0.4))
+    late = Run("theirs", 1, False, "failed, exit code 1: no such library", (), None)
+    visited = replace(study, results=study.results | {"main": main}, guests=(guest,), absent=(late,))
+    page = agents_page(visited)
+    ratio = main.ratio(guest.name).text()
+    assert f"| {guest.name} | {ratio} | - |" in page
+    assert (
+        f"| {guest.name} | what it is | `{guest.command}` | 2 | {by_seed(main, guest.name)[0]:.2f} |" in page
+    )
+    assert "- theirs, seed 1: failed, exit code 1: no such library (it came to the start)" in page
+    assert guest.name not in visited.baselines()
+    assert guest.name not in agents_page(study)
+    assert pictures(visited)["agent-scores.png"] != pictures(study)["agent-scores.png"]
 
 
 def test_the_page_ends_with_what_was_written_by_hand(study: Study) -> None:

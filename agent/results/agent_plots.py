@@ -33,13 +33,14 @@ def pictures(study: Study) -> dict[str, bytes]:
 
 def _colours(study: Study) -> dict[str, str]:
     """Of all players."""
-    agents = (entry.name for entry in study.presets())
-    return COLOURS | dict(zip(agents, AGENTS * len(study.entries), strict=False))
+    agents = (each.name for each in (*study.presets(), *study.guests))
+    return COLOURS | dict(zip(agents, AGENTS * (len(study.entries) + len(study.guests)), strict=False))
 
 
 def _scores(study: Study) -> Figure:
     """A panel for each mode: every player's ratio, its interval and, where there are several, its runs."""
-    agents = [entry.name for entry in study.presets()]
+    agents = [each.name for each in (*study.presets(), *study.guests)]
+    learnt_for = {each.name: each.targets for each in (*study.entries, *study.guests)}
     names = [*agents, *study.baselines()]
     figure = Figure(
         figsize=(4.3 * len(study.results) + 1.2, 0.42 * len(names) + 1.5), dpi=120, layout="constrained"
@@ -47,15 +48,9 @@ def _scores(study: Study) -> Figure:
     columns = figure.subplots(1, len(study.results), sharey=True, squeeze=False)[0]
     for axes, (mode, result) in zip(columns, study.results.items(), strict=True):
         for place, name in enumerate(names):
-            learnt = name in agents and study.entry(name).targets == mode
-            _score(
-                axes,
-                result,
-                name,
-                place,
-                _colours(study).get(name, QUIET),
-                filled=learnt or name not in agents,
-            )
+            if name in result.players:
+                filled = learnt_for.get(name, mode) == mode
+                _score(axes, result, name, place, _colours(study).get(name, QUIET), filled)
         axes.axhline(len(agents) - 0.5, color=QUIET, linewidth=0.8)
         if mode in HUMAN:
             axes.axvline(HUMAN_RATIO, color="#555555", linestyle="--", linewidth=1)

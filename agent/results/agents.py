@@ -43,6 +43,20 @@ class Entry:
 
 
 @dataclass(frozen=True)
+class Guest:
+    """Another library's agent, by one of the examples; it is measured with targets such as it learnt for."""
+
+    name: str
+    """As it calls itself."""
+    command: str
+    steps: int
+    """Environment steps of each run."""
+    targets: str
+    shows: str
+    """What it is, in words."""
+
+
+@dataclass(frozen=True)
 class Run:
     """How an entry's training by one seed went."""
 
@@ -74,6 +88,10 @@ class Study:
     """In the order of the entries' seeds."""
     results: dict[str, Result]
     """By target mode. The players' runs are the finished ones of ``runs``, in their order."""
+    guests: tuple[Guest, ...] = ()
+    """Those that are players in the results of their targets."""
+    absent: tuple[Run, ...] = ()
+    """Runs of guests that were begun and have no score."""
 
     def entry(self, name: str) -> Entry:
         """The entry of this name. Raises ``KeyError``."""
@@ -99,7 +117,7 @@ class Study:
 
     def baselines(self) -> list[str]:
         """Players that learn nothing."""
-        agents = {entry.name for entry in self.entries}
+        agents = {each.name for each in (*self.entries, *self.guests)}
         return [name for name in next(iter(self.results.values())).players if name not in agents]
 
 
@@ -190,8 +208,10 @@ def agents_page(study: Study, notes: str = "") -> str:
             learnt_in=study.learnt_in,
             measured_in=study.measured_in,
             human=HUMAN_RATIO,
+            others=" and other libraries' agents" if study.guests else "",
             soon=SOON,
             entries=table_rows(_entry(study, entry) for entry in study.entries),
+            guests=_guests(study),
             untold=_untold(study),
             modes=" | ".join(f"ratio, {WHERE[mode]}" for mode in study.results),
             dashes="---|" * len(study.results),
@@ -214,10 +234,22 @@ def _entry(study: Study, entry: Entry) -> list[str]:
     return [entry.name, entry.shows, f"`{options}`", entry.targets, f"{entry.steps / 1e6:.3g}", each]
 
 
+def _guests(study: Study) -> str:
+    """What others' agents are, and the ratio of each of their runs."""
+    if not study.guests:
+        return ""
+    rows = []
+    for guest in study.guests:
+        each = by_seed(study.results[guest.targets], guest.name)
+        words = ", ".join(f"{value:.2f}" for value in each)
+        rows.append([guest.name, guest.shows, f"`{guest.command}`", f"{guest.steps / 1e6:.3g}", words])
+    return GUESTS.format(rows=table_rows(rows))
+
+
 def _untold(study: Study) -> str:
     """Runs that are in no table, and why."""
     lines = []
-    for run in study.runs:
+    for run in (*study.runs, *study.absent):
         if not run.finished:
             seen = f"{run.last['steps'] / 1e6:.2f} M steps" if run.last else "the start"
             why = run.failed or "it was not trained to its end"
@@ -228,12 +260,16 @@ def _untold(study: Study) -> str:
 
 
 def _players(study: Study) -> Iterator[list[str]]:
-    """Each player's ratio, success and SPL in all modes."""
+    """Each player's ratio, success and SPL in all modes that it was measured in."""
     names = {entry.name: f"**{entry.name}**" for entry in study.presets()}
-    for name in [*names, *study.baselines()]:
-        figures = [result.figures(name) for result in study.results.values()]
-        means = (" / ".join(f"{each[key].value:.2f}" for each in figures) for key in ("success", "spl"))
-        yield [names.get(name, name), *(each["ratio"].text() for each in figures), *means]
+    for name in [*names, *(guest.name for guest in study.guests), *study.baselines()]:
+        figures = [r.figures(name) if name in r.players else None for r in study.results.values()]
+        means = (
+            " / ".join(f"{each[key].value:.2f}" if each else UNMEASURED for each in figures)
+            for key in ("success", "spl")
+        )
+        ratios = (each["ratio"].text() if each else UNMEASURED for each in figures)
+        yield [names.get(name, name), *ratios, *means]
 
 
 def _by_rooms(study: Study) -> str:
@@ -297,6 +333,15 @@ def _time(study: Study, entry: Entry) -> list[str]:
     return [entry.name, *cells, f"{median(last['seconds'] for last in lasts) / 60:.1f}"]
 
 
+GUESTS = """
+Agents of other libraries, by the examples that come with the project: our houses, rays and avoidance layer,
+their way to learn, with a network of the same size. They play by chance as they learnt to.
+
+| agent | what it is | command | M steps | ratio, run by run |
+|---|---|---|---|---|
+{rows}
+"""
+
 PAGE = """# How well do agents learn?
 
 `{command}`, {days}. {machine}. {versions}.
@@ -324,8 +369,8 @@ Ratios are interquartile means over houses and training runs, with 95 % interval
 over both. It draws a run anew for each house, so how far whole runs lie apart is better seen from the ticks
 in the picture and from the table of every run. Success: the share of episodes whose first target was picked
 up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Agents play for
-all three kinds of target, though each learnt for one (see below). Below them are players that learn nothing;
-the searcher knows the house, but not where the target is.
+all three kinds of target, though each learnt for one (see below). Below them{others} are players that learn
+nothing; the searcher knows the house, but not where the target is.
 
 ## Where it gets hard: by number of rooms
 Targets in secondary rooms, ratio to the oracle:
@@ -355,7 +400,7 @@ is measured afterwards. Each panel has all runs of an entry, those that went bad
 {entries}
 
 {untold}
-
+{guests}
 ## Where the time goes
 Steps a second of a whole training run on one core, then of each part if it were alone, and in brackets its
 share of the time; the learner is all that is not simulator or map: acting, avoidance, returns, updates.
