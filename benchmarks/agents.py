@@ -44,13 +44,11 @@ RATES = {"pqn": 46_000, "pqn-map": 21_500, "dqn": 12_000, "paper": 1_800, "pqn-r
 began on, at so many a second. Counted in steps, it does not depend on the machine."""
 
 
-def _entry(
-    name: str, preset: str, shows: str, said: str = "", beside: str = "", whole: bool = False
-) -> Entry:
+def _entry(name: str, preset: str, shows: str, said: str = "", beside: str = "") -> Entry:
     """An entry with its preset's budget; its targets are the preset's, where no option says otherwise."""
     options = tuple(said.split())
     targets = options[options.index("--targets") + 1] if "--targets" in options else PRESETS[preset].targets
-    return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside, whole)
+    return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside)
 
 
 def _changed(name: str, shows: str, said: str) -> Entry:
@@ -60,7 +58,6 @@ def _changed(name: str, shows: str, said: str) -> Entry:
 
 ENTRIES = (
     _entry("pqn-map", "pqn-map", "the agent with a map"),
-    _entry("pqn-map-long", "pqn-map", "the whole budget of steps", beside="pqn-map", whole=True),
     _entry("pqn", "pqn", "rays and fading traces of the past, no map"),
     _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
     _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
@@ -77,8 +74,7 @@ ENTRIES = (
     _entry("pqn-mirror", "pqn", "half of it learnt from its mirror image", "--mirror", beside="pqn"),
     _entry("pqn-curriculum", "pqn", "easier worlds first", "--curriculum", beside="pqn"),
 )
-"""What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it;
-one that is ``whole`` has its whole budget, whatever the share of the others."""
+"""What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""
 
 
 GUEST_STEPS = 1_000_000
@@ -137,7 +133,7 @@ class Agents:
 
     def run(self) -> None:
         """Do all of it."""
-        entries = [self.shared(entry) for entry in ENTRIES if self.share < 1 or not entry.whole]
+        entries = [replace(entry, steps=max(1, round(self.share * entry.steps))) for entry in ENTRIES]
         names = [*(entry.name for entry in entries), *GUESTS]
         if unknown := set(self.only) - set(names):
             known = ", ".join(names)
@@ -163,10 +159,6 @@ class Agents:
         if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
         self.write(self.study(entries, trials, visits, places))
-
-    def shared(self, entry: Entry) -> Entry:
-        """The entry with the share of its budget that it has here."""
-        return entry if entry.whole else replace(entry, steps=max(1, round(self.share * entry.steps)))
 
     def study(
         self,
@@ -246,7 +238,7 @@ class Trial:
 
     def plays(self, mode: str) -> bool:
         """Whether it is measured in a target mode: an agent of its own in all, a change in its own."""
-        return self.entry.everywhere or self.entry.targets == mode
+        return not self.entry.beside or self.entry.targets == mode
 
     def training(self, houses: Path) -> Job:
         """What trains it, or goes on with that."""

@@ -96,7 +96,7 @@ def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
 
 @pytest.mark.parametrize(
     "one",
-    [e for e in ENTRIES if e.beside and e.preset == e.beside and not e.whole],
+    [e for e in ENTRIES if e.beside and e.preset == e.beside],
     ids=lambda one: one.name,
 )
 def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
@@ -114,14 +114,10 @@ def test_entries_have_names_of_their_own_and_known_companions() -> None:
     assert {one.beside for one in ENTRIES} <= {"", *names}
 
 
-def test_a_share_leaves_whole_entries_as_they_are(tmp_path: Path) -> None:
-    study = Agents(share=0.1, out=tmp_path)
-    [long] = [one for one in ENTRIES if one.whole]
-    [base] = [one for one in ENTRIES if one.name == long.beside]
-    assert study.shared(long).steps == long.steps == base.steps == 10 * study.shared(base).steps
-    assert all(Trial(long, 0, tmp_path).plays(mode) for mode in MODES)
-    change = replace(long, whole=False)
-    assert [mode for mode in MODES if Trial(change, 0, tmp_path).plays(mode)] == [change.targets]
+def test_agents_play_for_all_targets_and_changes_of_them_for_their_own(study: Study, tmp_path: Path) -> None:
+    plain, _, bare = study.entries
+    for one, modes in ((plain, list(MODES)), (bare, [bare.targets])):
+        assert [mode for mode in MODES if Trial(one, 0, tmp_path).plays(mode)] == modes
 
 
 @pytest.mark.parametrize("name", GUESTS)
@@ -258,14 +254,6 @@ def test_the_page_states_the_share_of_the_budget(study: Study) -> None:
     page = agents_page(study)
     assert "Share of the budget: 0.2." in page
     assert "the work of 3 minutes" in page
-
-
-def test_the_page_tells_whose_budget_was_whole(study: Study) -> None:
-    plain, other, bare = study.entries
-    page = agents_page(replace(study, entries=(plain, other, replace(bare, whole=True))))
-    assert "the work of 3 minutes (but those of `bare` all)" in page
-    assert "| **bare** |" in page  # among the agents, and among the changes with its steps
-    assert "| what bare is | `--preset pqn --avoidance none --steps 1000000` |" in page
 
 
 def test_the_page_tells_failed_runs(study: Study) -> None:

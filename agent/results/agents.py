@@ -33,13 +33,6 @@ class Entry:
     """What it is there for, in words."""
     beside: str = ""
     """The entry that it is a change of, and is compared with."""
-    whole: bool = False
-    """Whether it has its whole budget, however small the share of the others, and is measured everywhere."""
-
-    @property
-    def everywhere(self) -> bool:
-        """Whether it is measured in all target modes, as an agent of its own, and not in its own alone."""
-        return not self.beside or self.whole
 
 
 @dataclass(frozen=True)
@@ -107,7 +100,7 @@ class Study:
 
     def presets(self) -> list[Entry]:
         """Those of them that are agents of their own."""
-        return [entry for entry in self.measured() if entry.everywhere]
+        return [entry for entry in self.measured() if not entry.beside]
 
     def changes(self, name: str) -> list[Entry]:
         """Those of them that are changes of an entry and have a seed in common with it."""
@@ -204,7 +197,6 @@ def agents_page(study: Study, notes: str = "") -> str:
             versions=", ".join(f"{name} {number}" for name, number in study.versions.items()),
             share=f"{study.share:.3g}",
             minutes=f"{15 * study.share:.2g}",
-            but="".join(f" (but those of `{entry.name}` all)" for entry in study.entries if entry.whole),
             learnt_in=study.learnt_in,
             measured_in=study.measured_in,
             human=HUMAN_RATIO,
@@ -301,8 +293,7 @@ def _parts(study: Study, base: Entry) -> str:
 
 def _options(entry: Entry) -> str:
     preset = () if entry.preset == entry.beside else ("--preset", entry.preset)
-    steps = ("--steps", str(entry.steps)) if entry.whole else ()
-    return f"`{' '.join((*preset, *entry.options, *steps))}`"
+    return f"`{' '.join((*preset, *entry.options))}`"
 
 
 def _conduct(result: Result, player: str) -> list[str]:
@@ -352,8 +343,8 @@ that an oracle picks up there, who knows the house and the target and takes the 
 and the human of the paper stands at {human}, who had the whole map in sight.
 
 **Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
-core of the machine that the study began on. Each of these runs had {share} of it,
-the work of {minutes} minutes{but}. No run was chosen or left out by how well it did.
+core of the machine that the study began on; this share of it is the work of {minutes} minutes. No run was
+chosen or left out by how well it did.
 
 - Learnt in: {learnt_in}.
 - Measured in: {measured_in}; nothing learns in them.
@@ -380,10 +371,10 @@ Targets in secondary rooms, ratio to the oracle:
 ![Ratio by number of rooms](agent-rooms.png)
 
 ## What each part is worth
-Each row changes one thing of an agent and trains it anew by the same budget of time, unless the budget is
-what changes. The difference is to the agent as it is; it is clear (in bold) where its interval does not hold
-0 and all seeds have the same sign. The 95 % interval is from a bootstrap of pairs: the same seed in the same
-house. Blocked moves, and actions that the avoidance layer overruled, are per 1000 steps.
+Each row changes one thing of an agent and trains it anew by the same budget. The difference is to the agent
+as it is; it is clear (in bold) where its interval does not hold 0 and all seeds have the same sign. The 95 %
+interval is from a bootstrap of pairs: the same seed in the same house. Blocked moves, and actions that the
+avoidance layer overruled, are per 1000 steps.
 
 ![Differences of the ratio by what was changed](agent-parts.png)
 
