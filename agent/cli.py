@@ -263,7 +263,7 @@ def main(arguments: list[str] | None = None) -> None:
     sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
 
 
-def _command(arguments: list[str]) -> Any:
+def parse(arguments: list[str]) -> Any:
     """The command that the arguments ask for, or the end of the process by their help or an error."""
     if arguments[:1] == ["train"]:  # its defaults are a preset's
         rest = arguments[1:]
@@ -280,7 +280,7 @@ def _command(arguments: list[str]) -> Any:
 
 def _exit_code(arguments: list[str]) -> int:
     try:
-        return _command(arguments).run()
+        return parse(arguments).run()
     except VitruviusError as error:
         if error.exit_code == VitruviusError.exit_code:
             _say(f"error, a fault of ours, please report it: {error}")

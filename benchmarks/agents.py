@@ -16,13 +16,15 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+import numpy as np
 import tyro
 
-from agent import beside, checkpoint
-from agent.banks import bank_hash, benchmark
-from agent.config import PRESETS
+from agent import checkpoint
+from agent.banks import HASH, bank_hash
+from agent.cli import parse
+from agent.config import PRESETS, differences
 from agent.evaluate import Score
 from agent.protocol import MODES, Result
 from agent.results.agent_plots import pictures
@@ -119,9 +121,6 @@ class Agents:
     seeds: tuple[int, ...] = (0, 1, 2)
     """Of the training runs of each entry."""
 
-    modes: tuple[Literal["main", "secondary", "mixed"], ...] = MODES
-    """Where targets lie when agents are measured; the page has these."""
-
     workers: int = 2
     """Processes at a time, each on a processor of its own."""
 
@@ -145,16 +144,16 @@ class Agents:
         # Seed by seed: wherever the study is stopped, the entries have about equally many runs.
         trials = [Trial(entry, seed, out) for seed in self.seeds for entry in entries]
         for trial in trials:
-            trial.require_same_budget()
+            trial.require_same()
         visits = [Visit(name, seed, out) for seed in self.seeds for name in GUESTS]
         asked = [each for each in (*trials, *visits) if not self.only or each.name in self.only]
         run_all([each.training(houses) for each in asked if not each.finished], self.workers)
         finished = [trial for trial in trials if trial.finished]
         if not finished:
-            raise StudyFailed(f"{self.out}: no run is finished, there is nothing to measure")
-        places = {mode: out / f"evaluation-{mode}" for mode in self.modes}
-        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in self.modes}
-        late = [mode for mode in self.modes if not measured(places[mode], players[mode])]
+            raise StudyFailed(f"{self.out}: no entry is finished, and guests stand beside one: train one too")
+        places = {mode: out / f"evaluation-{mode}" for mode in MODES}
+        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in MODES}
+        late = [mode for mode in MODES if not measured(places[mode], players[mode])]
         run_all([measuring(mode, players[mode], places[mode]) for mode in late], self.workers)
         if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
@@ -163,22 +162,25 @@ class Agents:
     def study(
         self,
         entries: Sequence[Entry],
-        trials: Iterable["Trial"],
+        trials: Sequence["Trial"],
         visits: Sequence["Visit"],
         places: dict[str, Path],
     ) -> Study:
         """The records as the page wants them."""
         runs = [trial.record() for trial in trials if trial.begun]
         told = {run.entry for run in runs}
-        records = {
-            mode: json.loads((place / "evaluation.json").read_text()) for mode, place in places.items()
-        }
-        dates = [path.stat().st_mtime for path in self.out.rglob("*.*") if path.name != "study.json"]
-        test = records[self.modes[0]]["bank"]
+        files = {mode: place / "evaluation.json" for mode, place in places.items()}
+        records = {mode: json.loads(file.read_text()) for mode, file in files.items()}
         results = {mode: result_of(record["targets"][mode], mode) for mode, record in records.items()}
-        came = [visit for visit in visits if visit.finished and visit.guest.targets in results]
+        came = [visit for visit in visits if visit.finished]
         for visit in came:
-            results[visit.guest.targets] = with_score(results[visit.guest.targets], visit.score())
+            results[visit.guest.targets] = visit.joined(results[visit.guest.targets])
+        test = records[MODES[0]]["bank"]
+        made = [*files.values(), *(visit.scores for visit in came)]
+        made += [
+            file for t in trials if t.begun for file in (t.folder.config, t.folder.agent) if file.exists()
+        ]
+        dates = [file.stat().st_mtime for file in made]
         seeds = " ".join(map(str, self.seeds))
         days = sorted({str(datetime.fromtimestamp(date, UTC).date()) for date in dates})
         return Study(
@@ -265,9 +267,9 @@ class Trial:
         )
         return Job(f"{entry.name}, seed {self.seed}, {entry.steps / 1e6:.2f} M steps", command, folder)
 
-    def require_same_budget(self) -> None:
-        """Raise ``RequestError`` where a run with another budget lies in the folder: schedules would jump."""
-        require_same_budget(self.folder, self.entry.steps)
+    def require_same(self) -> None:
+        """Raise ``RequestError`` where a run of another budget or with other options lies in the folder."""
+        require_same(self.folder, self.training(self.out).command)
 
     def record(self) -> Run:
         """How it went, as far as it did."""
@@ -332,13 +334,15 @@ class Visit:
 
     def record(self) -> Run:
         """How it went where it has no score: nothing is seen of it before."""
-        return Run(self.name, self.seed, False, why(self.scores.parent), (), None)
+        return Run(self.guest.name, self.seed, False, why(self.scores.parent), (), None)
 
-    def score(self) -> Score:
-        """What it did in the benchmark bank. Raises ``agent.beside.ScoreError`` where that was in another."""
-        mode, name = self.guest.targets, self.guest.name
-        [score] = beside.read(self.scores, benchmark(), [mode])[mode][name]
-        return score
+    def joined(self, result: Result) -> Result:
+        """The result of its targets with this run too. Raises ``StudyFailed`` where it played for others."""
+        record, mode, name = json.loads(self.scores.read_text()), self.guest.targets, self.guest.name
+        theirs = result_of(record["targets"][mode], mode) if mode in record["targets"] else None
+        if not theirs or name not in theirs.players or not np.array_equal(theirs.oracle, result.oracle):
+            raise StudyFailed(f"{self.scores}: not of {name}, or not of these houses and targets. Remove it")
+        return with_score(result, theirs.players[name][0])
 
 
 def with_score(result: Result, score: Score) -> Result:
@@ -355,15 +359,17 @@ def finished(folder: Folder, steps: int) -> bool:
     return folder.agent.exists() and checkpoint.load(folder.agent).steps >= steps
 
 
-def require_same_budget(folder: Folder, steps: int) -> None:
-    """Raise ``RequestError`` where a run of other than so many steps lies in the folder."""
-    if folder.config.exists():
-        kept = json.loads(folder.config.read_text())["config"]["steps"]
-        if kept != steps:
-            raise RequestError(
-                f"{folder.path}: is a run of {kept:,} steps, not {steps:,}. "
-                "Give another --out for another --share"
-            )
+def require_same(folder: Folder, command: Sequence[str]) -> None:
+    """Raise ``RequestError`` where a run lies in the folder whose config is not the training command's."""
+    if not folder.config.exists():
+        return
+    kept, asked = json.loads(folder.config.read_text()), parse(list(command[command.index("train") :])).config
+    try:
+        others = list(differences(checkpoint.config_of(kept["algorithm"], kept["config"]), asked))
+    except ValueError as error:
+        others = [str(error)]
+    if others:
+        raise RequestError(f"{folder.path}: is a run with other {', '.join(others)}. Give another --out")
 
 
 def bank(path: Path, workers: int) -> Path:
@@ -385,12 +391,13 @@ def measuring(mode: str, trials: Iterable[Trial], folder: Path) -> Job:
 
 
 def measured(folder: Path, trials: Iterable[Trial]) -> bool:
-    """Whether the record in the folder is of just these agents, none of them newer."""
+    """Whether the record in the folder is of just these agents, none of them newer, in the benchmark bank."""
     file, agents = folder / "evaluation.json", [trial.folder.agent for trial in trials]
     if not file.exists():
         return False
-    known = [(ROOT / agent).resolve() for agent in json.loads(file.read_text())["agents"]]
-    if known != [agent.resolve() for agent in agents]:
+    record = json.loads(file.read_text())
+    known = [(ROOT / agent).resolve() for agent in record["agents"]]
+    if record["bank"]["hash"] != HASH or known != [agent.resolve() for agent in agents]:
         return False
     return all(agent.stat().st_mtime <= file.stat().st_mtime for agent in agents)
 

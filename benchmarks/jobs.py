@@ -31,7 +31,7 @@ class Job:
         self.folder.mkdir(parents=True, exist_ok=True)
         failure(self.folder).unlink(missing_ok=True)
         one = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
-        with (self.folder / "log.txt").open("ab") as log:
+        with (self.folder / "log.txt").open("wb") as log:
             return subprocess.Popen(
                 self.command,
                 stdout=log,
@@ -47,7 +47,8 @@ class Job:
         words = "done"
         if code:
             lines = (self.folder / "log.txt").read_text(errors="replace").strip().splitlines()
-            words = f"failed, exit code {code}: {lines[-1] if lines else 'it said nothing'}"
+            last = lines[-1] if lines else "it said nothing"
+            words = f"failed, exit code {code}: {last}" if code > 0 else f"failed, ended by signal {-code}"
             write_whole(failure(self.folder), words.encode())
         say(f"{self.name}: {words}")
 

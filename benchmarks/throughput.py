@@ -20,7 +20,7 @@ from agent.config import PRESETS, PQNConfig
 from agent.results.series import machine, table_rows
 from agent.runs import Folder
 from agent.scoreboard import WHERE
-from benchmarks.agents import BUDGET, RATES, bank, finished, machine_info, require_same_budget
+from benchmarks.agents import BUDGET, RATES, bank, finished, machine_info, require_same
 from benchmarks.jobs import say
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
@@ -116,15 +116,15 @@ class Throughput:
     def train(self, series: Series, number: int, houses: Path) -> None:
         """Train one of its runs, or go on with it; nothing where it is done."""
         folder, steps = series.folders[number], round(self.share * BUDGET * RATES[series.preset])
-        require_same_budget(folder, steps)
-        if finished(folder, steps):
-            return
-        say(f"{series.name}, seed {self.seeds[number]}, {steps / 1e6:.2f} M steps")
         command = [sys.executable, "-m", "torch.distributed.run", "--standalone"]
         command += ["--nproc-per-node", str(series.processes)]
         command += ["-m", "agent.cli", "train", str(houses), "--preset", series.preset]
         command += ["--environments", str(series.worlds), "--steps", str(steps), "--name", series.name]
         command += ["--seed", str(self.seeds[number]), "--out", str(folder.path), "--resume"]
+        require_same(folder, command)
+        if finished(folder, steps):
+            return
+        say(f"{series.name}, seed {self.seeds[number]}, {steps / 1e6:.2f} M steps")
         cores = sorted(os.sched_getaffinity(0))
         os.sched_setaffinity(0, cores[: series.processes])  # what is started keeps to these
         try:

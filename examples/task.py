@@ -136,9 +136,9 @@ class Player:
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
-        preference = self.act(observation)
+        chosen = self.act(observation).argmax(1)
         if self.avoidance is None:
-            return preference.argmax(1)
-        actions = subsume(preference, self.avoidance(observation, blocked))
-        self.interventions += int((actions != preference.argmax(1)).sum())
+            return chosen
+        actions = subsume(one_hot(chosen, ACTIONS).float(), self.avoidance(observation, blocked))
+        self.interventions += int((actions != chosen).sum())
         return actions

@@ -41,8 +41,8 @@ class Example(Task):
         loss = ClipPPOLoss(actor, critic, entropy_coeff=0.01, critic_coeff=0.5, normalize_advantage=True)
         optimizer = torch.optim.Adam(loss.parameters(), lr=1e-3, eps=1e-5)
 
-        batch = min(64, self.steps // self.environments) * self.environments
-        steps = self.steps // batch * batch
+        batch = max(1, min(64, self.steps // self.environments)) * self.environments
+        steps = max(1, self.steps // batch) * batch
         collector = Collector(
             env, actor, frames_per_batch=batch, total_frames=steps, auto_register_policy_transforms=True
         )

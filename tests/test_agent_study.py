@@ -2,9 +2,11 @@
 
 import json
 import os
+import re
 import runpy
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,16 +14,17 @@ import pytest
 import tyro
 
 from agent import checkpoint
+from agent.banks import HASH
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
-from agent.cli import _command
-from agent.config import PQNConfig, differences
+from agent.cli import parse
+from agent.config import differences
 from agent.evaluate import Score
 from agent.protocol import MODES, Result
 from agent.results.agent_plots import pictures
 from agent.results.agents import Entry, Guest, Run, Study, agents_page, by_seed, difference, result_of
 from agent.scoreboard import record
-from benchmarks.agents import ENTRIES, GUESTS, Agents, Trial, Visit, measured, with_score
+from benchmarks.agents import ENTRIES, GUESTS, Agents, StudyFailed, Trial, Visit, measured, with_score
 from benchmarks.jobs import Job, run_all
 from logic.errors import RequestError
 
@@ -88,7 +91,7 @@ def study() -> Study:
 @pytest.mark.parametrize("one", ENTRIES, ids=lambda one: one.name)
 def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
     job = Trial(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
-    asked = _command(list(job.command[job.command.index("train") :]))
+    asked = parse(list(job.command[job.command.index("train") :]))
     assert (asked.config.targets, asked.config.steps, asked.config.seed) == (one.targets, one.steps, 3)
     assert asked.name == one.name
     assert asked.resume
@@ -104,7 +107,7 @@ def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
     configs = []
     for entry in (one, base):
         command = Trial(entry, 0, Path("somewhere")).training(Path("houses.jsonl")).command
-        configs.append(_command(list(command[command.index("train") :])).config)
+        configs.append(parse(list(command[command.index("train") :])).config)
     assert len(list(differences(*configs))) == 1
 
 
@@ -138,9 +141,10 @@ def test_every_guest_is_an_example_that_can_be_asked_for(name: str, tmp_path: Pa
 
 def kept(trial: Trial, steps: int) -> None:
     """A run that has come so far."""
-    config = PQNConfig(steps=trial.entry.steps)
+    command = trial.training(trial.out).command
+    config = parse(list(command[command.index("train") :])).config
     checkpoint.save(Checkpoint(network_of(config), config, steps, trial.entry.name), trial.folder.agent)
-    trial.folder.config.write_text(json.dumps({"config": {"steps": trial.entry.steps}}))
+    trial.folder.config.write_text(json.dumps({"algorithm": config.algorithm, "config": asdict(config)}))
 
 
 def test_a_run_is_finished_when_its_agent_has_seen_its_steps(tmp_path: Path) -> None:
@@ -154,12 +158,16 @@ def test_a_run_is_finished_when_its_agent_has_seen_its_steps(tmp_path: Path) -> 
     assert trial.finished
 
 
-def test_a_run_of_another_budget_is_refused(tmp_path: Path) -> None:
+def test_a_run_of_another_budget_or_with_other_options_is_refused(tmp_path: Path) -> None:
     trial = Trial(entry("plain"), 0, tmp_path)
     kept(trial, 10)
-    trial.require_same_budget()
-    with pytest.raises(RequestError, match="Give another --out"):
-        Trial(replace(trial.entry, steps=5), 0, tmp_path).require_same_budget()
+    trial.require_same()
+    other = replace(trial.entry, steps=5, options=("--avoidance", "none"))
+    with pytest.raises(RequestError, match=r"a run with other avoidance, steps\. Give"):
+        Trial(other, 0, tmp_path).require_same()
+    trial.folder.config.write_text(json.dumps({"algorithm": "pqn", "config": {"colour": 3}}))
+    with pytest.raises(RequestError, match="unknown field 'colour'"):
+        trial.require_same()
 
 
 def test_an_unknown_entry_is_told(tmp_path: Path) -> None:
@@ -175,8 +183,9 @@ def test_a_measurement_is_kept_until_an_agent_is_newer_or_another(tmp_path: Path
     assert not measured(folder, trials)
     folder.mkdir()
     agents = [str(trial.folder.agent) for trial in trials]
-    (folder / "evaluation.json").write_text(json.dumps({"agents": agents}))
-    assert measured(folder, trials)
+    for bank, found in (("0" * 64, False), (HASH, True)):
+        (folder / "evaluation.json").write_text(json.dumps({"agents": agents, "bank": {"hash": bank}}))
+        assert measured(folder, trials) == found
     assert not measured(folder, trials[:1])
     late = (folder / "evaluation.json").stat().st_mtime + 1
     os.utime(trials[1].folder.agent, (late, late))
@@ -190,6 +199,21 @@ def test_a_guest_is_finished_when_it_has_learnt_from_its_steps_and_played(tmp_pa
     for steps, finished in ((100, False), (GUESTS["one-file"].steps, True)):
         visit.scores.write_text(json.dumps({"steps": steps}))
         assert (visit.begun, visit.finished) == (True, finished)
+
+
+def test_a_guests_scores_join_what_was_measured_with_the_same_targets_alone(tmp_path: Path) -> None:
+    visit, one = Visit("one-file", 0, tmp_path), result(plain=(0.8,))
+    name = visit.guest.name
+    theirs = with_score(result(), score(name, 0.4))
+    less = replace(theirs, players=theirs.players | {"oracle": (score("oracle", 0.9),)})
+    visit.scores.parent.mkdir()
+    visit.scores.write_text(json.dumps(record([theirs])))
+    assert visit.joined(one).ratio(name) == theirs.ratio(name)
+    other = replace(theirs, targets="secondary")
+    for wrong in (less, other, result(someone=(0.4,))):
+        visit.scores.write_text(json.dumps(record([wrong])))
+        with pytest.raises(StudyFailed, match=f"not of {re.escape(name)}, or not of these houses"):
+            visit.joined(one)
 
 
 # Processes.
@@ -209,6 +233,8 @@ def test_a_failure_is_noted_until_the_next_try(tmp_path: Path) -> None:
     run_all([job(tmp_path / "a", "raise SystemExit('no good')"), job(tmp_path / "b", "")], 1)
     assert (tmp_path / "a" / "failed.txt").read_text() == "failed, exit code 1: no good"
     assert not (tmp_path / "b" / "failed.txt").exists()
+    run_all([job(tmp_path / "a", "import os; os.abort()")], 1)
+    assert (tmp_path / "a" / "failed.txt").read_text() == "failed, ended by signal 6"
     run_all([job(tmp_path / "a", "")], 1)
     assert not (tmp_path / "a" / "failed.txt").exists()
 
@@ -250,6 +276,15 @@ def test_a_guests_runs_are_one_player_before_those_that_learn_nothing() -> None:
 # The page.
 
 
+def assert_tables(page: str) -> None:
+    """Each row has as many cells as the head of its table."""
+    lines = page.splitlines()
+    for above, line in pairwise(lines):
+        if line.startswith("|") and above.startswith("|"):
+            assert line.count("|") == above.count("|")
+    assert any(line.startswith("|") for line in lines)
+
+
 def test_the_page_states_the_share_of_the_budget(study: Study) -> None:
     page = agents_page(study)
     assert "Share of the budget: 0.2." in page
@@ -263,15 +298,15 @@ def test_the_page_tells_failed_runs(study: Study) -> None:
 def test_the_page_has_guests_where_they_were_measured_and_tells_those_that_failed(study: Study) -> None:
     guest = Guest("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
     main = with_score(study.results["main"], score(guest.name, 0.4))
-    late = Run("theirs", 1, False, "failed, exit code 1: no such library", (), None)
+    late = Run(guest.name, 1, False, "failed, exit code 1: no such library", (), None)
     visited = replace(study, results=study.results | {"main": main}, guests=(guest,), absent=(late,))
     page = agents_page(visited)
-    ratio = main.ratio(guest.name).text()
+    ratio, [alone] = main.ratio(guest.name).text(), by_seed(main, guest.name)
     assert f"| {guest.name} | {ratio} | - |" in page
-    assert (
-        f"| {guest.name} | what it is | `{guest.command}` | 2 | {by_seed(main, guest.name)[0]:.2f} |" in page
-    )
-    assert "- theirs, seed 1: failed, exit code 1: no such library (it came to the start)" in page
+    assert f"| {guest.name} | what it is | `{guest.command}` | main | {alone:.2f} |" in page
+    assert "They learn from 2 M steps" in page
+    assert f"- {guest.name}, seed 1: failed, exit code 1: no such library\n" in page
+    assert_tables(page)
     assert guest.name not in visited.baselines()
     assert guest.name not in agents_page(study)
     assert pictures(visited)["agent-scores.png"] != pictures(study)["agent-scores.png"]
@@ -283,7 +318,7 @@ def test_the_page_ends_with_what_was_written_by_hand(study: Study) -> None:
 
 def test_the_page_is_a_function_of_the_records(study: Study) -> None:
     assert agents_page(study) == agents_page(study)
-    assert all(line.count("|") > 2 for line in agents_page(study).splitlines() if line.startswith("|"))
+    assert_tables(agents_page(study))
 
 
 def test_the_page_shows_every_picture_that_is_drawn(study: Study) -> None:

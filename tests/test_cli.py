@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from agent.cli import COMMANDS, _command, main
+from agent.cli import COMMANDS, main, parse
 from agent.config import PRESETS
 from logic import load
 
@@ -138,9 +138,9 @@ def test_help_names_every_command_and_comes_without_torch() -> None:
 
 def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
-    assert _command(["train", *said]).config == replace(PRESETS["pqn-map"], targets="main", seed=3)
-    assert _command(["train", *said[:1]]).config == PRESETS["pqn"]
-    replayed = _command(["train", "houses.jsonl", "--preset=paper", "--batch", "7", "--minibatches", "7"])
+    assert parse(["train", *said]).config == replace(PRESETS["pqn-map"], targets="main", seed=3)
+    assert parse(["train", *said[:1]]).config == PRESETS["pqn"]
+    replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch", "7", "--minibatches", "7"])
     assert replayed.config == replace(PRESETS["paper"], batch=7, minibatches=7)
 
 

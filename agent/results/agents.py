@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import trim_mean
 
+from agent.beside import OURS
 from agent.evaluate import Score
 from agent.protocol import HUMAN_RATIO, SOON, Result
 from agent.results.series import table_rows
@@ -110,8 +111,8 @@ class Study:
 
     def baselines(self) -> list[str]:
         """Players that learn nothing."""
-        agents = {each.name for each in (*self.entries, *self.guests)}
-        return [name for name in next(iter(self.results.values())).players if name not in agents]
+        players = next(iter(self.results.values())).players
+        return [name for name in OURS if name != "paper" and name in players]
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,6 @@ def agents_page(study: Study, notes: str = "") -> str:
             learnt_in=study.learnt_in,
             measured_in=study.measured_in,
             human=HUMAN_RATIO,
-            others=" and other libraries' agents" if study.guests else "",
             soon=SOON,
             entries=table_rows(_entry(study, entry) for entry in study.entries),
             guests=_guests(study),
@@ -234,8 +234,8 @@ def _guests(study: Study) -> str:
     for guest in study.guests:
         each = by_seed(study.results[guest.targets], guest.name)
         words = ", ".join(f"{value:.2f}" for value in each)
-        rows.append([guest.name, guest.shows, f"`{guest.command}`", f"{guest.steps / 1e6:.3g}", words])
-    return GUESTS.format(rows=table_rows(rows))
+        rows.append([guest.name, guest.shows, f"`{guest.command}`", guest.targets, words])
+    return GUESTS.format(steps=f"{study.guests[0].steps / 1e6:.3g}", rows=table_rows(rows))
 
 
 def _untold(study: Study) -> str:
@@ -243,12 +243,11 @@ def _untold(study: Study) -> str:
     lines = []
     for run in (*study.runs, *study.absent):
         if not run.finished:
-            seen = f"{run.last['steps'] / 1e6:.2f} M steps" if run.last else "the start"
-            why = run.failed or "it was not trained to its end"
-            lines.append(f"- {run.entry}, seed {run.seed}: {why} (it came to {seen})")
+            seen = f" (it came to {run.last['steps'] / 1e6:.2f} M steps)" if run.last else ""
+            lines.append(f"- {run.entry}, seed {run.seed}: {run.failed or 'it was stopped'}{seen}")
     if not lines:
-        return "All runs that were begun were trained to their end and are in the tables."
-    return "Not in the tables, as these runs were not trained to their end:\n\n" + "\n".join(lines)
+        return "All runs that were begun came to their end and are in the tables."
+    return "Not in the tables, as these runs did not come to their end:\n\n" + "\n".join(lines)
 
 
 def _players(study: Study) -> Iterator[list[str]]:
@@ -325,10 +324,12 @@ def _time(study: Study, entry: Entry) -> list[str]:
 
 
 GUESTS = """
-Agents of other libraries, by the examples that come with the project: our houses, rays and avoidance layer,
-their way to learn, with a network of the same size. They play by chance as they learnt to.
+Others' agents, by the examples that come with the project: our houses, rays and avoidance layer; their way to
+learn and to try things out, which they keep to when they are measured. Their networks have two layers of 128
+too, but see only the present look, where ours see traces of the past. They learn from {steps} M steps in any
+share, and are measured for the targets that they learnt for.
 
-| agent | what it is | command | M steps | ratio, run by run |
+| agent | what it is | command | targets learnt for | ratio there, run by run |
 |---|---|---|---|---|
 {rows}
 """
@@ -359,9 +360,9 @@ chosen or left out by how well it did.
 Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
 over both. It draws a run anew for each house, so how far whole runs lie apart is better seen from the ticks
 in the picture and from the table of every run. Success: the share of episodes whose first target was picked
-up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Agents play for
-all three kinds of target, though each learnt for one (see below). Below them{others} are players that learn
-nothing; the searcher knows the house, but not where the target is.
+up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Our agents
+play for all three kinds of target, though each learnt for one (see below), others' for that one alone. Below
+them are players that learn nothing; the searcher knows the house, but not where the target is.
 
 ## Where it gets hard: by number of rooms
 Targets in secondary rooms, ratio to the oracle:
