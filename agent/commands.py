@@ -30,7 +30,7 @@ Kind = TypeVar("Kind", bound=Config)
 class Train(Generic[Kind]):
     """Train an agent in houses. Its checkpoint, learning curve and metrics lie in one folder.
 
-    Several processes learn as one by torchrun --nproc-per-node 2 -m agent.cli train ...
+    Several processes learn as one: python -m torch.distributed.run --nproc-per-node 2 -m agent.cli train ...
     """
 
     houses: tyro.conf.Positional[Path]
@@ -94,12 +94,14 @@ class Train(Generic[Kind]):
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Measure agents in houses that they have not seen, beside random + avoidance, a script, a searcher that
-    knows the house and the shortest-path oracle. One episode a house, the same targets for all.
+    """Measure agents in houses that they have not seen, beside the paper's, random + avoidance, a script, an
+    explorer with a map, a searcher that knows the house and the shortest-path oracle. One episode a house,
+    the same targets for all.
     """
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints. Runs of one config by several seeds are one player. None: the baselines alone."""
+    """Checkpoints, or names of agents that come with the project (pqn-map, paper). Runs of one config by
+    several seeds are one player. None: the others alone."""
 
     houses: Path | None = None
     """House file to measure in; by default the benchmark bank, 256 houses of 2 to 6 rooms."""
@@ -204,7 +206,7 @@ class Export:
     """Write an agent's network as an ONNX file, its memory an input and an output: see agent/export.py."""
 
     agent: tyro.conf.Positional[Path]
-    """Checkpoint: vitruvius train makes one."""
+    """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     out: Path = Path("agent.onnx")
     """The file."""
@@ -224,7 +226,7 @@ class Record:
     """Film an agent in a house: its rays, its trail and its targets."""
 
     agent: tyro.conf.Positional[Path]
-    """Checkpoint: vitruvius train makes one."""
+    """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     houses: tyro.conf.Positional[Path]
     """House file."""
@@ -272,7 +274,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Demo:
-    """Rules to houses to a trained agent and its report, in five minutes."""
+    """Rules to houses to a trained agent and its report, in a few minutes."""
 
     out: Path = Path("runs/demo")
     """Folder for the report and all that it shows."""

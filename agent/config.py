@@ -21,7 +21,8 @@ class Config:
     """Preset of the simulator."""
 
     avoidance: Literal["shield", "paper", "none"] = "shield"
-    """The layer that overrules: where the rays say that the body's path is not free, or the paper's rule."""
+    """The layer that overrules. shield: forbids a step forward where the rays say that the body's path is not
+    free; paper: the paper's rule, a turn wherever anything but the target is near."""
 
     environments: int = 256
     """Worlds stepped at once, by all processes together."""
@@ -43,7 +44,7 @@ class Config:
     """Cores that torch may use. More help little with batches this small, and sums depend on their number."""
 
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
-    """Half-lives of the memory's traces, in steps."""
+    """Of the memory's traces, in steps: running averages of what was done and where the target was seen."""
 
     precision: Literal["highest", "high", "medium"] = "highest"
     """Of products of float32 matrices, as torch names it: medium may take bfloat16 inside, faster where a
@@ -121,8 +122,8 @@ class PQNConfig(Config):
     """Whether the network reads a map of the house, made of the agent's own rays and actions."""
 
     novelty: float = 0.0
-    """Reward for a step that brings the goal of its map nearer, and for seeing 40 new cells; it fades to 0 by
-    ``fading`` of the run."""
+    """Reward for a step nearer to its map's goal, the target or a place to look at, and for seeing 40 new
+    cells; it fades to 0 by ``fading`` of the run."""
 
     fading: float = 0.7
     """Fraction of the run over which ``novelty`` fades."""

@@ -31,10 +31,11 @@ def lambda_returns(
 ) -> Tensor:
     """Peng's Q(lambda) targets (T, E) for the actions taken.
 
-    ``r_t`` (T, E) are rewards, ``v_t`` (T, E) the greatest allowed Q-value of the state that each step led
-    to, ``terminated_t`` and ``truncated_t`` (T, E) bool how it ended. A terminal state is worth nothing; a
-    time-out is worth ``v_t``, as the world would have gone on; neither lets a later episode's return through.
-    Not cut at exploring actions: Peng's form, whose bias is small where these are few.
+    ``r_t`` (T, E) are rewards, ``v_t`` (T, E) what the state is worth that each step led to: its greatest
+    allowed Q-value, or with a map that of the action which would be preferred. ``terminated_t`` and
+    ``truncated_t`` (T, E) bool say how it ended. A terminal state is worth nothing; a time-out is worth
+    ``v_t``, as the world would have gone on; neither lets a later episode's return through. Not cut at
+    exploring actions: Peng's form, whose bias is small where these are few.
     """
     bootstrap = r_t + discount * v_t.masked_fill(terminated_t, 0.0)
     # How much of the next return flows back into this one: none across an end.

@@ -185,7 +185,7 @@ class Agents:
         days = sorted({str(datetime.fromtimestamp(date, UTC).date()) for date in dates})
         return Study(
             share=self.share,
-            command=f"python -m benchmarks.agents --share {self.share:g} --seeds {seeds}",
+            command=f"./run python -m benchmarks.agents --share {self.share:g} --seeds {seeds}",
             days=days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}",
             machine=machine({"machine_info": machine_info()}),
             versions={"Python": platform.python_version()}

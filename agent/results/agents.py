@@ -358,9 +358,9 @@ chosen or left out by how well it did.
 {players}
 
 Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
-over both. It draws a run anew for each house, so how far whole runs lie apart is better seen from the ticks
-in the picture and from the table of every run. Success: the share of episodes whose first target was picked
-up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Our agents
+over both. It draws a run for each house by itself, so an interval is narrower than whole runs may differ: see
+the ticks in the picture and the table of every run. Success: the share of episodes whose first target was
+picked up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Our agents
 play for all three kinds of target, though each learnt for one (see below), others' for that one alone. Below
 them are players that learn nothing; the searcher knows the house, but not where the target is.
 
@@ -372,10 +372,11 @@ Targets in secondary rooms, ratio to the oracle:
 ![Ratio by number of rooms](agent-rooms.png)
 
 ## What each part is worth
-Each row changes one thing of an agent and trains it anew by the same budget. The difference is to the agent
-as it is; it is clear (in bold) where its interval does not hold 0 and all seeds have the same sign. The 95 %
-interval is from a bootstrap of pairs: the same seed in the same house. Blocked moves, and actions that the
-avoidance layer overruled, are per 1000 steps.
+Each row changes one thing of an agent and trains it anew by the same budget of time. (No map at all is the
+preset `pqn`: it makes twice the steps in that time, and differs in a few settings more.) The difference is to
+the agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds have the same sign.
+The 95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked moves, and actions
+that the avoidance layer overruled, are per 1000 steps.
 
 ![Differences of the ratio by what was changed](agent-parts.png)
 
@@ -405,8 +406,8 @@ Medians over the runs. Other runs were at work beside on the same machine.
 ## Do it again
 `{command}` goes on where it was stopped, and does nothing twice.
 
-One run alone: `vitruvius train runs/study/learn.jsonl --preset pqn-map --steps 1000000 --seed 0`, or with the
-options and steps of its row, then `vitruvius evaluate runs/train/agent.safetensors`. With other houses, seeds
+One run alone: `./run train runs/study/learn.jsonl --preset pqn-map --steps 1000000 --seed 0`, or with the
+options and steps of its row, then `./run evaluate runs/train/agent.safetensors`. With other houses, seeds
 or processors the figures will vary as the intervals say; the same seed on the same machine gives the same
 run.
 
