@@ -18,6 +18,7 @@ from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
 from time import process_time
+from typing import Literal
 
 import numpy as np
 import torch
@@ -34,6 +35,7 @@ from agent.policies import Explorer, Policy, Surveyor
 from agent.scoreboard import Sheet
 from agent.statistics import interquartile_mean
 from agent.world import make_worlds, shield
+from benchmarks import told
 from benchmarks.agents import ROOMS
 from benchmarks.constants import MODULES, change, constants
 from benchmarks.jobs import LIBC, say
@@ -51,6 +53,13 @@ AS_IS, ORACLE, SEARCHER = "as it is", "oracle", "searcher"
 
 SOURCES = {ORACLE: [oracle], SEARCHER: [searcher]}
 """What a score depends on besides the world, which tests hold to what it is; an explorer's on its map's."""
+
+
+def _told(what: str) -> str:
+    return f"told {what}"
+
+
+TELLERS = {_told(what): what for what in told.TOLD}
 
 
 class PlayerFailed(VitruviusError):
@@ -72,6 +81,10 @@ class Explorers:
     searcher: bool = False
     """The searcher too, which knows the house, and where in it a target may still be."""
 
+    told: tyro.conf.UseAppendAction[tuple[Literal["floor", "rooms", "walls"], ...]] = ()
+    """An explorer that is told what it could not know: which unseen ground is floor; also in which rooms
+    targets lie; also where walls and furniture stand. Repeat for several."""
+
     houses: int = 64
     """Houses of each number of rooms, 2 to 6."""
 
@@ -91,7 +104,7 @@ class Explorers:
             raise RequestError(f"--houses and --episodes must be 1 or more, {lengths}")
         for text in self.set:
             constants(text)
-        players = list(dict.fromkeys((AS_IS, *self.set, *[SEARCHER] * self.searcher)))
+        players = list(dict.fromkeys((AS_IS, *self.set, *map(_told, self.told), *[SEARCHER] * self.searcher)))
         for player in (ORACLE, *players):
             if not all(self.path(mode, player).exists() for mode in self.targets):
                 # A kernel keeps the numbers that it was compiled with, as long as its process lives.
@@ -126,6 +139,8 @@ class Explorers:
         if player not in SOURCES:
             known, name = [*known, sorted(changed(player).items())], "explorer"
         sources = SOURCES.get(player, [*MODULES.values(), policies, avoidance])
+        if player in TELLERS:
+            known, name, sources = [*known, player], player.replace(" ", "-"), [*sources, told]
         key = hashlib.sha256(repr([*known, *map(inspect.getsource, sources)]).encode()).hexdigest()
         return self.out / f"{mode}-{name}-{key[:12]}.npz"
 
@@ -137,12 +152,15 @@ class Explorers:
             path, content = self.path(mode, player), io.BytesIO()
             if not path.exists():
                 envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
-                policy, clock = explorer(envs)
-                if player in SOURCES:
-                    policy = baselines(envs, 0)[player]()
+                what = TELLERS.get(player)
+                surveyor = told.Teller(envs, what) if what else Clock(envs.config)
+                policy = baselines(envs, 0)[player]() if player in SOURCES else explorer(envs, surveyor)
+                if isinstance(surveyor, told.Teller) and what == told.WALLS:
+                    episode(envs, policy, self.steps, len(self.bank))
+                    surveyor.remember()
                 targets = episode(envs, policy, self.steps, len(self.bank))
                 targets = targets.reshape(len(THIRDS), self.episodes, -1).mean(axis=1)
-                np.savez(content, targets=targets, microseconds=clock.microseconds)
+                np.savez(content, targets=targets, microseconds=surveyor.microseconds)
                 write_whole(path, content.getvalue())
                 say(f"{mode}, {player}: {targets.sum() / len(self.bank):.2f} targets an episode")
 
@@ -167,14 +185,14 @@ class Clock(Surveyor):
 
 def changed(player: str) -> dict[str, float]:
     """The numbers that a player's map has in place of its own."""
-    return {} if player in (AS_IS, *SOURCES) else constants(player)
+    return {} if player in (AS_IS, *SOURCES, *TELLERS) else constants(player)
 
 
-def explorer(envs: HouseVectorEnv) -> tuple[Policy, Clock]:
-    """An explorer for these environments, and what keeps its maps."""
-    policy, clock = Explorer(shield(envs), envs.config), Clock(envs.config)
-    policy.surveyor = clock
-    return policy, clock
+def explorer(envs: HouseVectorEnv, surveyor: Surveyor) -> Policy:
+    """An explorer for these environments, with what keeps its maps."""
+    policy = Explorer(shield(envs), envs.config)
+    policy.surveyor = surveyor
+    return policy
 
 
 def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The studies of the map's numbers: what is compared is alike but for them, and odds are those of houses."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,9 +18,11 @@ from agent.world import make_worlds, shield
 from benchmarks import explorers
 from benchmarks.constants import KNOWN, change, constants
 from benchmarks.explorers import Explorers, cuts, difference, sheets
-from benchmarks.odds import ENTRIES, Places, Truth, collect, odds, sheet, table
+from benchmarks.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
+from benchmarks.told import ELSEWHERE, Teller
 from logic import save
 from logic.errors import RequestError
+from sim.lookout import origins_of
 from tests.worlds import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
@@ -169,6 +172,67 @@ def test_differences_are_of_the_same_houses() -> None:
     assert less.rows == [("A=1", f"+0.050 ± {error}", "+0.100 ± 0.000", none, none, none, "+0.150 ± 0.087")]
     assert list(cuts(one, rooms)) == ["mean", "2 rooms", "3 rooms", "first third", "second", "last"]
     assert difference(np.array([0.5])) == "+0.500 ± 0.000"
+
+
+# What explorers are told.
+
+
+@pytest.fixture
+def teller(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """Makes tellers, whose kernels are forgotten afterwards."""
+    monkeypatch.setattr(belief.Belief, "odds", belief.Belief.odds)
+    kernel.step_kernel.cache_clear()
+    yield Teller
+    kernel.step_kernel.cache_clear()
+
+
+def places_of(envs: Any, house: int) -> np.ndarray:
+    """Where targets may lie in a house (n, 2), metres."""
+    world = envs.unwrapped.world
+    return world.places[house].targets * world.config.step + origins_of(world).reshape(-1, 2)[house]
+
+
+@pytest.mark.parametrize("what", ["floor", "rooms"])
+def test_ground_is_told_as_it_lies_in_the_house(what: str, teller: Any) -> None:
+    envs, anywhere = (make_worlds(HOUSES, len(HOUSES), targets) for targets in ("secondary", "mixed"))
+    _, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
+    found = teller(envs, what)
+    found.begin(len(HOUSES))
+    told, cell = found.ground.to_numpy().reshape(-1, 256, 256), found.map.cell
+    right, floor, counts = 0, 0, set()
+    for e, (x, y, heading) in enumerate(info["pose"]):
+        # Headings run counter-clockwise, y points south; a map's east is where the body looked at first.
+        quarter = round(heading / (np.pi / 4)) // 2
+        east, south = [((1, 0), (0, 1)), ((0, -1), (1, 0)), ((-1, 0), (0, -1)), ((0, 1), (-1, 0))][quarter]
+        for i, j in np.random.default_rng(e).integers(-30, 31, size=(200, 2)) * 2:
+            at = np.array([x, y]) + cell * (i * np.array(east) + j * np.array(south))
+            away = [np.linalg.norm(places_of(each, e) - at, axis=1).min() for each in (envs, anywhere)]
+            theirs, some = (each < BESIDE for each in away)
+            count = SURE * some if what == "floor" else SURE if theirs else ELSEWHERE * some
+            # The teller knows every fourth place or so: at the edge of floor it may tell none.
+            assert told[e, j % 256, i % 256] in (count, ELSEWHERE * some, 0)
+            if away[what == "floor"] < BESIDE / 4:
+                right, floor = right + (told[e, j % 256, i % 256] == count), floor + 1
+            counts.add(count)
+    assert right > 0.9 * floor > 20
+    assert counts == ({0, SURE} if what == "floor" else {0, ELSEWHERE, SURE})
+
+
+def test_walls_are_told_and_nothing_as_seen(teller: Any) -> None:
+    torch.set_num_threads(1)
+    envs = make_worlds(HOUSES, len(HOUSES), "secondary")
+    found = teller(envs, "walls")
+    policy = explorers.explorer(envs, found)
+    explorers.episode(envs, policy, 150, len(HOUSES))
+    once = found.map.arrays["cells"].numpy()
+    found.remember()
+    explorers.episode(envs, policy, 1, len(HOUSES))
+    again = found.map.arrays["cells"].numpy()
+    assert (again & OCCUPIED >= once & OCCUPIED).all()
+    assert (once & OCCUPIED > 0).sum() > 500
+    seen, before = ((cells & OCCUPIED - 1) >> FLAGS for cells in (again, once))
+    assert set(np.unique(seen)) <= {0, 1}
+    assert (seen > 0).sum() < (before > 0).sum() / 2
 
 
 # Odds.
