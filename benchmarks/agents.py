@@ -28,8 +28,9 @@ from agent.config import PRESETS, differences
 from agent.evaluate import Score
 from agent.protocol import MODES, Result
 from agent.results.agent_plots import pictures
-from agent.results.agents import Entry, Guest, Run, Study, agents_page, result_of
+from agent.results.agents import agents_page
 from agent.results.series import machine
+from agent.results.study import Entry, Guest, Run, Study, result_of
 from agent.runs import Folder
 from benchmarks.jobs import ROOT, Job, failure, run_all, say, why
 from logic import generate, load, save

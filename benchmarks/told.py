@@ -13,6 +13,7 @@ from torch import Tensor
 from agent.map import BITS, Map
 from agent.map.belief import SURE, Belief
 from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID
+from agent.map.kernel import step_kernel
 from agent.policies import Surveyor
 from agent.world import make_worlds
 from benchmarks.odds import BESIDE, SIDE, Truth
@@ -29,7 +30,7 @@ ELSEWHERE = 15
 
 class Teller(Surveyor):
     """Keeps maps of environments and tells them of their houses, when an episode begins. All maps that this
-    process makes from now on ask it, so none may be made before: a kernel keeps what it was compiled with.
+    process makes from now on ask it.
     """
 
     microseconds = np.nan
@@ -39,6 +40,7 @@ class Teller(Surveyor):
         """Tell one of ``TOLD``; walls after an episode from the same starts, when asked to ``remember``."""
         self.ground = ti.field(ti.u8, shape=envs.num_envs << 2 * BITS)
         Belief.odds = _told(self.ground)  # pyright: ignore[reportAttributeAccessIssue]
+        step_kernel.cache_clear()  # a kernel keeps what it was compiled with
         super().__init__(envs.config)
         self.world_of, self.walls = envs.unwrapped.world, None
         anywhere = make_worlds(envs.unwrapped.houses, 1, "mixed")

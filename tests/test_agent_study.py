@@ -22,7 +22,8 @@ from agent.config import differences
 from agent.evaluate import Score
 from agent.protocol import MODES, Result
 from agent.results.agent_plots import pictures
-from agent.results.agents import Entry, Guest, Run, Study, agents_page, by_seed, difference, result_of
+from agent.results.agents import agents_page
+from agent.results.study import Entry, Guest, Run, Study, by_seed, difference, result_of
 from agent.scoreboard import record
 from benchmarks.agents import ENTRIES, GUESTS, Agents, StudyFailed, Trial, Visit, measured, with_score
 from benchmarks.jobs import Job, run_all

@@ -13,6 +13,7 @@ import torch
 from agent.map import belief, kernel, views
 from agent.map.belief import ODDS, SURE
 from agent.map.cells import FLAGS, OCCUPIED
+from agent.map.counts import COUNTS, KIND, NONE, SEARCH
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from benchmarks import explorers
@@ -181,7 +182,6 @@ def test_differences_are_of_the_same_houses() -> None:
 def teller(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """Makes tellers, whose kernels are forgotten afterwards."""
     monkeypatch.setattr(belief.Belief, "odds", belief.Belief.odds)
-    kernel.step_kernel.cache_clear()
     yield Teller
     kernel.step_kernel.cache_clear()
 
@@ -216,6 +216,21 @@ def test_ground_is_told_as_it_lies_in_the_house(what: str, teller: Any) -> None:
             counts.add(count)
     assert right > 0.9 * floor > 20
     assert counts == ({0, SURE} if what == "floor" else {0, ELSEWHERE, SURE})
+
+
+def test_each_teller_is_asked_by_its_own_maps(teller: Any) -> None:
+    """Though kernels of maps are kept: a study plays in several modes by one process."""
+    torch.set_num_threads(1)
+    envs = make_worlds(HOUSES, len(HOUSES), "secondary")
+    kinds = []
+    for count in (0, SURE):
+        found = teller(envs, "rooms")
+        observation, _ = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
+        found.begin(len(HOUSES))
+        found.ground.fill(count)
+        found.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
+        kinds.append(found.map.arrays["counts"].numpy().reshape(-1, COUNTS)[:, KIND].tolist())
+    assert kinds == [[NONE] * len(HOUSES), [SEARCH] * len(HOUSES)]
 
 
 def test_walls_are_told_and_nothing_as_seen(teller: Any) -> None:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
 from agent.protocol import HUMAN, HUMAN_RATIO, Result
-from agent.results.agents import Entry, Study, by_seed, difference
+from agent.results.study import Entry, Study, by_seed, difference
 from agent.scoreboard import COLOURS, WHERE
 
 AGENTS = ("#1f5ea8", "#c0392b", "#4c9be8", "#7b5ea7", "#2d2d2d", "#8a6d3b")
