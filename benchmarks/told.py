@@ -65,6 +65,7 @@ class Teller(Surveyor):
         found = super().look(observation, blocked)
         if first and self.walls is not None:
             self.map.arrays["cells"].view()[:] |= self.walls
+            self.map.arrays["news"].view()[:] = 1
         return found
 
     def remember(self) -> None:

@@ -1,14 +1,12 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """Which view a map chooses: against all views by NumPy, and what it keeps against looking all anew."""
 
-from collections import deque
-
 import numpy as np
-import pytest
 
 from agent.map.belief import SURE
-from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, Bytes, Cells, Grid, Wholes
+from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, TILE, Bytes, Cells, Grid, Wholes
 from agent.map.counts import COUNTS, HEADING, SINCE, X, Y
+from agent.map.flood import UNASKED, Words
 from agent.map.views import (
     HASTE,
     LEAST,
@@ -16,14 +14,15 @@ from agent.map.views import (
     PITCH,
     PLENTY,
     RAYS,
+    SPARE,
     STRIDE,
     TRIED,
     UNTOLD,
     Views,
     looks,
 )
-from agent.map.ways import FAR, Ways
 from sim.runtime import Array, Launch, start, ti
+from tests.test_agent_flood import flood, opened
 
 BITS, BEFORE, SINCE_STEP, AFTER = 8, 10, 50, 60
 SIDE = 1 << BITS
@@ -57,14 +56,15 @@ class Chooser:
 
     def __init__(self, cells: np.ndarray) -> None:
         start()
-        grid = Grid(BITS)
-        views = Views(grid, Ways(grid))
+        views = Views(Grid(BITS))
 
         @ti.kernel
         def choose(
             cells: Cells,
-            field: Cells,
             queue: Cells,
+            news: Bytes,
+            tiles: Words,
+            guesses: Bytes,
             hidden: Bytes,
             shown: Cells,
             rays: Wholes,
@@ -72,20 +72,23 @@ class Chooser:
             answer: Wholes,
         ):
             for e in range(1):
-                goal, look, within, tail = views.choose(cells, field, queue, hidden, shown, rays, counts, e)
-                for k in ti.static(range(4)):
-                    answer[k] = (goal, look, within, tail)[k]
-                views.ways.forget(field, queue, 0, tail)
+                goal, look, within = views.choose(
+                    cells, queue, news, tiles, guesses, hidden, shown, rays, counts, e
+                )
+                for k in ti.static(range(3)):
+                    answer[k] = (goal, look, within)[k]
 
         self.arrays = {
             "cells": Array.of(cells.ravel()),
-            "field": Array.of(np.full(SIDE**2, FAR, np.uint16)),
             "queue": Array(ti.u16, SIDE**2),
-            "hidden": Array(ti.u8, SIDE**2 // 2),
+            "news": Array.of(np.ones(SIDE**2 >> 2 * TILE, np.uint8)),
+            "tiles": Array(ti.u64, views.flood.words),
+            "guesses": Array.of(np.full(SIDE**2 >> 2, UNASKED, np.uint8)),
+            "hidden": Array(ti.u8, SIDE**2 >> 2),
             "shown": Array(ti.u16, views.places),
             "rays": Array.of(looks()),
             "counts": Array(ti.i32, COUNTS),
-            "answer": Array(ti.i32, 4),
+            "answer": Array(ti.i32, 3),
         }
         self.forget()
         self.launch = Launch(choose, self.arrays)
@@ -95,29 +98,27 @@ class Chooser:
         self.arrays["shown"].view()[:] = UNTOLD
         self.arrays["hidden"].view()[:] = 0
 
-    def __call__(self, x: int, y: int, heading: int) -> tuple[int, int, int]:
-        """The goal, the heading to look at and how many nodes were come to, from a node."""
+    def show(self, cells: np.ndarray) -> None:
+        """Let the map have other cells."""
+        self.arrays["cells"].fill(cells.ravel())
+        self.arrays["news"].view()[:] = 1
+
+    def __call__(self, x: int, y: int, heading: int) -> tuple[int, int]:
+        """The goal, and the heading to look at, from a node."""
         counts = self.arrays["counts"].view()
         counts[[X, Y, HEADING, SINCE]] = 2 * x, 2 * y, heading, SINCE_STEP
         self.launch()
-        goal, look, _, tail = self.arrays["answer"].numpy().tolist()
-        assert (self.arrays["field"].numpy() == FAR).all()
-        return goal, look, tail
+        goal, look, _ = self.arrays["answer"].numpy().tolist()
+        return goal, look
 
 
 def distances(cells: np.ndarray, x: int, y: int) -> dict[tuple[int, int], int]:
-    """Nodes (x, y) that the body can come to, and how many steps away they are."""
-    free = (cells & (SOLID | NEAR)) == NEAR
-    found, queue = {(x, y): 0}, deque([(x, y)])
-    while queue:
-        i, j = queue.popleft()
-        for dx in (-1, 0, 1):
-            for dy in (-1, 0, 1):
-                there = (i + dx, j + dy)
-                if there not in found and free[j + dy, i + dx] and free[j, i + dx] and free[j + dy, i]:
-                    found[there] = found[i, j] + 1
-                    queue.append(there)
-    return found
+    """How far away the first nodes (x, y) of blocks are by the flood, where they are open; and the body's."""
+    found = {}
+    for (j, i), level in np.ndenumerate(flood(cells, x, y)):
+        if level >= 0 and opened(cells)[2 * j, 2 * i]:
+            found[2 * i, 2 * j] = max(2 * level - 1, abs(2 * i - x), abs(2 * j - y)) if level else 0
+    return found | {(x, y): 0}
 
 
 def places(cells: np.ndarray, reached: dict[tuple[int, int], int]) -> dict[tuple[int, int], int]:
@@ -158,7 +159,7 @@ def worths(cells: np.ndarray, x: int, y: int, heading: int) -> dict[tuple[int, i
             counted.pop(place, None)
     most, found = min(PLENTY * SURE, sum(counted.values())), {}
     for (i, j), distance in reached.items():
-        if (i % PITCH or j % PITCH) and distance:
+        if (i, j) != (x, y) and (i % PITCH or j % PITCH or not distance):
             continue
         gains = [octant(cells, counted, (i, j), o)[0] for o in range(8)]
         bearing = heading
@@ -175,42 +176,47 @@ def worths(cells: np.ndarray, x: int, y: int, heading: int) -> dict[tuple[int, i
 def starts(cells: np.ndarray, seed: int, number: int) -> list[tuple[int, int, int]]:
     """Poses on free nodes that ways join."""
     random = np.random.default_rng(seed)
-    free = np.argwhere((cells & (SOLID | NEAR)) == NEAR)
-    y, x = random.choice(free)
+    y, x = random.choice(np.argwhere(opened(cells)))
     nodes = list(distances(cells, x, y))
     return [(*nodes[random.integers(len(nodes))], int(random.integers(8))) for _ in range(number)]
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_view_is_the_best_of_all(seed: int) -> None:
-    cells = house(seed)
-    [(x, y, heading)] = starts(cells, seed, 1)
-    goal, look, _ = Chooser(cells)(x, y, heading)
-    found = worths(cells, x, y, heading)
-    assert len(found) > 100
-    assert found[goal, look] == pytest.approx(max(found.values()), rel=1e-5)
+def test_the_view_is_mostly_the_best_of_all_and_never_far_from_it() -> None:
+    """Between places from which it has looked, it looks only where these tell that it may be worth it."""
+    shares = []
+    for seed in range(8):
+        cells = house(seed)
+        chooser = Chooser(cells)
+        for x, y, heading in starts(cells, seed, 6):
+            chooser.forget()
+            found = worths(cells, x, y, heading)
+            assert len(found) > 100
+            shares.append(found[chooser(x, y, heading)] / max(found.values()))
+    assert np.mean(np.array(shares) > 1 - 1e-5) > 0.9
+    assert min(shares) > 0.8
 
 
-def test_what_is_kept_changes_no_choice_and_spares_most_looks() -> None:
+def test_what_is_kept_changes_next_to_no_choice_and_spares_most_looks() -> None:
     """As long as nothing is new. Choices one after the other, as what was tried is kept, too."""
-    again, looks_at_all = 0, 0
+    again, known, same = 0, 0, []
     for seed in range(4):
         cells = house(seed)
         lazy, anew = Chooser(cells), Chooser(cells)
         kept, forgotten = lazy.arrays["shown"].view(), anew.arrays["shown"].view()
-        for x, y, heading in starts(cells, seed, 6):
+        for x, y, heading in starts(cells, seed, 24):
             forgotten[:] = UNTOLD
             # One more than it was, so that a look tells: it puts back what there is.
             marked = np.where(kept < UNTOLD, kept + 1, UNTOLD)
             kept[:] = marked
-            assert lazy(x, y, heading) == anew(x, y, heading)
+            same.append(lazy(x, y, heading) == anew(x, y, heading))
             told = marked < UNTOLD
             again += np.sum(told & (kept != marked))
-            looks_at_all += np.sum(told & (forgotten < UNTOLD))
+            known += np.sum(told)
             for chooser in (lazy, anew):
                 assert set(np.unique(chooser.arrays["hidden"].view())) <= {0, TRIED}
-    assert looks_at_all > 100
-    assert again < 0.5 * looks_at_all
+    assert np.mean(same) > 0.9
+    assert again > 100
+    assert again < 0.2 * known
 
 
 def test_what_new_ground_may_cost_is_little() -> None:
@@ -228,20 +234,26 @@ def test_what_new_ground_may_cost_is_little() -> None:
             if pose[0] < (LOW + HIGH) // 2 - 2 and shut[pose[1], pose[0]] & SOLID == 0
         )
         chooser(x, y, heading)
-        chooser.arrays["cells"].fill(cells.ravel())
+        chooser.show(cells)
         chooser.arrays["hidden"].view()[:] = 0
         found = worths(cells, x, y, heading)
-        shares.append(found[chooser(x, y, heading)[:2]] / max(found.values()))
+        shares.append(found[chooser(x, y, heading)] / max(found.values()))
     assert min(shares) > 0.5
     assert np.mean(shares) > 0.9
 
 
 def test_what_views_showed_is_believed_until_it_is_forgotten() -> None:
-    cells = house(0)
-    [(x, y, heading)] = starts(cells, 0, 1)
-    chooser, found = Chooser(cells), worths(cells, x, y, heading)
-    shown = chooser.arrays["shown"].view()
-    shown[:] = 0
-    assert found.get(chooser(x, y, heading)[:2], 0) < max(found.values())
-    chooser.forget()
-    assert found[chooser(x, y, heading)[:2]] == pytest.approx(max(found.values()), rel=1e-5)
+    """Where all others are believed to show nothing, it turns where it stands."""
+    cells, elsewhere = house(0), 0
+    chooser = Chooser(cells)
+    for x, y, heading in starts(cells, 0, 12):
+        found, here = worths(cells, x, y, heading), (y << BITS) | x
+        turning = max((worth for view, worth in found.items() if view[0] == here), default=0)
+        if turning > SPARE:
+            chooser.forget()
+            chooser.arrays["shown"].view()[:] = 0
+            assert chooser(x, y, heading)[0] == here
+            chooser.forget()
+            assert found[chooser(x, y, heading)] > 0.8 * max(found.values())
+            elsewhere += max(found, key=lambda view: found[view])[0] != here
+    assert elsewhere >= 2

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
-from agent.map.cells import FLAGS, LATEST, OCCUPIED
+from agent.map.cells import FLAGS, LATEST, OCCUPIED, TILE
 from agent.map.counts import (
     COUNTS,
     FOUND,
@@ -26,6 +26,7 @@ from agent.map.counts import (
 )
 from agent.map.fan import FINE, fan
 from agent.map.features import FEATURES, mirrored_features
+from agent.map.flood import UNASKED, WORDS
 from agent.map.kernel import Body, step_kernel
 from agent.map.views import PITCH, looks
 from agent.map.ways import FAR
@@ -41,7 +42,10 @@ BITS = 8
 UNKNOWN, FREE, TAKEN = range(3)
 """What ``occupancy`` says of a cell."""
 
-STATE = ("cells", "field", "queue", "hidden", "shown", "counts", "target", "advice", "features")
+STATE = (
+    *("cells", "field", "queue", "news", "tiles", "guesses", "hidden", "shown"),
+    *("counts", "target", "advice", "features"),
+)
 """What a map goes on from."""
 
 
@@ -91,7 +95,10 @@ class Map:
             "cells": Array(ti.u16, area),
             "field": Array(ti.u16, area),
             "queue": Array(ti.u16, area),
-            "hidden": Array(ti.u8, area >> 1),
+            "news": Array(ti.u8, area >> 2 * TILE),
+            "tiles": Array(ti.u64, WORDS * area >> 2 * TILE),
+            "guesses": Array(ti.u8, area >> 2),
+            "hidden": Array(ti.u8, area >> 2),
             "shown": Array(ti.u16, area // PITCH**2),
             "looks": Array.of(looks()),
             "counts": Array(ti.i32, count * COUNTS),
@@ -100,6 +107,7 @@ class Map:
             "features": Array(ti.f32, count * FEATURES),
         }
         self.arrays["field"].fill(np.full(area, FAR))
+        self.arrays["guesses"].fill(np.full(area >> 2, UNASKED))
         half = config.target / 2 / self.cell
         far = FINE * config.range / self.cell
         body = Body(rays, config.channels, int(config.sees_angle), step, config.in_cells, half, far, BITS)

@@ -27,6 +27,11 @@ DEPTH = 8
 LATEST = (1 << 15 - FLAGS) - 1
 """The last step that a cell can tell."""
 
+TILE = 4
+"""Tiles are of 2^4 by 2^4 cells. ``news`` tells of each whether more is known of its cells or its nodes
+than when it was asked last (``agent.map.flood``).
+"""
+
 AROUND = 0.07
 """Cells about a hit that are taken for occupied too: a centimetre, more than the shield's margin."""
 
@@ -76,17 +81,32 @@ class Grid:
         return ti.cast(ti.cast(cells[base + node], ti.i32) & (SOLID | NEAR) == NEAR, ti.i32)
 
     @ti.func
-    def close(self, cells: ti.template(), base, x, y):
+    def tile(self, node):
+        """The tile that a cell is in."""
+        across, down = (node & ti.static(self.mask)) >> TILE, node >> ti.static(self.bits + TILE)
+        return (down << ti.static(self.bits - TILE)) | across
+
+    @ti.func
+    def note(self, news: ti.template(), base, node):
+        """Note that something is known of a cell, or of the node, that was not."""
+        news[(base >> 2 * TILE) + self.tile(node)] = ti.cast(1, ti.u8)
+
+    @ti.func
+    def close(self, cells: ti.template(), news: ti.template(), base, x, y):
         """Let the body have no room on a node; whether it had some."""
-        i, had = base + self.at(x, y), 1 - self.solid(cells, base, x, y)
-        cells[i] = cells[i] | ti.cast(SOLID, ti.u16)
+        node, had = self.at(x, y), 1 - self.solid(cells, base, x, y)
+        if had:
+            cells[base + node] = cells[base + node] | ti.cast(SOLID, ti.u16)
+            self.note(news, base, node)
         return had
 
     @ti.func
-    def clear(self, cells: ti.template(), base, x, y):
+    def clear(self, cells: ti.template(), news: ti.template(), base, x, y):
         """Let the body have room on a node: it stands there."""
-        i = base + self.at(x, y)
-        cells[i] = cells[i] & ti.cast(~SOLID, ti.u16)
+        if self.solid(cells, base, x, y):
+            node = self.at(x, y)
+            cells[base + node] = cells[base + node] & ti.cast(~SOLID, ti.u16)
+            self.note(news, base, node)
 
     @ti.func
     def room(self, cells: ti.template(), base, px, py):
@@ -111,10 +131,12 @@ class Grid:
         return (((node & ~mask) + (way & ~mask)) & ti.static(self.area - 1)) | ((node + way) & mask)
 
     @ti.func
-    def see(self, cells: ti.template(), base, node, bits, time):
+    def see(self, cells: ti.template(), news: ti.template(), base, node, bits, time):
         """Note that a cell is seen, and bits of it; what it was before."""
         cell = ti.cast(cells[base + node], ti.i32)
         cells[base + node] = ti.cast((cell & (SOLID | OCCUPIED)) | NEAR | bits | (time << FLAGS), ti.u16)
+        if (cell < 1 << FLAGS) | (bits & ~cell != 0):
+            self.note(news, base, node)
         if cell < 1 << FLAGS:
             x, y = node & ti.static(self.mask), node >> ti.static(self.bits)
             for k in ti.static(range(8)):
@@ -123,27 +145,38 @@ class Grid:
         return cell
 
     @ti.func
-    def see_body(self, cells: ti.template(), base, px, py, time):
+    def see_body(self, cells: ti.template(), news: ti.template(), base, px, py, time):
         """Note the cells that the body covers wholly, or half of them between two nodes; how many are new."""
         new = 0
         for k in range(4):
             node = self.at(((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1))
-            new += ti.cast(self.see(cells, base, node, 0, time) < 1 << FLAGS, ti.i32)
+            new += ti.cast(self.see(cells, news, base, node, 0, time) < 1 << FLAGS, ti.i32)
         return new
 
     @ti.func
-    def see_fan(self, cells: ti.template(), fan: ti.template(), base, corner, first, last, reach, time):
+    def see_fan(
+        self,
+        cells: ti.template(),
+        news: ti.template(),
+        fan: ti.template(),
+        base,
+        corner,
+        first,
+        last,
+        reach,
+        time,
+    ):
         """Note the cells of a list of the fan (``agent.map.fan``), from the eye's corner, that rays reach."""
         new = 0
         for k in range(first, last):
             if fan[k] >> 16 > reach:
                 break
-            cell = self.see(cells, base, self.beside(corner, fan[k] & 0xFFFF), 0, time)
+            cell = self.see(cells, news, base, self.beside(corner, fan[k] & 0xFFFF), 0, time)
             new += ti.cast(cell < 1 << FLAGS, ti.i32)
         return new
 
     @ti.func
-    def hit(self, cells: ti.template(), base, x, y, time):
+    def hit(self, cells: ti.template(), news: ti.template(), base, x, y, time):
         """Note what stands at a place: the cells within a centimetre. How many were not known to be taken, or
         where bodies touch, how many nodes to be solid.
         """
@@ -152,17 +185,17 @@ class Grid:
         new = 0
         for j in range(j0, j1 + 1):
             for i in range(i0, i1 + 1):
-                if self.see(cells, base, self.at(i, j), OCCUPIED, time) & OCCUPIED == 0:
+                if self.see(cells, news, base, self.at(i, j), OCCUPIED, time) & OCCUPIED == 0:
                     new += 1
                     if ti.static(not self.touching):
                         for k in range(4):
-                            self.close(cells, base, i + (k & 1), j + (k >> 1))
+                            self.close(cells, news, base, i + (k & 1), j + (k >> 1))
         if ti.static(self.touching):
-            new = self.line(cells, base, x, y)
+            new = self.line(cells, news, base, x, y)
         return new
 
     @ti.func
-    def line(self, cells: ti.template(), base, x, y):
+    def line(self, cells: ti.template(), news: ti.template(), base, x, y):
         """Let the body have no room on the nodes about a hit on the line of a wall that it lies on: bodies
         stand on even nodes, so lines run along odd ones. How many had some.
         """
@@ -176,7 +209,7 @@ class Grid:
             if ti.abs(along - node) < 1.0 - AROUND:
                 i = ti.cast(ti.select(upright, line, node), ti.i32)
                 j = ti.cast(ti.select(upright, node, line), ti.i32)
-                new += self.close(cells, base, i, j)
+                new += self.close(cells, news, base, i, j)
         return new
 
     @ti.func

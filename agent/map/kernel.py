@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from agent.map.advice import Advice
-from agent.map.cells import Bytes, Cells, Floats, Grid, Longs, Wholes
+from agent.map.cells import TILE, Bytes, Cells, Floats, Grid, Longs, Wholes
 from agent.map.counts import (
     AGE,
     ALIGNED,
@@ -35,6 +35,7 @@ from agent.map.counts import (
     Y,
 )
 from agent.map.features import describe
+from agent.map.flood import Words
 from agent.map.sight import Sight
 from agent.map.views import THOUGHT, Views
 from agent.map.ways import FAR, Ways
@@ -73,7 +74,7 @@ def step_kernel(program: Any, body: Body) -> Any:
     """The kernel for a running Taichi. Arguments are named for the map's arrays."""
     grid = Grid(body.bits, body.step, body.touching)
     ways = Ways(grid)
-    views = Views(grid, ways)
+    views = Views(grid)
     sight = Sight(body.target)
     adviser = Advice(grid, ways)
     rays, channels, distance_at, step_by = body[:4]
@@ -115,6 +116,9 @@ def step_kernel(program: Any, body: Body) -> Any:
         cells: Cells,
         field: Cells,
         queue: Cells,
+        news: Bytes,
+        tiles: Words,
+        guesses: Bytes,
         hidden: Bytes,
         shown: Cells,
         looks: Wholes,
@@ -146,6 +150,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                     cells[base + k] = ti.cast(0, ti.u16)
                 for k in range(COUNTS):
                     counts[w + k] = 0
+                for k in range(ti.static(grid.area >> 2 * TILE)):
+                    news[(base >> 2 * TILE) + k] = ti.cast(1, ti.u8)
                 views.retry(hidden, shown, e)
                 counts[w + SINCE] = 1
                 counts[w + HEADING] = ti.max(slant, 0)
@@ -156,11 +162,13 @@ def step_kernel(program: Any, body: Body) -> Any:
             x, y = 0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)
 
             # see
-            new, hits, spotted, missed, forward = grid.see_body(cells, base, px, py, time), 0, 0, 0, 1
+            new, hits, spotted, missed, forward = grid.see_body(cells, news, base, px, py, time), 0, 0, 0, 1
             low, high, side = ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9]), ti.Vector([0.0, 0.0])
             known, off = counts[w + KNOWN], ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
             before, before_kind, before_far = ti.Vector([0.0, 0.0]), -1, 0
             corner, lists = grid.at(px >> 1, py >> 1), ((heading * 4) | (px & 1) | ((py & 1) << 1)) * 2 * rays
+            # Where nothing is new and it does not turn, every other look tells as much of the floor.
+            sweep = (counts[w + NEW] > 0) | (time & 1) | (action[e] < 2) | fresh
             for r in range(rays):
                 d, j = observation[o + r * channels + distance_at], 2 * (heading * rays + r)
                 reach = ti.Vector([directions[j], directions[j + 1]])
@@ -172,19 +180,20 @@ def step_kernel(program: Any, body: Body) -> Any:
                     forward = 0
                 # the ray's own cells, and those between the last one and it
                 far, i = ti.cast(d * reach_by, ti.i32), lists + 2 * r
-                new += grid.see_fan(cells, fan, base, corner, starts[i], starts[i + 1], far, time)
-                if r > 0:
+                if sweep:
+                    new += grid.see_fan(cells, news, fan, base, corner, starts[i], starts[i + 1], far, time)
+                if (r > 0) & (sweep != 0):
                     both = ti.min(far, before_far)
-                    new += grid.see_fan(cells, fan, base, corner, starts[i - 1], starts[i], both, time)
+                    new += grid.see_fan(cells, news, fan, base, corner, starts[i - 1], starts[i], both, time)
                 if kind == 1:
-                    hits += grid.hit(cells, base, x + end[0], y + end[1], time)
+                    hits += grid.hit(cells, news, base, x + end[0], y + end[1], time)
                 # the wall between what this ray and the last one hit, if both lie on one line
                 gap = ti.abs(end - before)
                 if (kind == 1) & (before_kind == 1) & (gap.max() < grid.widest) & (gap.min() < 1e-3):
                     pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
                     for k in range(1, pieces):
                         part = before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
-                        hits += grid.hit(cells, base, x + part[0], y + part[1], time)
+                        hits += grid.hit(cells, news, base, x + part[0], y + part[1], time)
                 before, before_kind, before_far = end, kind, far
                 if kind == 2:
                     spotted += 1
@@ -219,12 +228,12 @@ def step_kernel(program: Any, body: Body) -> Any:
                 forward = 0
             if (px | py) & 1 == 0:
                 # It may stand nearer to a wall than the map would have let it go.
-                grid.clear(cells, base, px >> 1, py >> 1)
+                grid.clear(cells, news, base, px >> 1, py >> 1)
             way = ways.ahead(heading)
             if (forward == 0) & grid.passes(cells, base, px, py, way[0], way[1], step_by):
                 # It cannot go where the map says it can: what hinders it lies between two rays.
                 qx, qy = px + hinders * way[0], py + hinders * way[1]
-                grid.close(cells, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
+                grid.close(cells, news, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
                 hits += 1
 
             # choose
@@ -263,7 +272,10 @@ def step_kernel(program: Any, body: Body) -> Any:
                     kind = NONE
             while kind == NONE:
                 ways.forget(field, queue, base, tail)
-                goal, look, within, tail = views.choose(cells, field, queue, hidden, shown, looks, counts, e)
+                tail = 0
+                goal, look, within = views.choose(
+                    cells, queue, news, tiles, guesses, hidden, shown, looks, counts, e
+                )
                 counts[w + LOOK], counts[w + THINK] = look, 0
                 anew = 1
                 if goal >= 0:
