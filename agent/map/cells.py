@@ -65,6 +65,16 @@ class Grid:
         return ((y & ti.static(self.mask)) << ti.static(self.bits)) | (x & ti.static(self.mask))
 
     @ti.func
+    def across(self, node):
+        """How far east a cell lies."""
+        return node & ti.static(self.mask)
+
+    @ti.func
+    def down(self, node):
+        """How far south a cell lies."""
+        return node >> ti.static(self.bits)
+
+    @ti.func
     def apart(self, one, other):
         """One coordinate less another, the short way about the torus."""
         half = ti.static(self.side // 2)
@@ -83,8 +93,7 @@ class Grid:
     @ti.func
     def tile(self, node):
         """The tile that a cell is in."""
-        across, down = (node & ti.static(self.mask)) >> TILE, node >> ti.static(self.bits + TILE)
-        return (down << ti.static(self.bits - TILE)) | across
+        return ((self.down(node) >> TILE) << ti.static(self.bits - TILE)) | (self.across(node) >> TILE)
 
     @ti.func
     def note(self, news: ti.template(), base, node):
@@ -138,7 +147,7 @@ class Grid:
         if (cell < 1 << FLAGS) | (bits & ~cell != 0):
             self.note(news, base, node)
         if cell < 1 << FLAGS:
-            x, y = node & ti.static(self.mask), node >> ti.static(self.bits)
+            x, y = self.across(node), self.down(node)
             for k in ti.static(range(8)):
                 near = base + self.at(x + WAYS[k][0] * DEPTH, y + WAYS[k][1] * DEPTH)
                 cells[near] = cells[near] | ti.cast(NEAR, ti.u16)

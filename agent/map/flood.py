@@ -54,7 +54,7 @@ class Flood:
     @ti.func
     def bit(self, node):
         """The bit of the block that a node is in."""
-        x, y = (node & ti.static(self.grid.mask)) >> 1, node >> ti.static(self.grid.bits + 1)
+        x, y = self.grid.across(node) >> 1, self.grid.down(node) >> 1
         return ti.u64(1) << ti.cast(y % SIDE * SIDE + x % SIDE, ti.u64)
 
     @ti.func
@@ -62,7 +62,7 @@ class Flood:
         """The first node of a tile's k-th block."""
         x = tile % ti.static(self.across) * SIDE + k % SIDE
         y = tile // ti.static(self.across) * SIDE + k // SIDE
-        return (y << ti.static(self.grid.bits + 1)) | (x << 1)
+        return self.grid.at(2 * x, 2 * y)
 
     @ti.func
     def at(self, first, word: ti.template(), tile):

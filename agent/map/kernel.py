@@ -257,7 +257,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     2 * ti.cast(ti.max(ti.abs(target[2 * e] - x), ti.abs(target[2 * e + 1] - y)), ti.i32) + 16
                 )
             elif kind == SEARCH:
-                gx, gy = goal & grid.mask, goal >> grid.bits
+                gx, gy = grid.across(goal), grid.down(goal)
                 done = ti.cast((look == heading) & (far == 0), ti.i32)
                 if look < 0:
                     done = 1 - grid.hides(cells, base, gx, gy, since)
@@ -314,7 +314,7 @@ def step_kernel(program: Any, body: Body) -> Any:
             advice[e] = act
 
             # describe
-            gx, gy = goal & grid.mask, goal >> grid.bits
+            gx, gy = grid.across(goal), grid.down(goal)
             bearing = ti.Vector(
                 [ti.cast(grid.apart(gx, px >> 1), ti.f32), ti.cast(grid.apart(gy, py >> 1), ti.f32)]
             )

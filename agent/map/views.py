@@ -95,8 +95,8 @@ class Views:
     @ti.func
     def at(self, node):
         """The place in its environment's part of ``hidden`` of the block that a node is in."""
-        bits = ti.static(self.grid.bits)
-        return ((node >> bits + 1) << bits - 1) | ((node & ti.static(self.grid.mask)) >> 1)
+        x, y = self.grid.across(node) >> 1, self.grid.down(node) >> 1
+        return (y << ti.static(self.grid.bits - 1)) | x
 
     @ti.func
     def retry(self, hidden: ti.template(), shown: ti.template(), e):
@@ -147,7 +147,7 @@ class Views:
                     ti.cast(queue[base + 2 * k], ti.i32),
                     ti.cast(queue[base + 2 * k + 1], ti.i32),
                 )
-                x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+                x, y = self.grid.across(node), self.grid.down(node)
                 way = self.steps(distance)
                 # So far away, no view can be worth more than the best one.
                 if most <= ti.max(best * way, SURE * LEAST):
@@ -246,7 +246,7 @@ class Views:
                     block = ti.cast(ti.math.popcnt((rising & -rising) - ti.u64(1)), ti.i32)
                     rising &= rising - ti.u64(1)
                     node = self.flood.node(tile, block)
-                    x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+                    x, y = self.grid.across(node), self.grid.down(node)
                     odds = self.odds(cells, guesses, base, tile, block, counts[w + SINCE])
                     if odds >= 0:
                         share = ti.select(self.belief.within(home, x, y), shares[0], shares[1])
@@ -288,7 +288,7 @@ class Views:
         if odds == UNASKED:
             odds = -1
             node = self.flood.node(tile, block)
-            x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+            x, y = self.grid.across(node), self.grid.down(node)
             if self.grid.hides(cells, base, x, y, since):
                 odds = self.belief.odds(cells, base, x, y)
                 if self.grid.hides(cells, base, x, y, 1):

@@ -51,7 +51,7 @@ class Ways:
     @ti.func
     def spread(self, cells: ti.template(), field: ti.template(), queue: ti.template(), base, node, tail):
         """Come to the neighbours of a node: to diagonal ones only past two free corners."""
-        x, y = node & ti.static(self.grid.mask), node >> ti.static(self.grid.bits)
+        x, y = self.grid.across(node), self.grid.down(node)
         distance = ti.cast(field[base + node], ti.i32) + 1
         free = ti.Vector([0, 0, 0, 0])
         for k in ti.static(range(4)):
@@ -102,7 +102,7 @@ class Ways:
         both axes, where it lies ``off`` its node, to all nodes up to the body's and a little further that may
         lie on a way of ``within`` nodes; the queue's end. Where nothing there is free, from further away.
         """
-        tail, x, y = 0, goal & ti.static(self.grid.mask), goal >> ti.static(self.grid.bits)
+        tail, x, y = 0, self.grid.across(goal), self.grid.down(goal)
         for wider in range(4):
             if tail == 0:
                 span = radius + ti.cast(wider, ti.f32)
@@ -119,8 +119,8 @@ class Ways:
             if distance > last:
                 break
             head += 1
-            away_x = ti.abs(self.grid.apart(node & ti.static(self.grid.mask), px >> 1))
-            away_y = ti.abs(self.grid.apart(node >> ti.static(self.grid.bits), py >> 1))
+            away_x = ti.abs(self.grid.apart(self.grid.across(node), px >> 1))
+            away_y = ti.abs(self.grid.apart(self.grid.down(node), py >> 1))
             away = ti.max(away_x, away_y)
             if away <= 1:
                 last = ti.min(last, distance + BESIDE)
