@@ -2,6 +2,7 @@
 """How far away places are by the flood of blocks: against NumPy, and against ways of nodes."""
 
 from collections import deque
+from itertools import product
 
 import numpy as np
 import pytest
@@ -30,13 +31,16 @@ def edges(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return east, south
 
 
-def flood(cells: np.ndarray, x: int, y: int) -> np.ndarray:
-    """After how many steps it comes to each block (SIDE / 2, SIDE / 2), from a node; -1 for never."""
+def flood(cells: np.ndarray, px: int, py: int) -> np.ndarray:
+    """After how many steps it comes to each block (SIDE / 2, SIDE / 2), from a pose in half cells; -1 for
+    never.
+    """
     east, south = edges(cells)
     level = np.full(east.shape, -1)
-    for dx, dy in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)):
-        if not (dx or dy) or opened(cells)[(y + dy) % SIDE, (x + dx) % SIDE]:
-            level[(y + dy) % SIDE // 2, (x + dx) % SIDE // 2] = 0
+    for x, y in product({px // 2, (px + 1) // 2}, {py // 2, (py + 1) // 2}):
+        for dx, dy in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)):
+            if not (dx or dy) or opened(cells)[(y + dy) % SIDE, (x + dx) % SIDE]:
+                level[(y + dy) % SIDE // 2, (x + dx) % SIDE // 2] = 0
     for step in range(1, SIDE**2):
         wet = level >= 0
         wet = wet | np.roll(wet & east, 1, 1) | np.roll(wet, -1, 1) & east
@@ -90,16 +94,14 @@ class Flooder:
             news: Bytes,
             tiles: Words,
             guesses: Bytes,
-            nodes: Wholes,
+            poses: Wholes,
             levels: Wholes,
         ):
             for e in range(count):
                 base, first = e * SIDE * SIDE, e * flood.words
                 these, those = base + views.agenda, base + views.agenda + flood.number
                 flood.begin(tiles, news, guesses, base, first)
-                tail, _ = views.source(
-                    cells, queue, tiles, base, first, 2 * nodes[2 * e], 2 * nodes[2 * e + 1]
-                )
+                tail, _ = views.source(cells, queue, tiles, base, first, poses[2 * e], poses[2 * e + 1])
                 level = 0
                 while tail > 0:
                     risen = 0
@@ -126,23 +128,24 @@ class Flooder:
             "news": Array.of(np.ones(cells.size >> 2 * TILE, np.uint8)),
             "tiles": Array(ti.u64, count * flood.words),
             "guesses": Array.of(np.full(cells.size >> 2, UNASKED, np.uint8)),
-            "nodes": Array(ti.i32, 2 * count),
+            "poses": Array(ti.i32, 2 * count),
             "levels": Array(ti.i32, cells.size >> 2),
         }
         self.launch = Launch(rise, self.arrays)
 
-    def __call__(self, nodes: np.ndarray) -> np.ndarray:
-        """Steps (E, SIDE / 2, SIDE / 2) to each block from a node (E, 2) of each map, -1 for never."""
-        self.arrays["nodes"].fill(nodes.astype(np.int32).ravel())
+    def __call__(self, poses: np.ndarray) -> np.ndarray:
+        """Steps (E, SIDE / 2, SIDE / 2) to each block from a pose (E, 2) on each map, -1 for never."""
+        self.arrays["poses"].fill(poses.astype(np.int32).ravel())
         self.arrays["levels"].view()[:] = -1
         self.launch()
         return self.arrays["levels"].numpy().reshape(-1, SIDE // 2, SIDE // 2)
 
 
-def free_nodes(cells: np.ndarray, seed: int) -> np.ndarray:
-    """An open node (E, 2) of each map, east and south."""
+def poses_on(cells: np.ndarray, seed: int) -> np.ndarray:
+    """An open node (E, 2) of each map, or half a cell from it along one axis or both; half cells."""
     random = np.random.default_rng(seed)
-    return np.array([random.choice(np.argwhere(opened(each)))[::-1] for each in cells])
+    nodes = np.array([random.choice(np.argwhere(opened(each)))[::-1] for each in cells])
+    return 2 * nodes + random.integers(-1, 2, nodes.shape)
 
 
 @pytest.mark.parametrize("thick", [1, 2, 5])
@@ -151,36 +154,41 @@ def test_it_rises_as_blocks_are_joined(thick: int) -> None:
     cells = mazes(thick, 6, thick)
     flooder = Flooder(cells)
     for seed in range(3):
-        nodes = free_nodes(cells, seed)
-        found = flooder(nodes)
-        expected = np.stack([flood(each, *node) for each, node in zip(cells, nodes, strict=True)])
+        poses = poses_on(cells, seed)
+        if seed == 2:  # bodies may stand on what their maps took for solid
+            for each, (x, y) in zip(flooder.arrays["cells"].view().reshape(cells.shape), poses, strict=True):
+                each[y // 2 % SIDE, x // 2 % SIDE] |= SOLID
+            cells = flooder.arrays["cells"].numpy().reshape(cells.shape)
+            flooder.arrays["news"].view()[:] = 1
+        found = flooder(poses)
+        expected = np.stack([flood(each, *pose) for each, pose in zip(cells, poses, strict=True)])
         assert np.array_equal(found, expected)
         assert found.max() > 60
 
 
 def test_where_it_comes_a_body_comes_and_the_way_is_about_as_long() -> None:
-    """Walls are two nodes thick at least, as the map's are. It cuts corners, which bodies do not."""
-    missed, nodes_reached = 0, 0
+    """Walls are two nodes thick, as what rays hit is on the map. It cuts corners, which bodies do not."""
+    missed, reached = 0, 0
     for e, cells in enumerate(mazes(0, 6, 2)):
-        [(x, y)] = free_nodes(cells[None], e)
-        level, way = flood(cells, x, y), ways(cells, x, y)
+        x, y = np.random.default_rng(e).choice(np.argwhere(opened(cells)))[::-1]
+        level, way = flood(cells, 2 * x, 2 * y), ways(cells, x, y)
         by_block = way.reshape(SIDE // 2, 2, SIDE // 2, 2).swapaxes(1, 2).reshape(SIDE // 2, SIDE // 2, 4)
         comes = np.max(by_block, axis=-1) >= 0
         nearest = np.where(by_block >= 0, by_block, SIDE**2).min(axis=-1)
         assert comes[level >= 0].all()
         missed += (comes & (level < 0)).sum()
-        nodes_reached += comes.sum()
+        reached += comes.sum()
         wet = level > 3
         ratio = 2 * level[wet] / nearest[wet]
         assert 0.85 < np.median(ratio) < 1.02
         assert ((ratio > 0.6) & (ratio < 1.3)).all()
-    assert missed < 0.02 * nodes_reached
+    assert missed < 0.02 * reached
 
 
 def test_what_is_kept_of_tiles_is_true_as_long_as_news_are_told() -> None:
     """Nodes close and open, and the tiles that they are in have news: as if all was found anew."""
     cells, random = mazes(3, 4, 2), np.random.default_rng(1)
-    flooder, nodes = Flooder(cells), free_nodes(cells, 5)
+    flooder, nodes = Flooder(cells), poses_on(cells, 5) // 2
     kept = flooder.arrays["cells"].view().reshape(cells.shape)
     news = flooder.arrays["news"].view().reshape(len(cells), SIDE >> TILE, SIDE >> TILE)
     for _ in range(8):
@@ -190,6 +198,6 @@ def test_what_is_kept_of_tiles_is_true_as_long_as_news_are_told() -> None:
             kept[e, y, x] = NEAR
             for v, u in ((j, i), (j + 2, i + 2), (j, i + 2), (j + 2, i), (y, x)):
                 news[e, min(v, SIDE - 1) >> TILE, min(u, SIDE - 1) >> TILE] = 1
-        expected = np.stack([flood(each, *node) for each, node in zip(kept, nodes, strict=True)])
-        assert np.array_equal(flooder(nodes), expected)
+        expected = np.stack([flood(each, *2 * node) for each, node in zip(kept, nodes, strict=True)])
+        assert np.array_equal(flooder(2 * nodes), expected)
         assert not news.any()

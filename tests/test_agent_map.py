@@ -17,8 +17,9 @@ from agent.config import PRESETS, PQNConfig
 from agent.evaluate import play
 from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
 from agent.map.cells import FLAGS, SOLID, WAYS
-from agent.map.counts import KIND, NONE, STALE
+from agent.map.counts import KIND, NONE, STALE, THINK
 from agent.map.features import SCALARS, SIDES
+from agent.map.flood import UNASKED
 from agent.map.ways import FAR
 from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
 from agent.pqn import PQN
@@ -270,6 +271,37 @@ def test_walls_are_lines_to_bodies_that_fill_cells(gridded):
             assert free[open_].all()
             agree.append((free == open_)[stands])
     assert np.concatenate(agree).mean() > 0.99
+
+
+class Twins:
+    """A map, and one that is told before each step that there are news everywhere: it finds all anew."""
+
+    def __init__(self, envs: HouseVectorEnv) -> None:
+        self.kept, self.anew = Map(envs.config, envs.num_envs), Map(envs.config, envs.num_envs)
+        self.asked = 0
+
+    def step(self, *inputs: torch.Tensor) -> None:
+        self.anew.arrays["news"].view()[:] = 1
+        self.kept.step(*inputs)
+        self.anew.step(*inputs)
+        assert torch.equal(self.kept._counts, self.anew._counts)
+        assert np.array_equal(self.kept.arrays["shown"].view(), self.anew.arrays["shown"].view())
+        self.asked += int((self.kept._counts[:, THINK] == 0).sum())
+
+    @property
+    def advice(self) -> torch.Tensor:
+        return self.kept.advice
+
+
+@pytest.mark.parametrize("kind", ["envs", "gridded"])
+def test_what_a_map_keeps_of_tiles_is_what_it_would_find_anew(kind, request):
+    """Views, goals and ways: whatever is seen, closed or cleared is news where it matters."""
+    envs = request.getfixturevalue(kind)
+    twins = Twins(envs)
+    walked(envs, twins, 700)  # pyright: ignore[reportArgumentType]
+    assert twins.asked > 20 * envs.num_envs
+    guesses = twins.kept.arrays["guesses"].view()
+    assert (guesses < UNASKED).sum() > 100 * envs.num_envs
 
 
 def test_what_a_body_that_fills_a_cell_can_do_is_what_its_map_says(gridded):

@@ -5,8 +5,8 @@
 A choice of a view asks for the length of the ways to all places, but not which way to go: so blocks will
 do, and whole words of them can be flooded at a time. A block is one with the next where two nodes that lie
 side by side, one of each, are both open. In a step the flood rises to the east and the west, and then from
-all that to the north and the south, so diagonally too. Where it comes, ways of nodes lead as well. What was
-found of a tile, 8 by 8 blocks, is kept until there are news in it or beside it.
+all that to the north and the south, so diagonally too. Where it comes, but for where it begins, ways of nodes
+lead as well. What was found of a tile, 8 by 8 blocks, is kept until there are news in it or beside it.
 """
 
 from agent.map.cells import TILE, Grid
@@ -19,7 +19,8 @@ EAST, SOUTH, OPEN, KNOWN, WET, RISING, COMING = range(7)
 """A tile's words: which blocks are one with the next one to the east, and to the south; of which the first
 node is open; whether these are known; and which the flood has come to, came to last, and comes to now."""
 
-WORDS = 7
+WORDS = COMING + 1
+"""How many words a tile has."""
 
 UNASKED = (1 << 8) - 1
 """A guess that was not made yet, of what a hiding place counts."""
@@ -120,9 +121,9 @@ class Flood:
     def upright(self, tiles: ti.template(), agenda: ti.template(), first, to, tile, bits, tail):
         """Let blocks of a tile, and those north and south of them, come to the list; its new end."""
         north, south = self.beside(tile, 0, -1), self.beside(tile, 0, 1)
-        open_, above = tiles[self.at(first, SOUTH, tile)], tiles[self.at(first, SOUTH, north)]
-        down = bits & open_
-        near = bits | (masked(down, ALL ^ LAST_ROW) << SIDE) | ((bits >> SIDE) & open_)
+        joined, above = tiles[self.at(first, SOUTH, tile)], tiles[self.at(first, SOUTH, north)]
+        down = bits & joined
+        near = bits | (masked(down, ALL ^ LAST_ROW) << SIDE) | ((bits >> SIDE) & joined)
         tail = self.pour(tiles, agenda, first, to, tile, near, tail)
         over = masked(down, LAST_ROW) >> ti.static(SIDE * (SIDE - 1))
         tail = self.pour(tiles, agenda, first, to, south, over, tail)
@@ -137,10 +138,10 @@ class Flood:
         west, east = self.beside(tile, -1, 0), self.beside(tile, 1, 0)
         for k in range(6):
             self.know(cells, tiles, base, first, self.beside(tile, k % 3 - 1, k // 3 - 1))
-        bits, open_ = tiles[self.at(first, RISING, tile)], tiles[self.at(first, EAST, tile)]
-        ahead = bits & open_
+        bits, joined = tiles[self.at(first, RISING, tile)], tiles[self.at(first, EAST, tile)]
+        ahead = bits & joined
         near = (
-            bits | (masked(ahead, ALL ^ LAST_COLUMN) << 1) | ((bits >> 1) & masked(open_, ALL ^ LAST_COLUMN))
+            bits | (masked(ahead, ALL ^ LAST_COLUMN) << 1) | ((bits >> 1) & masked(joined, ALL ^ LAST_COLUMN))
         )
         tail = self.upright(tiles, agenda, first, to, tile, near, tail)
         over = masked(ahead, LAST_COLUMN) >> ti.static(SIDE - 1)
@@ -164,11 +165,11 @@ class Flood:
             for j in range(SIDE + 1):
                 a, b = self.row(cells, base, x, y + 2 * j)
                 c, d = self.row(cells, base, x, y + 2 * j + 1)
-                first_ = self.packed(a)
+                upper = self.packed(a)
                 whole = ~((a & d & ~b & ~c) | (b & c & ~a & ~d))
                 a, b, c, d = a & whole, b & whole, c & whole, d & whole
                 if j < SIDE:
-                    open_ |= first_ << ti.cast(SIDE * j, ti.u64)
+                    open_ |= upper << ti.cast(SIDE * j, ti.u64)
                     along = self.packed((b & (a >> 2)) | (d & (c >> 2)))
                     east |= along << ti.cast(SIDE * j, ti.u64)
                 if j > 0:

@@ -11,10 +11,10 @@ explorer that goes by them picks up 0.65 of the oracle's targets (``python -m be
 
 import numpy as np
 
-from agent.map.belief import SURE, Belief
-from agent.map.cells import FLAGS, OCCUPIED, SOLID, Grid
+from agent.map.belief import ABOUT, SURE, Belief
+from agent.map.cells import DEPTH, FLAGS, OCCUPIED, SOLID, Grid
 from agent.map.counts import COUNTS, FOUND, HEADING, HERE, SINCE, X, Y
-from agent.map.flood import OPEN, UNASKED, Flood
+from agent.map.flood import NODES, OPEN, UNASKED, Flood
 from agent.map.ways import DETOUR
 from sim.runtime import ti
 
@@ -47,8 +47,8 @@ GROWTH, SPARE = 1.2, 50
 parts of ``SURE``: half a hiding place."""
 
 BETWEEN = 1.3
-"""A view between others, at most so many times what the best of these does, and as much more: so it is looked
-first at every other place along both axes."""
+"""A view between others, at most so many times what the best of these does, and ``SPARE`` more: so it is
+looked first from every other place along both axes."""
 
 UNTOLD = (1 << 16) - 1
 """What is kept of a view that was not looked at since ``retry``."""
@@ -84,8 +84,12 @@ class Views:
 
     def __init__(self, grid: Grid) -> None:
         """Choose on this grid."""
-        if PITCH & (PITCH - 1):
-            raise ValueError(f"PITCH must be a power of two, not {PITCH}")
+        if PITCH < 4 or PITCH & (PITCH - 1):
+            raise ValueError(f"PITCH must be a power of two, 4 or more, not {PITCH}")
+        if max(DEPTH, ABOUT) > NODES - 2:
+            raise ValueError(
+                f"DEPTH and ABOUT must be {NODES - 2} at most: news are told to tiles side by side"
+            )
         self.grid, self.flood, self.belief = grid, Flood(grid), Belief(grid)
         self.area, self.places = grid.area >> 2, grid.area // PITCH**2
         # Of the queue the first part has places that it may go to and how far away they are, then there are
@@ -149,7 +153,8 @@ class Views:
                 )
                 x, y = self.grid.across(node), self.grid.down(node)
                 way = self.steps(distance)
-                # So far away, no view can be worth more than the best one.
+                # So far away, no view can be worth more than the best one, but for a step or two: that is how
+                # exactly places are in turn.
                 if most <= ti.max(best * way, SURE * LEAST):
                     going = 0
                 elif self.bound(shown, part, x, y, most, finer) > best * way:

@@ -1,6 +1,6 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
 # pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
-"""Ways on the map: breadth-first over nodes, from the body to all places and from a goal to all about.
+"""Ways on the map: breadth-first over nodes, from a goal to the body and a little further.
 
 A step along a diagonal goes as far along both axes, so all eight neighbours of a node are one apart. What is
 near to what was seen and not known to be solid counts as free: the body finds out on its way.
@@ -13,7 +13,8 @@ FAR = (1 << 16) - 1
 """A node that no search has come to."""
 
 DETOUR = 16
-"""Nodes by which a way may be longer than the shortest for its nodes to be measured."""
+"""Nodes by which a way may be longer than the flood (``agent.map.flood``) found the goal to be away, for its
+nodes to be measured."""
 
 LONG = 40
 """Nodes of a way whose turns are counted."""
@@ -68,20 +69,6 @@ class Ways:
                 beside = self.grid.at(x + dx, y + dy)
                 if not self.reached(field, base, beside) and self.grid.open(cells, base, beside):
                     tail = self.push(field, queue, base, beside, distance, tail)
-        return tail
-
-    @ti.func
-    def start(self, cells: ti.template(), field: ti.template(), queue: ti.template(), base, px, py):
-        """Begin at the body: on the nodes within half a cell, those with room if there are any."""
-        tail = 0
-        for pass_ in ti.static(range(2)):
-            if tail == 0:
-                for k in range(4):
-                    x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
-                    node = self.grid.at(x, y)
-                    free = ti.static(pass_ == 1) or not self.grid.solid(cells, base, x, y)
-                    if free and not self.reached(field, base, node):
-                        tail = self.push(field, queue, base, node, 0, tail)
         return tail
 
     @ti.func
