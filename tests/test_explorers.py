@@ -313,7 +313,7 @@ def test_a_place_is_free_until_the_body_has_seen_it() -> None:
 
 
 def test_places_are_counted_in_the_houses_that_they_are_of() -> None:
-    free, asked = collect(HOUSES, 200)
+    free, asked = collect(HOUSES, 600)
     assert free.shape == asked.shape == (len(HOUSES), ENTRIES + 1)
     assert (free <= asked).all()
     assert asked.sum() > 50
