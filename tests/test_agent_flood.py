@@ -9,7 +9,7 @@ import pytest
 
 from agent.map.cells import NEAR, SOLID, TILE, Bytes, Cells, Grid, Wholes
 from agent.map.flood import UNASKED, Flood, Words
-from agent.map.views import Views
+from agent.map.survey import Survey
 from sim.runtime import Array, Launch, start, ti
 
 BITS = 8
@@ -85,7 +85,7 @@ class Flooder:
     def __init__(self, cells: np.ndarray) -> None:
         start()
         flood, count = Flood(Grid(BITS)), len(cells)
-        views = Views(Grid(BITS))
+        survey = Survey(Grid(BITS))
 
         @ti.kernel
         def rise(
@@ -99,9 +99,11 @@ class Flooder:
         ):
             for e in range(count):
                 base, first = e * SIDE * SIDE, e * flood.words
-                these, those = base + views.agenda, base + views.agenda + flood.number
+                these, those = base + survey.agenda, base + survey.agenda + flood.number
                 flood.begin(tiles, news, guesses, base, first)
-                tail, _ = views.source(cells, queue, tiles, base, first, poses[2 * e], poses[2 * e + 1])
+                tail, _ = flood.source(
+                    cells, tiles, queue, base, first, these, poses[2 * e], poses[2 * e + 1]
+                )
                 level = 0
                 while tail > 0:
                     risen = 0
@@ -114,7 +116,7 @@ class Flooder:
                         for block in range(64):
                             if (rising >> ti.cast(block, ti.u64)) & ti.u64(1):
                                 node = flood.node(tile, block)
-                                levels[(base >> 2) + views.at(node)] = level
+                                levels[(base >> 2) + survey.at(node)] = level
                     tail = 0
                     for k in range(risen):
                         tile = ti.cast(queue[these + k], ti.i32)

@@ -7,17 +7,15 @@ from agent.map.belief import SURE
 from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, TILE, Bytes, Cells, Grid, Wholes
 from agent.map.counts import COUNTS, HEADING, SINCE, X, Y
 from agent.map.flood import UNASKED, Words
+from agent.map.survey import HASTE, PITCH, UNTOLD
 from agent.map.views import (
-    HASTE,
     LEAST,
     LOOKED,
-    PITCH,
     PLENTY,
     RAYS,
     SPARE,
     STRIDE,
     TRIED,
-    UNTOLD,
     Views,
     looks,
 )
@@ -82,7 +80,7 @@ class Chooser:
             "cells": Array.of(cells.ravel()),
             "queue": Array(ti.u16, SIDE**2),
             "news": Array.of(np.ones(SIDE**2 >> 2 * TILE, np.uint8)),
-            "tiles": Array(ti.u64, views.flood.words),
+            "tiles": Array(ti.u64, views.survey.flood.words),
             "guesses": Array.of(np.full(SIDE**2 >> 2, UNASKED, np.uint8)),
             "hidden": Array(ti.u8, SIDE**2 >> 2),
             "shown": Array(ti.u16, views.places),

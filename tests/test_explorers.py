@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-from agent.map import belief, kernel, views
+from agent.map import belief, kernel, survey, views
 from agent.map.belief import ODDS, SURE
 from agent.map.cells import FLAGS, OCCUPIED
 from agent.map.counts import COUNTS, KIND, NONE, SEARCH
@@ -113,7 +113,7 @@ def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: 
         study.path("main", player) for player in ("oracle", "searcher", "as it is", "HASTE=5", "HASTE=6")
     }
     assert len(paths) == 5
-    assert study.path("main", "HASTE=5,LEAST=4") == study.path("main", "LEAST=4,views.HASTE=5.0")
+    assert study.path("main", "HASTE=5,LEAST=4") == study.path("main", "LEAST=4,survey.HASTE=5.0")
     before = study.path("main", "as it is"), study.path("main", "oracle")
     for changes in ({"steps": 30}, {"episodes": 3}):
         assert replace(study, **changes).path("main", "oracle") != before[1]
@@ -122,11 +122,11 @@ def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: 
 
 
 def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module, name in ((views, "THOUGHT"), (kernel, "THOUGHT"), (belief, "ABOUT"), (views, "HASTE")):
+    for module, name in ((views, "THOUGHT"), (kernel, "THOUGHT"), (belief, "ABOUT"), (survey, "HASTE")):
         monkeypatch.setattr(module, name, getattr(module, name))
     apart = kernel.ABOUT
     change(constants("THOUGHT=48,belief.ABOUT=5,HASTE=5"))
-    assert (views.THOUGHT, kernel.THOUGHT, belief.ABOUT, views.HASTE) == (48, 48, 5, 5.0)
+    assert (views.THOUGHT, kernel.THOUGHT, belief.ABOUT, survey.HASTE) == (48, 48, 5, 5.0)
     assert apart == kernel.ABOUT
     assert "features.SCALARS" not in KNOWN  # other constants are made of it when it is read
 

@@ -28,7 +28,8 @@ from agent.map.fan import FINE, fan
 from agent.map.features import FEATURES, mirrored_features
 from agent.map.flood import UNASKED, WORDS
 from agent.map.kernel import Body, step_kernel
-from agent.map.views import PITCH, looks
+from agent.map.survey import PITCH
+from agent.map.views import looks
 from agent.map.ways import FAR
 from logic.errors import RequestError
 from sim.config import Config

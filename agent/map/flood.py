@@ -109,6 +109,27 @@ class Flood:
         return tail
 
     @ti.func
+    def source(
+        self, cells: ti.template(), tiles: ti.template(), agenda: ti.template(), base, first, to, px, py
+    ):
+        """Let the flood begin at the body: on the nodes within half a cell and those beside them, as far as
+        they are open. The list's end, and one of the body's nodes.
+        """
+        tail, here = 0, self.grid.at(px >> 1, py >> 1)
+        for k in range(4):
+            x, y = (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1
+            if not self.grid.solid(cells, base, x, y):
+                here = self.grid.at(x, y)
+            for h in range(5):
+                i = x + ti.select(h == 1, 1, 0) - ti.select(h == 2, 1, 0)
+                j = y + ti.select(h == 3, 1, 0) - ti.select(h == 4, 1, 0)
+                node = self.grid.at(i, j)
+                if h == 0 or self.grid.open(cells, base, node):
+                    tile, bit = self.grid.tile(node), self.bit(node)
+                    tail = self.pour(tiles, agenda, first, to, tile, bit, tail)
+        return tail, here
+
+    @ti.func
     def settle(self, tiles: ti.template(), first, tile):
         """The blocks of a tile that the flood has just come to for the first time."""
         rising = tiles[self.at(first, COMING, tile)] & ~tiles[self.at(first, WET, tile)]

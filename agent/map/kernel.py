@@ -218,8 +218,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                 counts[w + FOUND] += 1
                 views.retry(hidden, shown, e)
                 spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
-                home = views.belief.home(cells, base)
-                counts[w + HERE] += views.belief.within(home, spot[0], spot[1])
+                home = views.survey.belief.home(cells, base)
+                counts[w + HERE] += views.survey.belief.within(home, spot[0], spot[1])
             counts[w + KNOWN], counts[w + NEW] = known, new
             counts[w + SEEN] += new
             if new > 0:
