@@ -292,7 +292,6 @@ PRESETS: dict[str, PQNConfig | DQNConfig] = {
         novelty=0.02,
         guided=0.9,
         epsilon=1.0,
-        epochs=1,
     ),
     "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
     "dqn": DQNConfig(environments=64, learning_rate=5e-4, final_rate=0.1, epsilon=1.0, exploration=0.1),

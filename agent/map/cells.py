@@ -154,34 +154,17 @@ class Grid:
         return cell
 
     @ti.func
+    def new(self, cell):
+        """Whether a cell that was so had never been seen."""
+        return ti.cast(cell < 1 << FLAGS, ti.i32)
+
+    @ti.func
     def see_body(self, cells: ti.template(), news: ti.template(), base, px, py, time):
         """Note the cells that the body covers wholly, or half of them between two nodes; how many are new."""
         new = 0
         for k in range(4):
             node = self.at(((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1))
-            new += ti.cast(self.see(cells, news, base, node, 0, time) < 1 << FLAGS, ti.i32)
-        return new
-
-    @ti.func
-    def see_fan(
-        self,
-        cells: ti.template(),
-        news: ti.template(),
-        fan: ti.template(),
-        base,
-        corner,
-        first,
-        last,
-        reach,
-        time,
-    ):
-        """Note the cells of a list of the fan (``agent.map.fan``), from the eye's corner, that rays reach."""
-        new = 0
-        for k in range(first, last):
-            if fan[k] >> 16 > reach:
-                break
-            cell = self.see(cells, news, base, self.beside(corner, fan[k] & 0xFFFF), 0, time)
-            new += ti.cast(cell < 1 << FLAGS, ti.i32)
+            new += self.new(self.see(cells, news, base, node, 0, time))
         return new
 
     @ti.func

@@ -39,4 +39,7 @@ LOOK, THINK = 18, 19
 ALIGNED = 20
 """Whether a wall has told how the heading lies to the house."""
 
-COUNTS = 21
+STRAIGHT = 21
+"""Half cells that the body went straight on since it noted the floor last; -1 if it did anything else."""
+
+COUNTS = 22

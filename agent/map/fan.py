@@ -19,20 +19,30 @@ BEYOND = 0.45
 FINE = 512
 """Parts of a cell in which distances are counted."""
 
+BAND = 4
+"""Cells of a ray that are passed over at a time, where they were noted before."""
 
-def fan(angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+
+def bands(reach: float) -> int:
+    """How many times ``BAND`` cells a ray of so many cells' reach may pass over, and none."""
+    return int(reach / BAND) + 1
+
+
+def fan(angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cells behind rays at ``angles`` (R,), radians counter-clockwise from the heading, falling, of so many
     cells' reach.
 
-    Returns where each list begins (8, 4, 2 R) int32, by heading and by whether the eye's place in half cells
-    is odd (east + 2 south): a ray's own cells, then those between it and the next one. And all the lists, one
-    after the other, int32: how far a ray must reach, in parts of a cell, times 2^16, and the way there from
-    the eye's own cell, south times 2^8 and east, both modulo 2^8 (``Grid.beside``).
+    Returns where each list begins (32, 2 R) int32, by heading and by whether the eye's place in half cells
+    is odd (east + 2 south): a ray's own cells, then those between it and the next one. Then how many of its
+    own cells a ray passes before it has gone 0, 1, 2 ... times ``BAND`` cells (32, R, bands) int32. And all
+    the lists, one after the other, int32: how far a ray must reach, in parts of a cell, times 2^16, and the
+    way there from the eye's own cell, south times 2^8 and east, both modulo 2^8 (``Grid.beside``).
     """
     wide = int(np.ceil(reach)) + 1
     south, east = np.mgrid[-wide:wide, -wide:wide].reshape(2, -1)
     middles = np.append((angles[1:] + angles[:-1]) / 2, -np.inf)
-    starts, lists, begun = [], [], 0
+    starts, passed, lists, begun = [], [], [], 0
+    along = BAND * FINE * np.arange(bands(reach)) << 16
     for heading in range(len(WAYS)):
         for odd in range(4):
             x, y = east + 0.5 - 0.5 * (odd & 1), south + 0.5 - 0.5 * (odd >> 1)
@@ -46,7 +56,11 @@ def fan(angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
             kept = (list_ >= 0) & (list_ < 2 * len(angles) - 1) & (far <= reach)
             order = np.lexsort((far[kept], list_[kept]))
             places = ((south[kept] & 0xFF) << 8) | (east[kept] & 0xFF)
-            lists.append((np.ceil(far[kept] * FINE).astype(np.int64) << 16 | places)[order])
-            starts.append(begun + np.searchsorted(list_[kept][order], np.arange(2 * len(angles))))
+            cells = (np.ceil(far[kept] * FINE).astype(np.int64) << 16 | places)[order]
+            begins = np.searchsorted(list_[kept][order], np.arange(2 * len(angles)))
+            own = zip(begins[::2], begins[1::2], strict=True)
+            passed.append([np.searchsorted(cells[first:last], along) for first, last in own])
+            starts.append(begun + begins)
+            lists.append(cells)
             begun += len(order)
-    return np.array(starts, np.int32), np.concatenate(lists).astype(np.int32)
+    return np.array(starts, np.int32), np.array(passed, np.int32), np.concatenate(lists).astype(np.int32)

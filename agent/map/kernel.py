@@ -27,6 +27,7 @@ from agent.map.counts import (
     SEEN,
     SINCE,
     STALE,
+    STRAIGHT,
     TARGET,
     THINK,
     TIME,
@@ -37,8 +38,9 @@ from agent.map.counts import (
 from agent.map.features import describe
 from agent.map.flood import Words
 from agent.map.sight import Sight
+from agent.map.sweep import Sweep
 from agent.map.views import THOUGHT, Views
-from agent.map.ways import FAR, Ways
+from agent.map.ways import DETOUR, FAR, Ways
 from sim.runtime import ti
 
 TOUCH = 0.1
@@ -46,6 +48,9 @@ TOUCH = 0.1
 
 PATIENCE = 8
 """Steps between two searches for no other reason than that more is known to be occupied."""
+
+FIRM = 32
+"""Half cells to a target for each node that it may turn out to lie aside before its way is searched anew."""
 
 ABOUT, ABOUT_TOUCHING = 2.5, 1.5
 """Cells from a goal at which a way may end that could not be had, or not any more, to the goal itself: not
@@ -76,6 +81,7 @@ def step_kernel(program: Any, body: Body) -> Any:
     ways = Ways(grid)
     views = Views(grid)
     sight = Sight(body.target)
+    sweep = Sweep(grid, body.rays, body.reach)
     adviser = Advice(grid, ways)
     rays, channels, distance_at, step_by = body[:4]
     half, reach_by = body.target, body.reach
@@ -112,11 +118,13 @@ def step_kernel(program: Any, body: Body) -> Any:
         directions: Floats,
         clear: Floats,
         starts: Wholes,
+        passed: Wholes,
         fan: Wholes,
         cells: Cells,
         field: Cells,
         queue: Cells,
         news: Bytes,
+        reached: Wholes,
         tiles: Words,
         guesses: Bytes,
         hidden: Bytes,
@@ -135,8 +143,10 @@ def step_kernel(program: Any, body: Body) -> Any:
             if fresh == 0:
                 if action[e] < 2:
                     counts[w + HEADING] = (counts[w + HEADING] + ti.select(action[e] == 0, 1, 7)) & 7
+                    counts[w + STRAIGHT] = -1
                 elif blocked[e] == 0:
                     way = ways.ahead(counts[w + HEADING])
+                    counts[w + STRAIGHT] += ti.select(counts[w + STRAIGHT] < 0, 0, step_by)
                     counts[w + X] += step_by * way[0]
                     counts[w + Y] += step_by * way[1]
             if (fresh == 1) | (counts[w + ALIGNED] == 0):
@@ -153,7 +163,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                 for k in range(ti.static(grid.area >> 2 * TILE)):
                     news[(base >> 2 * TILE) + k] = ti.cast(1, ti.u8)
                 views.retry(hidden, shown, e)
-                counts[w + SINCE] = 1
+                counts[w + SINCE], counts[w + STRAIGHT] = 1, -1
                 counts[w + HEADING] = ti.max(slant, 0)
             if slant >= 0:
                 counts[w + ALIGNED] = 1
@@ -165,10 +175,10 @@ def step_kernel(program: Any, body: Body) -> Any:
             new, hits, spotted, missed, forward = grid.see_body(cells, news, base, px, py, time), 0, 0, 0, 1
             low, high, side = ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9]), ti.Vector([0.0, 0.0])
             known, off = counts[w + KNOWN], ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
-            before, before_kind, before_far = ti.Vector([0.0, 0.0]), -1, 0
-            corner, lists = grid.at(px >> 1, py >> 1), ((heading * 4) | (px & 1) | ((py & 1) << 1)) * 2 * rays
-            # Where nothing is new and it does not turn, every other look tells as much of the floor.
-            sweep = (counts[w + NEW] > 0) | (time & 1) | (action[e] < 2) | fresh
+            straight, eye = counts[w + STRAIGHT], ti.Vector([x, y])
+            due = sweep.due(time, counts[w + NEW], known, straight)
+            before, before_kind, before_far, before_had = ti.Vector([0.0, 0.0]), -1, 0, 0
+            corner, pose = grid.at(px >> 1, py >> 1), (heading * 4) | (px & 1) | ((py & 1) << 1)
             for r in range(rays):
                 d, j = observation[o + r * channels + distance_at], 2 * (heading * rays + r)
                 reach = ti.Vector([directions[j], directions[j + 1]])
@@ -178,23 +188,16 @@ def step_kernel(program: Any, body: Body) -> Any:
                 end = d * reach
                 if (kind != 2) & (d < clear[(heading & 1) * rays + r]):
                     forward = 0
-                # the ray's own cells, and those between the last one and it
-                far, i = ti.cast(d * reach_by, ti.i32), lists + 2 * r
-                if sweep:
-                    new += grid.see_fan(cells, news, fan, base, corner, starts[i], starts[i + 1], far, time)
-                if (r > 0) & (sweep != 0):
-                    both = ti.min(far, before_far)
-                    new += grid.see_fan(cells, news, fan, base, corner, starts[i - 1], starts[i], both, time)
-                if kind == 1:
-                    hits += grid.hit(cells, news, base, x + end[0], y + end[1], time)
-                # the wall between what this ray and the last one hit, if both lie on one line
-                gap = ti.abs(end - before)
-                if (kind == 1) & (before_kind == 1) & (gap.max() < grid.widest) & (gap.min() < 1e-3):
-                    pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
-                    for k in range(1, pieces):
-                        part = before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
-                        hits += grid.hit(cells, news, base, x + part[0], y + part[1], time)
-                before, before_kind, before_far = end, kind, far
+                if due:
+                    far = ti.cast(d * reach_by, ti.i32)
+                    found, had = sweep.floor(
+                        cells, news, starts, passed, fan, reached, e, corner, pose, r, far, before_far,
+                        before_had, straight, time,
+                    )  # fmt: skip
+                    new += found
+                    if kind == 1:
+                        hits += sweep.wall(cells, news, base, eye, end, before, before_kind == 1, time)
+                    before, before_kind, before_far, before_had = end, kind, far, had
                 if kind == 2:
                     spotted += 1
                     side += reach / reach.norm()
@@ -202,6 +205,9 @@ def step_kernel(program: Any, body: Body) -> Any:
                 elif known:
                     along, aside = off.dot(reach) / reach.norm(), ti.abs(off.cross(reach)) / reach.norm()
                     missed |= ti.cast((along > 0) & (aside < 0.5) & (d * reach.norm() > along + 1.0), ti.i32)
+
+            if due:
+                counts[w + STRAIGHT] = 0
 
             # remember
             picked = 0
@@ -214,7 +220,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                 known = 0
                 picked = ti.cast(ti.abs(off).max() < TOUCHED, ti.i32)
             if picked:
-                counts[w + SINCE] = time
+                counts[w + SINCE], counts[w + STRAIGHT] = time, -1
                 counts[w + FOUND] += 1
                 views.retry(hidden, shown, e)
                 spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
@@ -250,12 +256,16 @@ def step_kernel(program: Any, body: Body) -> Any:
                     ti.cast(ti.floor(target[2 * e] + 0.5), ti.i32),
                     ti.cast(ti.floor(target[2 * e + 1] + 0.5), ti.i32),
                 )
-                anew = ti.cast((kind != TARGET) | (goal != there), ti.i32)
-                kind, goal = TARGET, there
-                # Mostly it is in sight: no way is tried first that is twice as long as the straight one.
-                within = (
-                    2 * ti.cast(ti.max(ti.abs(target[2 * e] - x), ti.abs(target[2 * e + 1] - y)), ti.i32) + 16
+                moved = ti.max(
+                    ti.abs(grid.apart(grid.across(goal), grid.across(there))),
+                    ti.abs(grid.apart(grid.down(goal), grid.down(there))),
                 )
+                # From far away, a node more or less on this side or on that makes no other way.
+                anew = ti.cast((kind != TARGET) | (far == FAR) | (FIRM * moved > far), ti.i32)
+                kind, goal = TARGET, ti.select(anew, there, goal)
+                # Mostly it is in sight: no way is tried first that is a quarter longer than the straight one.
+                away = ti.max(ti.abs(target[2 * e] - x), ti.abs(target[2 * e + 1] - y))
+                within = ti.cast(1.25 * away, ti.i32) + DETOUR
             elif kind == SEARCH:
                 gx, gy = grid.across(goal), grid.down(goal)
                 done = ti.cast((look == heading) & (far == 0), ti.i32)
@@ -285,7 +295,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                 else:
                     # All is seen: look again where it has not looked for longest.
                     since += ti.max(1, (time - since) // 2)
-                    counts[w + SINCE] = since
+                    counts[w + SINCE], counts[w + STRAIGHT] = since, -1
                     views.retry(hidden, shown, e)
             if (anew > 0) & (kind != NONE):
                 ways.forget(field, queue, base, tail)

@@ -12,7 +12,7 @@ from sim.runtime import ti
 FAR = (1 << 16) - 1
 """A node that no search has come to."""
 
-DETOUR = 16
+DETOUR = 8
 """Nodes by which a way may be longer than the flood (``agent.map.flood``) found the goal to be away, for its
 nodes to be measured."""
 
