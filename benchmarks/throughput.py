@@ -20,8 +20,9 @@ from agent.config import PRESETS, PQNConfig
 from agent.results.series import machine, table_rows
 from agent.runs import Folder
 from agent.scoreboard import WHERE
-from benchmarks.agents import BUDGET, RATES, bank, finished, machine_info, require_same
+from benchmarks.agents import bank, machine_info
 from benchmarks.jobs import say
+from benchmarks.trials import BUDGET, RATES, finished, require_same
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 

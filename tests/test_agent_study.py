@@ -25,8 +25,9 @@ from agent.results.agent_plots import pictures
 from agent.results.agents import agents_page
 from agent.results.study import Entry, Guest, Run, Study, by_seed, difference, result_of
 from agent.scoreboard import record
-from benchmarks.agents import ENTRIES, GUESTS, Agents, StudyFailed, Trial, Visit, measured, with_score
+from benchmarks.agents import Agents, measured
 from benchmarks.jobs import Job, run_all
+from benchmarks.trials import ENTRIES, GUESTS, StudyFailed, Trial, Visit, with_score
 from logic.errors import RequestError
 
 ROOT = Path(__file__).parents[1]
