@@ -26,7 +26,7 @@ from agent.map.cells import (
 from agent.map.counts import HEADING, KNOWN, SINCE, TIME, X, Y
 from agent.map.fan import BESIDE, BEYOND, FINE, fan
 from agent.world import make_worlds
-from logic import Door, House, Rect, Room
+from logic import Door, House, Rect, Room, generate
 from sim import DEFAULT
 from sim.runtime import Array, Launch, start, ti
 from tests.worlds import random_house
@@ -208,21 +208,23 @@ def test_between_two_rays_nothing_is_seen_beyond_the_shorter_of_them():
     assert kept_from > 200
 
 
-def test_each_look_is_the_fan_of_the_eye_where_it_stands():
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_each_sweep_is_the_fan_of_the_eye_where_it_stands(backend):
     """What a kernel stamps with a step, against the same lists in NumPy: bodies on cells' corners and between
-    them, at all headings. Beside the fan it notes the body and what rays hit. Where nothing is new it may
-    leave steps out, and where a body goes straight on, what was noted since it did.
+    them, at all headings, by advice and at random. Beside the fan it notes the body and what rays hit. Where
+    nothing is new it may leave steps out, and where a body goes straight on, what was noted since it did.
     """
     number = 8
-    worlds = make_worlds([random_house(0)], number, "main")
+    houses = [random_house(0)] if backend == "continuous" else list(generate(3, seed=5, count=1, cell=0.3))
+    worlds = make_worlds(houses, number, "mixed", backend=backend)
     observation, _ = worlds.reset(seed=2)
     maps, begun, chance = Map(worlds.config, number), torch.ones(number).bool(), np.random.default_rng(0)
     blocked, actions = torch.zeros(number).bool(), np.zeros(number, np.int64)
     starts, _, entries = fan(ANGLES, worlds.config.range / maps.cell)
-    odd_poses, spared, passed, behind, all_ = set(), 0, 0, 0, 0
-    new, known, since = np.zeros(number), np.zeros(number), np.ones(number)
+    poses, left_out, pickups, passed, missed, shown = set(), np.zeros(2, int), 0, 0, 0, 0
+    new, known, since = np.zeros(number), np.zeros(number, int), np.ones(number)
     whole, straight = np.zeros(number), np.zeros(number, bool)  # when all was noted last; nothing else since
-    for _ in range(120):
+    for _ in range(160):
         straight &= ~(begun.numpy() | (actions < 2))
         maps.step(torch.as_tensor(observation), blocked, torch.as_tensor(actions), begun)
         # Half a part of a cell is for the kernel's rounding, in float32.
@@ -231,8 +233,8 @@ def test_each_look_is_the_fan_of_the_eye_where_it_stands():
         for e in range(number):
             time, x, y, heading = counts[e, [TIME, X, Y, HEADING]].tolist()
             due = new[e] > 0 or time % (4 if known[e] else 2) == 1 or not (straight[e] or known[e])
-            spared += not due
-            odd_poses.add((heading, x & 1, y & 1))
+            left_out[known[e]] += not due
+            poses.add((heading, x & 1, y & 1))
             first = starts[4 * heading + (x & 1) + 2 * (y & 1)]
             stamps = (cells[e] & ~np.uint16(OCCUPIED)) >> FLAGS
             least, most = np.zeros((2, 256, 256), bool)
@@ -243,33 +245,39 @@ def test_each_look_is_the_fan_of_the_eye_where_it_stands():
                 south, east = ((y >> 1) + (way >> 8)) % 256, ((x >> 1) + way) % 256
                 least[south, east] |= needs <= far - 1
                 most[south, east] |= needs <= far + 1
-            if not due:  # but what is under the body
-                least[:] = most[:] = False
-            elif not straight[e]:
-                assert (stamps == time)[least].all()
-                whole[e], straight[e] = time, True
-            else:
-                passed += (stamps < time)[least].sum()
-                behind += (stamps < whole[e])[least].sum()
-                all_ += least.sum()
-            more = np.argwhere((stamps == time) & ~most)
-            off = (more - 128 + 0.5 - np.array([y, x]) / 2 + 128 + 128) % 256 - 128
-            away = np.hypot(*off.T)
             ends = reach[e] / FINE
             angle = ANGLES + heading * np.pi / 4
-            hits = np.column_stack([-ends * np.sin(angle), ends * np.cos(angle)])[observation[e, :, 0] < 1]
-            hits = hits[: len(hits) if due else 0]
-            near = (
-                np.abs(off[:, None] - hits).max(-1).min(-1, initial=9) if len(hits) else np.full(len(off), 9)
-            )
-            assert ((away < 1.6) | (near < WIDEST / 2 + 1)).all()
-        straight &= counts[:, SINCE] == since  # a pick-up: all must be noted again
+            hits = np.column_stack([-ends * np.sin(angle), ends * np.cos(angle)])
+            hits = hits[(observation[e, :, 0] < 1) & (observation[e, :, -1] == 0)]
+            if not due:  # but what is under the body
+                least[:] = most[:] = False
+                hits = hits[:0]
+            elif straight[e] and not (backend == "grid" and heading % 2):
+                passed += (stamps < time)[least].sum()
+                missed += (stamps < whole[e])[least].sum()
+                shown += least.sum()
+            else:
+                assert (stamps == time)[least].all()
+                whole[e], straight[e] = time, True
+            south, east = np.floor(np.array([y, x]) / 2 + hits).astype(int).T % 256
+            assert (cells[e][south, east] & OCCUPIED > 0).all()
+            more = np.argwhere((stamps == time) & ~most)
+            off = (more - 128 + 0.5 - np.array([y, x]) / 2 + 128 + 128) % 256 - 128
+            near = np.full(len(off), 9.0)
+            if len(hits):
+                near = np.abs(off[:, None] - hits).max(-1).min(-1, initial=9)
+            assert ((np.hypot(*off.T) < 1.6) | (near < WIDEST / 2 + 1)).all()
+        again = counts[:, SINCE] == since  # else a pick-up: all must be noted again
+        straight &= again
+        pickups += (~again).sum()
         new, known, since = maps.new.numpy().copy(), counts[:, KNOWN].copy(), counts[:, SINCE].copy()
-        actions = chance.choice(3, number, p=[0.1, 0.05, 0.85])
+        advised = chance.random(number) < 0.8
+        actions = np.where(advised, maps.advice.numpy(), chance.choice(3, number, p=[0.2, 0.1, 0.7]))
         observation, _, _, _, info = worlds.step(actions)
         blocked, begun = torch.as_tensor(info["blocked"]), torch.zeros(number).bool()
-    assert len(odd_poses) >= 24  # of 8 headings by 4
-    assert 10 < spared < 80 * number
+    assert len(poses) >= (24 if backend == "continuous" else 8)  # of 8 headings by 4
+    assert left_out.min() > 50  # where no target was known, and where one was
+    assert pickups > 5
     # What was passed over had been noted since the body went straight on: but one cell in ten thousand.
-    assert passed > 0.4 * all_
-    assert behind < 1e-4 * all_
+    assert passed > 0.4 * shown
+    assert missed < 1e-4 * shown

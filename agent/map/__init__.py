@@ -44,7 +44,7 @@ UNKNOWN, FREE, TAKEN = range(3)
 """What ``occupancy`` says of a cell."""
 
 STATE = (
-    *("cells", "field", "queue", "news", "reached", "tiles", "guesses", "hidden", "shown"),
+    *("cells", "field", "queue", "news", "swept", "tiles", "guesses", "hidden", "shown"),
     *("counts", "target", "advice", "features"),
 )
 """What a map goes on from."""
@@ -80,7 +80,7 @@ class Map:
         turned = angles + np.pi / 4 * np.arange(8)[:, None]
         reaches = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * config.range / self.cell
         area = count << 2 * BITS
-        starts, passed, behind = fan(angles, config.range / self.cell)
+        starts, skips, behind = fan(angles, config.range / self.cell)
         program = start()
         self.arrays = {
             "observation": Array(ti.f32, count * rays * config.channels),
@@ -92,13 +92,13 @@ class Map:
                 (clearance(angles, side, config.step, air(config)) / config.range).astype(np.float32).ravel()
             ),
             "starts": Array.of(starts.ravel()),
-            "passed": Array.of(passed.ravel()),
+            "skips": Array.of(skips.ravel()),
             "fan": Array.of(behind),
             "cells": Array(ti.u16, area),
             "field": Array(ti.u16, area),
             "queue": Array(ti.u16, area),
             "news": Array(ti.u8, area >> 2 * TILE),
-            "reached": Array(ti.i32, count * rays),
+            "swept": Array(ti.i32, count * rays),
             "tiles": Array(ti.u64, WORDS * area >> 2 * TILE),
             "guesses": Array(ti.u8, area >> 2),
             "hidden": Array(ti.u8, area >> 2),

@@ -154,7 +154,7 @@ class Grid:
         return cell
 
     @ti.func
-    def new(self, cell):
+    def unseen(self, cell):
         """Whether a cell that was so had never been seen."""
         return ti.cast(cell < 1 << FLAGS, ti.i32)
 
@@ -164,7 +164,7 @@ class Grid:
         new = 0
         for k in range(4):
             node = self.at(((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1))
-            new += self.new(self.see(cells, news, base, node, 0, time))
+            new += self.unseen(self.see(cells, news, base, node, 0, time))
         return new
 
     @ti.func

@@ -19,7 +19,7 @@ KNOWN = 5
 """Whether a target is known."""
 
 KIND, GOAL = 6, 7
-"""What the goal is, and its node."""
+"""What the goal is, and its node: of a target, about where it lies (``FIRM``)."""
 
 QUEUED, AGE, STALE = 8, 9, 10
 """How long the last search's queue is; steps since that search, and cells that were found occupied since."""
@@ -40,6 +40,6 @@ ALIGNED = 20
 """Whether a wall has told how the heading lies to the house."""
 
 STRAIGHT = 21
-"""Half cells that the body went straight on since it noted the floor last; -1 if it did anything else."""
+"""Half cells that the body went straight on since the last sweep; -1 where all floor is to be noted anew."""
 
 COUNTS = 22

@@ -24,7 +24,7 @@ BAND = 4
 
 
 def bands(reach: float) -> int:
-    """How many times ``BAND`` cells a ray of so many cells' reach may pass over, and none."""
+    """How many ways of 0, 1, 2 ... times ``BAND`` cells there are within a ray's reach, in cells."""
     return int(reach / BAND) + 1
 
 
@@ -41,7 +41,7 @@ def fan(angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.nd
     wide = int(np.ceil(reach)) + 1
     south, east = np.mgrid[-wide:wide, -wide:wide].reshape(2, -1)
     middles = np.append((angles[1:] + angles[:-1]) / 2, -np.inf)
-    starts, passed, lists, begun = [], [], [], 0
+    starts, skips, lists, begun = [], [], [], 0
     along = BAND * FINE * np.arange(bands(reach)) << 16
     for heading in range(len(WAYS)):
         for odd in range(4):
@@ -59,8 +59,8 @@ def fan(angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.nd
             cells = (np.ceil(far[kept] * FINE).astype(np.int64) << 16 | places)[order]
             begins = np.searchsorted(list_[kept][order], np.arange(2 * len(angles)))
             own = zip(begins[::2], begins[1::2], strict=True)
-            passed.append([np.searchsorted(cells[first:last], along) for first, last in own])
+            skips.append([np.searchsorted(cells[first:last], along) for first, last in own])
             starts.append(begun + begins)
             lists.append(cells)
             begun += len(order)
-    return np.array(starts, np.int32), np.array(passed, np.int32), np.concatenate(lists).astype(np.int32)
+    return np.array(starts, np.int32), np.array(skips, np.int32), np.concatenate(lists).astype(np.int32)

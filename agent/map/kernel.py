@@ -118,13 +118,13 @@ def step_kernel(program: Any, body: Body) -> Any:
         directions: Floats,
         clear: Floats,
         starts: Wholes,
-        passed: Wholes,
+        skips: Wholes,
         fan: Wholes,
         cells: Cells,
         field: Cells,
         queue: Cells,
         news: Bytes,
-        reached: Wholes,
+        swept: Wholes,
         tiles: Words,
         guesses: Bytes,
         hidden: Bytes,
@@ -146,7 +146,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                     counts[w + STRAIGHT] = -1
                 elif blocked[e] == 0:
                     way = ways.ahead(counts[w + HEADING])
-                    counts[w + STRAIGHT] += ti.select(counts[w + STRAIGHT] < 0, 0, step_by)
+                    if counts[w + STRAIGHT] >= 0:
+                        counts[w + STRAIGHT] += step_by
                     counts[w + X] += step_by * way[0]
                     counts[w + Y] += step_by * way[1]
             if (fresh == 1) | (counts[w + ALIGNED] == 0):
@@ -177,7 +178,7 @@ def step_kernel(program: Any, body: Body) -> Any:
             known, off = counts[w + KNOWN], ti.Vector([target[2 * e] - x, target[2 * e + 1] - y])
             straight, eye = counts[w + STRAIGHT], ti.Vector([x, y])
             due = sweep.due(time, counts[w + NEW], known, straight)
-            before, before_kind, before_far, before_had = ti.Vector([0.0, 0.0]), -1, 0, 0
+            before, last_kind, last_far, last_swept = ti.Vector([0.0, 0.0]), -1, 0, 0
             corner, pose = grid.at(px >> 1, py >> 1), (heading * 4) | (px & 1) | ((py & 1) << 1)
             for r in range(rays):
                 d, j = observation[o + r * channels + distance_at], 2 * (heading * rays + r)
@@ -190,14 +191,14 @@ def step_kernel(program: Any, body: Body) -> Any:
                     forward = 0
                 if due:
                     far = ti.cast(d * reach_by, ti.i32)
-                    found, had = sweep.floor(
-                        cells, news, starts, passed, fan, reached, e, corner, pose, r, far, before_far,
-                        before_had, straight, time,
+                    unseen, swept_before = sweep.floor(
+                        cells, news, starts, skips, fan, swept, e, corner, pose, r, far, last_far, last_swept,
+                        straight, time,
                     )  # fmt: skip
-                    new += found
+                    new += unseen
                     if kind == 1:
-                        hits += sweep.wall(cells, news, base, eye, end, before, before_kind == 1, time)
-                    before, before_kind, before_far, before_had = end, kind, far, had
+                        hits += sweep.wall(cells, news, base, eye, end, before, last_kind == 1, time)
+                    before, last_kind, last_far, last_swept = end, kind, far, swept_before
                 if kind == 2:
                     spotted += 1
                     side += reach / reach.norm()
@@ -236,7 +237,8 @@ def step_kernel(program: Any, body: Body) -> Any:
                 # It may stand nearer to a wall than the map would have let it go.
                 grid.clear(cells, news, base, px >> 1, py >> 1)
             way = ways.ahead(heading)
-            if (forward == 0) & grid.passes(cells, base, px, py, way[0], way[1], step_by):
+            noted = due | ti.cast(blocked[e], ti.i32)
+            if (forward == 0) & noted & grid.passes(cells, base, px, py, way[0], way[1], step_by):
                 # It cannot go where the map says it can: what hinders it lies between two rays.
                 qx, qy = px + hinders * way[0], py + hinders * way[1]
                 grid.close(cells, news, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
@@ -250,6 +252,7 @@ def step_kernel(program: Any, body: Body) -> Any:
             kind, goal, since = counts[w + KIND], counts[w + GOAL], counts[w + SINCE]
             stale, age, tail, anew = counts[w + STALE] + hits, counts[w + AGE] + 1, counts[w + QUEUED], 0
             within, look = 0, counts[w + LOOK]
+            again = ti.cast(((stale > 0) & (age > PATIENCE)) | (far == FAR), ti.i32)
             counts[w + THINK] += 1
             if known:
                 there = grid.at(
@@ -261,7 +264,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     ti.abs(grid.apart(grid.down(goal), grid.down(there))),
                 )
                 # From far away, a node more or less on this side or on that makes no other way.
-                anew = ti.cast((kind != TARGET) | (far == FAR) | (FIRM * moved > far), ti.i32)
+                anew = again | ti.cast((kind != TARGET) | (FIRM * moved > far), ti.i32)
                 kind, goal = TARGET, ti.select(anew, there, goal)
                 # Mostly it is in sight: no way is tried first that is a quarter longer than the straight one.
                 away = ti.max(ti.abs(target[2 * e] - x), ti.abs(target[2 * e + 1] - y))
@@ -276,7 +279,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                     kind = NONE
             else:
                 kind = NONE
-            if ((stale > 0) & (age > PATIENCE)) | (far == FAR):
+            if again:
                 anew = 1
                 if (kind == SEARCH) & (far == FAR):
                     kind = NONE

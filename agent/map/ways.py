@@ -13,8 +13,8 @@ FAR = (1 << 16) - 1
 """A node that no search has come to."""
 
 DETOUR = 8
-"""Nodes by which a way may be longer than the flood (``agent.map.flood``) found the goal to be away, for its
-nodes to be measured."""
+"""Nodes by which a way may be longer than the flood (``agent.map.flood``) found the goal to be away, or than
+a quarter more than the straight way to a target, for its nodes to be measured."""
 
 LONG = 40
 """Nodes of a way whose turns are counted."""
