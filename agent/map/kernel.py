@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from agent.map.advice import Advice
+from agent.map.belief import Belief
 from agent.map.cells import TILE, Bytes, Cells, Floats, Grid, Longs, Wholes
 from agent.map.counts import (
     AGE,
@@ -81,6 +82,7 @@ def step_kernel(program: Any, body: Body) -> Any:
     ways = Ways(grid)
     views = Views(grid)
     sight = Sight(body.target)
+    belief = Belief(grid)
     sweep = Sweep(grid, body.rays, body.reach)
     adviser = Advice(grid, ways)
     rays, channels, distance_at, step_by = body[:4]
@@ -225,8 +227,7 @@ def step_kernel(program: Any, body: Body) -> Any:
                 counts[w + FOUND] += 1
                 views.retry(hidden, shown, e)
                 spot = ti.cast(ti.floor(ti.Vector([x, y]) + off + 0.5), ti.i32)
-                home = views.survey.belief.home(cells, base)
-                counts[w + HERE] += views.survey.belief.within(home, spot[0], spot[1])
+                counts[w + HERE] += belief.within(belief.home(cells, base), spot[0], spot[1])
             counts[w + KNOWN], counts[w + NEW] = known, new
             counts[w + SEEN] += new
             if new > 0:

@@ -107,13 +107,13 @@ class Sweep:
         return new
 
     @ti.func
-    def wall(self, cells: ti.template(), news: ti.template(), base, eye, end, before, joined, time):
-        """Note what a ray ends on, and the wall from where the last ray did, if that is ``joined``: it ended
-        on something too, and both ends lie on one line. How many cells were not known to be occupied.
+    def wall(self, cells: ti.template(), news: ti.template(), base, eye, end, before, both, time):
+        """Note what a ray ends on; and where the last ray ended on something too (``both``) and the two ends
+        lie on one line, the wall between them. How many cells were not known to be occupied.
         """
         hits = self.grid.hit(cells, news, base, eye[0] + end[0], eye[1] + end[1], time)
         gap = ti.abs(end - before)
-        if joined & (gap.max() < self.grid.widest) & (gap.min() < 1e-3):
+        if both & (gap.max() < self.grid.widest) & (gap.min() < 1e-3):
             pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
             for k in range(1, pieces):
                 part = eye + before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)
