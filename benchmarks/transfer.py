@@ -27,7 +27,7 @@ from logic.files import write_whole
 from sim.config import DEFAULT
 
 ROOT = Path(__file__).resolve().parents[1]
-ORIGINAL = ROOT.parent / "shared/seed/example1.json"
+ORIGINAL = ROOT / "tests/fixtures/example1.json"
 """The house of the original program; where it is not, it is left out."""
 
 BESIDE = ("explorer", "searcher")

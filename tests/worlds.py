@@ -4,14 +4,13 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from logic import Door, House, Piece, Rect, Room
 from sim import DEFAULT
 from tests.reference import Reference
 
-SEED = Path(__file__).parents[1].parent / "shared/seed"
-"""The original program's own house and a recording of it."""
+FIXTURES = Path(__file__).parent / "fixtures"
+"""The original program's own house and a recording of it: see the README there."""
 
 ONE_ROOM = """
 aaaa....
@@ -63,9 +62,7 @@ def drawn(text: str, cell: float = 0.9) -> House:
 
 def example(whole_pixels: bool = False) -> House:
     """The original program's house; with its lengths cut to whole pixels, as its simulator has them."""
-    path = SEED / "example1.json"
-    if not path.exists():
-        pytest.skip(f"{path.name} is not here")
+    path = FIXTURES / "example1.json"
 
     def cut(value: dict[str, float]) -> dict[str, float]:
         return {key: int(x) if isinstance(x, float) else x for key, x in value.items()}

@@ -14,7 +14,7 @@ from sim import HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.backend import METHODS
 from tests import worlds
 
-PAGE = Path(__file__).parents[1] / "docs/backends.md"
+PAGE = Path(__file__).parents[2] / "docs/backends.md"
 NAME = "main_room:MainRoom"
 HOUSES = [worlds.drawn(worlds.ONE_ROOM), *worlds.RANDOM[:2]]
 EMPTY = [House(house.floor, ()) for house in HOUSES]

@@ -20,7 +20,7 @@ from agent.map.views import (
     looks,
 )
 from sim.runtime import Array, Launch, start, ti
-from tests.test_agent_flood import flood, opened
+from tests.agent.test_flood import flood, opened
 
 BITS, BEFORE, SINCE_STEP, AFTER = 8, 10, 50, 60
 SIDE = 1 << BITS

@@ -15,7 +15,7 @@ START = (185, 190, 90)
 def replay():
     """The recording, and each of its steps made by ours from the pose before it."""
     house = worlds.example(whole_pixels=True)
-    trace = dict(np.load(worlds.SEED / "example1-trace.npz"))
+    trace = dict(np.load(worlds.FIXTURES / "example1-trace.npz"))
     after, episode = trace["pose"].astype(float), trace["episode"]
     before = np.vstack([[START], after[:-1]])
     before[np.flatnonzero(np.diff(episode)) + 1] = START

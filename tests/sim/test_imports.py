@@ -7,7 +7,7 @@ import pytest
 
 import sim
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 ALLOWED = {"House", "load", "generate"}
 
 

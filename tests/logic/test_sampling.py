@@ -180,6 +180,6 @@ def test_what_cannot_be_counted_in_time_is_stated(capsys: pytest.CaptureFixture[
 
 @pytest.mark.parametrize("subject", ["4 rooms", "5 rooms"])
 def test_the_published_layouts_are_drawn_often_and_evenly(subject: str) -> None:
-    published = json.loads((Path(__file__).parents[1] / "docs/sampling.json").read_text())["layouts"][subject]
+    published = json.loads((Path(__file__).parents[2] / "docs/sampling.json").read_text())["layouts"][subject]
     assert published["draws"] >= 50 * published["layouts"]
     assert published["share"] >= 0.95

@@ -25,7 +25,7 @@ from logic import (
 )
 from logic.grammar import SHIPPED
 
-GOLDEN = Path(__file__).parent / "golden" / "family-4-rooms.json"
+GOLDEN = Path(__file__).parents[1] / "golden" / "family-4-rooms.json"
 Edit = Callable[[str, str, str], Path]
 
 

@@ -24,7 +24,7 @@ from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 CONFIG = PQNConfig(environments=8, rollout=16, steps=1500, seed=2)
 LESSONS = replace(CONFIG, curriculum=True, levels=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], environments=8, rollout=16, steps=1500)

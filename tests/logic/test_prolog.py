@@ -1,4 +1,4 @@
-"""The rules' own tests, in Prolog: one case a file of ``tests/prolog``."""
+"""The rules' own tests, in Prolog: one case a file of ``tests/logic/prolog``."""
 
 import subprocess
 from pathlib import Path

@@ -1,6 +1,6 @@
 """An environment is a function of its seed: not of the batch, the threads, the loop or what others do.
 
-The goldens are made anew by ``./run python -m tests.test_sim_determinism``, and say in what they differ.
+The goldens are made anew by ``./run python -m tests.sim.test_determinism``, and say in what they differ.
 """
 
 import hashlib
@@ -32,8 +32,8 @@ LAUNCHES = 0.02
 """Seconds: more than Taichi counts for launches of what it has compiled, less than for compiling anything."""
 
 BATCH, STEPS = 4096, 50
-GOLDEN = Path(__file__).parent / "golden"
-ROOT = Path(__file__).parents[1]
+GOLDEN = Path(__file__).parents[1] / "golden"
+ROOT = Path(__file__).parents[2]
 
 
 def make(houses: list[House] = HOUSES, count: int = BATCH, preset: str | Config = SHORT, **more: Any):
@@ -138,7 +138,7 @@ THREADS = """
 import sys
 from sim.runtime import start
 start(threads=int(sys.argv[1]))
-from tests.test_sim_determinism import threaded
+from tests.sim.test_determinism import threaded
 print("\\n".join(threaded()))
 """
 

@@ -320,7 +320,7 @@ def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_there():
         capture_output=True,
         text=True,
         check=True,
-        cwd=Path(__file__).parents[1],
+        cwd=Path(__file__).parents[2],
         env=os.environ | {"CUDA_VISIBLE_DEVICES": ""},
     )
     assert done.stdout.splitlines()[0].startswith("device 'cuda' cannot be had: ")

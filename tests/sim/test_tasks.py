@@ -50,7 +50,7 @@ def lie_in(targets: np.ndarray, boxes: list[Box]) -> np.ndarray:
         "mixed",
         {"task": "reach", "room": "hall"},
         Largest(),
-        "tests.test_sim_tasks:Largest",
+        "tests.sim.test_tasks:Largest",
     ],
     ids=str,
 )
@@ -112,7 +112,7 @@ def test_a_house_without_such_a_room_is_refused():
 
 
 def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
-    wish = {"task": "tests.test_sim_tasks:Largest", "first": 1}
+    wish = {"task": "tests.sim.test_tasks:Largest", "first": 1}
     save([ONE], tmp_path / "house.jsonl")
     houses = str(tmp_path / "house.jsonl")
     made: Any = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=3, houses=houses, targets=wish)
@@ -127,7 +127,7 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
         ({"task": "fly"}, "unknown targets"),
         ({"task": "reach"}, "cannot be had: .*room"),
         ({"task": "reach", "room": "hall", "door": 1}, "cannot be had: .*door"),
-        ("tests.test_sim_tasks:Smallest", "cannot be had: .*Smallest"),
+        ("tests.sim.test_tasks:Smallest", "cannot be had: .*Smallest"),
         ("tests.nowhere:Task", "cannot be had: No module"),
         (5, "5 is no task"),
     ],

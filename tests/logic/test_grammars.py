@@ -19,7 +19,7 @@ BASE = SHIPPED / "family"
 @pytest.mark.parametrize("rooms", [1, 2, 3, 4, 6, 9, 16])
 @pytest.mark.parametrize("grammar", [name for name in shipped() if name != "family"])
 def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) -> None:
-    """Those of family: tests/test_generate.py."""
+    """Those of family: test_generate.py."""
     for house in generate(rooms=rooms, grammar=grammar, seed=rooms, count=8, workers=2):
         assert check(house) == []
         assert len(house.rooms) == rooms

@@ -25,7 +25,7 @@ from logic.draw import (
     room_colour,
 )
 from logic.house import ORIGINAL, Provenance
-from tests.handmade import built, sketches, turned_house
+from tests.logic.handmade import built, sketches, turned_house
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 NAMESPACE = "{http://www.w3.org/2000/svg}"

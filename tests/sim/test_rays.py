@@ -22,7 +22,7 @@ EACH = 8000
 WORST = 4e-6
 """Metres: the error that a ray may have."""
 
-GOLDEN = Path(__file__).parent / "golden" / "family-4-rooms.json"
+GOLDEN = Path(__file__).parents[1] / "golden" / "family-4-rooms.json"
 MIRROR = worlds.drawn("a+a\n...\n...\n...", cell=1.0)
 DOOR = worlds.drawn("aaaa....\naaa+....\naaaa....", cell=1.0)
 WIDE = worlds.drawn("a+a......\n.........", cell=4.0)

@@ -14,7 +14,7 @@ from agent.cli import main
 from logic import House, Unsatisfiable, generate
 from logic.errors import Reason
 from logic.grammar import SHIPPED
-from tests.clashes import CASES
+from tests.logic.clashes import CASES
 
 Case = tuple[Path, dict[str, Any], list[str], Unsatisfiable]
 

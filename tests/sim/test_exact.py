@@ -16,7 +16,7 @@ from msgspec.structs import replace as changed
 from logic import House, Piece, Rect, Room
 from sim import DEFAULT, HouseVectorEnv
 from tests import worlds
-from tests.handmade import turned_house
+from tests.logic.handmade import turned_house
 from tests.reference import Boxes, sides
 
 SEEING = replace(DEFAULT, sees_kind=True)
@@ -210,7 +210,7 @@ def test_nothing_is_read_or_written_out_of_bounds(tmp_path):
     """With Taichi's own checks on, in both backends and both shapes of the loop; they are seen to be on."""
     program = tmp_path / "checked.py"
     program.write_text(CHECKED)
-    root = str(Path(__file__).parents[1])
+    root = str(Path(__file__).parents[2])
     done = subprocess.run(
         [sys.executable, program],
         capture_output=True,

@@ -29,7 +29,7 @@ from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
 from sim.grid.pack import STANDS, middle, pack
 from sim.oracle import Oracle
-from tests.test_agent_world import mirror
+from tests.agent.test_world import mirror
 from tests.worlds import random_house
 
 E = 6

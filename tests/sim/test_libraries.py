@@ -292,7 +292,7 @@ def test_torchrl_refuses_the_next_step_mode_by_name():
 def test_the_readmes_examples_run(library, folder, monkeypatch):
     if library:
         pytest.importorskip(library)
-    page = (Path(__file__).parents[1] / "README.md").read_text().split("## The simulator")[1]
+    page = (Path(__file__).parents[2] / "README.md").read_text().split("## The simulator")[1]
     examples = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert len(examples) == 3
     monkeypatch.chdir(folder)

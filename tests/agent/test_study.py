@@ -30,7 +30,7 @@ from benchmarks.jobs import Job, run_all
 from benchmarks.trials import ENTRIES, GUESTS, StudyFailed, Trial, Visit, with_score
 from logic.errors import RequestError
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 HOUSES = 60
 

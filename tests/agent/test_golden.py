@@ -1,0 +1,160 @@
+"""What every preset and the explorer do for 1,500 steps of 8 environments, recorded before a change of shape.
+
+``python -m tests.agent.test_golden`` prints what is recorded in ``tests/golden/agent.json``: write it anew only
+where behaviour is meant to change. Actions are recorded exactly. What is learnt is recorded exactly for the
+processor and the torch that it was recorded on, whose sums of float32 others round in another way, and within
+a tolerance for all.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import cpuinfo
+import numpy as np
+import pytest
+import torch
+
+from agent import checkpoint
+from agent.banks import benchmark
+from agent.build import network_of, policy_of
+from agent.config import PRESETS
+from agent.dqn import DQN
+from agent.policies import Explorer
+from agent.pqn import PQN
+from agent.world import make_worlds, shield
+from logic import generate
+from sim import HouseVectorEnv
+
+FILE = Path(__file__).parents[1] / "golden" / "agent.json"
+STEPS, ENVIRONMENTS = 1500, 8
+SMALL: dict[str, dict[str, Any]] = {
+    "dqn": {"memory": 8000, "warm_up": 1000, "batch": 128},
+    "paper": {"memory": 8000, "batch": 100, "minibatches": 5},
+}
+"""What is changed so that a preset learns something in so few steps."""
+
+EXPLORERS = {
+    "explorer, secondary": ("secondary", 0.0),
+    "explorer, mixed": ("mixed", 0.0),
+    "explorer, grid": ("secondary", 0.3),
+}
+
+
+def environments(targets: str, world: str = "default", cell: float = 0.0) -> HouseVectorEnv:
+    houses = [*generate(4, cell=cell, count=ENVIRONMENTS)] if cell else benchmark()[:ENVIRONMENTS]
+    backend = "grid" if cell else "continuous"
+    return make_worlds(houses, ENVIRONMENTS, targets, preset=world, backend=backend)
+
+
+def play(envs: HouseVectorEnv, policy: Any, look: Callable[[], tuple[torch.Tensor, ...]]) -> dict[str, Any]:
+    """The digest of all actions, rewards and bumps, and of what ``look`` shows after each step."""
+    digest, shown, found = hashlib.sha256(), hashlib.sha256(), 0.0
+    start = {"house": np.arange(ENVIRONMENTS)}
+    observation = torch.as_tensor(envs.reset(seed=7, options=start)[0])
+    blocked = torch.zeros(ENVIRONMENTS, dtype=torch.bool)
+    policy.begin(ENVIRONMENTS)
+    for _ in range(STEPS):
+        actions = policy(observation, blocked)
+        for part in look():
+            shown.update(part.numpy().tobytes())
+        observation, reward, *_, info = envs.step_torch(actions)
+        blocked = info["blocked"]
+        found += float(reward.sum())
+        for part in (actions, reward, blocked):
+            digest.update(part.numpy().tobytes())
+    return {
+        "found": found,
+        "interventions": policy.interventions,
+        "digest": digest.hexdigest(),
+        "shown": {"machine": machine(), "digest": shown.hexdigest()},
+    }
+
+
+def played(preset: str) -> dict[str, Any]:
+    """What a preset's policy does: of its released agent, or of its first weights."""
+    torch.set_num_threads(1)
+    if preset in checkpoint.released():
+        agent = checkpoint.load(preset)
+        network, config = agent.network, agent.config
+    else:
+        config = PRESETS[preset]
+        network = network_of(config).eval()
+    envs = environments(config.targets, config.world)
+    policy = policy_of(network, config, envs, seed=3)
+    return play(envs, policy, lambda: ())
+
+
+def explored(name: str) -> dict[str, Any]:
+    """What the explorer does, its advice and its map's features after each step."""
+    targets, cell = EXPLORERS[name]
+    envs = environments(targets, cell=cell)
+    policy = Explorer(shield(envs), envs.config)
+
+    def look() -> tuple[torch.Tensor, ...]:
+        map = policy.surveyor.map
+        return map.advice, map.features, map.new, map.progress, map.way, map.found
+
+    return play(envs, policy, look)
+
+
+def learnt(preset: str) -> dict[str, Any]:
+    """What a preset learns in so many steps of each environment: the losses' mean and the weights' digest."""
+    torch.set_num_threads(1)
+    config = PRESETS[preset]
+    config = replace(config, environments=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
+    envs = environments(config.targets, config.world)
+    torch.set_float32_matmul_precision(config.precision)
+    learner: Any = (PQN if config.algorithm == "pqn" else DQN)(config, envs)
+    reports = list(learner.train())
+    torch.set_float32_matmul_precision("highest")
+    weights = hashlib.sha256()
+    for tensor in learner.network.state_dict().values():
+        weights.update(tensor.numpy().tobytes())
+    first = [report.loss for report in reports if report.loss][:4]
+    return {"machine": machine(), "losses": first, "reports": len(reports), "weights": weights.hexdigest()}
+
+
+def machine() -> str:
+    """What the last bits of sums depend on."""
+    return f"torch {torch.__version__}, {torch.backends.cpu.get_cpu_capability()}, {cpuinfo.get_cpu_info()['brand_raw']}"
+
+
+GOLDEN = json.loads(FILE.read_text()) if FILE.exists() else {}
+
+
+def same(found: dict[str, Any], golden: dict[str, Any]) -> None:
+    """What was done is the same; so is what was shown, where the machine is."""
+    shown, recorded = found.pop("shown"), golden["shown"]
+    assert found == {name: value for name, value in golden.items() if name != "shown"}
+    if shown["machine"] == recorded["machine"]:
+        assert shown == recorded
+
+
+@pytest.mark.parametrize("name", EXPLORERS)
+def test_the_explorer_does_what_it_did(name: str) -> None:
+    same(explored(name), GOLDEN[name])
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_presets_policy_does_what_it_did(preset: str) -> None:
+    same(played(preset), GOLDEN[f"{preset}, played"])
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_preset_learns_what_it_learnt(preset: str) -> None:
+    found, golden = learnt(preset), GOLDEN[f"{preset}, learnt"]
+    assert found["reports"] == golden["reports"]
+    assert found["losses"] == pytest.approx(golden["losses"], rel=0.05, abs=1e-6)
+    if found["machine"] == golden["machine"]:
+        assert found["weights"] == golden["weights"]
+
+
+if __name__ == "__main__":
+    record = {name: explored(name) for name in EXPLORERS}
+    record |= {f"{preset}, played": played(preset) for preset in PRESETS}
+    record |= {f"{preset}, learnt": learnt(preset) for preset in PRESETS}
+    print(json.dumps(record, indent=1))
