@@ -1,9 +1,9 @@
-"""What every preset and the explorer do for 1,500 steps of 8 environments, recorded before a change of shape.
+"""Every preset and the explorer do what they did when it was recorded: 1,500 steps of 8 environments.
 
-``python -m tests.agent.test_golden`` prints what is recorded in ``tests/golden/agent.json``: write it anew only
-where behaviour is meant to change. Actions are recorded exactly. What is learnt is recorded exactly for the
-processor and the torch that it was recorded on, whose sums of float32 others round in another way, and within
-a tolerance for all.
+``python -m tests.agent.test_golden`` prints what ``tests/golden/agent.json`` has: replace it only where
+behaviour is meant to change. Actions are compared exactly. Weights are compared exactly on the processor and
+the torch release of the record, as others round sums of float32 differently, and losses within a tolerance
+everywhere.
 """
 
 import hashlib
@@ -120,7 +120,8 @@ def learnt(preset: str) -> dict[str, Any]:
 
 def machine() -> str:
     """What the last bits of sums depend on."""
-    return f"torch {torch.__version__}, {torch.backends.cpu.get_cpu_capability()}, {cpuinfo.get_cpu_info()['brand_raw']}"
+    brand = cpuinfo.get_cpu_info()["brand_raw"]
+    return f"torch {torch.__version__}, {torch.backends.cpu.get_cpu_capability()}, {brand}"
 
 
 GOLDEN = json.loads(FILE.read_text()) if FILE.exists() else {}

@@ -1,6 +1,6 @@
 % Things in a row.
-:- use_module('../../logic/rules/chain').
-:- use_module('../../logic/rules/linear').
+:- use_module('../../../logic/rules/chain').
+:- use_module('../../../logic/rules/linear').
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

@@ -1,5 +1,5 @@
 % Drawing numbers: with a given state the numbers are given.
-:- use_module('../../logic/rules/draw').
+:- use_module('../../../logic/rules/draw').
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

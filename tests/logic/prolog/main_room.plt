@@ -1,6 +1,6 @@
 % The rooms around the main room.
-:- use_module('../../logic/rules/grammar').
-:- use_module('../../logic/rules/main_room').
+:- use_module('../../../logic/rules/grammar').
+:- use_module('../../../logic/rules/main_room').
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).

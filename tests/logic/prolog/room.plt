@@ -1,8 +1,8 @@
 % The constraints of a room: what fits, what does not, and where things may stand at the extremes.
-:- use_module('../../logic/rules/grammar').
-:- use_module('../../logic/rules/furnish').
-:- use_module('../../logic/rules/linear').
-:- use_module('../../logic/rules/room').
+:- use_module('../../../logic/rules/grammar').
+:- use_module('../../../logic/rules/furnish').
+:- use_module('../../../logic/rules/linear').
+:- use_module('../../../logic/rules/room').
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
