@@ -1,0 +1,278 @@
+"""The commands about houses: each is a dataclass whose fields are its options; the command line gathers them.
+
+What a command needs is imported in its ``run``, so that help comes at once.
+"""
+
+import json
+import os
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import track
+
+from logic.errors import RequestError, VitruviusError
+from logic.house import House
+
+Repeated = tyro.conf.UseAppendAction
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Make houses from rules."""
+
+    rooms: int
+    """Number of secondary rooms, 1 to 128."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
+
+    grammar: str = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seed: int = 0
+    """With the index of a house, all that its random choices depend on."""
+
+    count: int = 1
+    """How many houses."""
+
+    start: int = 0
+    """Index of the first house: any slice of a series can be made by itself."""
+
+    workers: int = 1
+    """Solver processes. They change the time, never the houses."""
+
+    inferences: int = 100_000_000
+    """Most Prolog inferences for a house."""
+
+    seconds: float = 60.0
+    """Most seconds for a house."""
+
+    count_layouts: bool = False
+    """Make no houses, but count the layouts that they are drawn from."""
+
+    out: Path | None = None
+    """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
+
+    def run(self) -> int:
+        """Write the houses; where a limit or Ctrl-C ends the work, those made so far, and a note of why."""
+        from logic import generate, save
+
+        if self.count_layouts:
+            return self._count()
+        _require_writable(self.out, self.count)
+        houses: list[House] = []
+        request = generate(
+            rooms=self.rooms,
+            types=_counts("--type", self.type),
+            furniture=_counts("--piece", self.piece),
+            cell=self.cell,
+            grammar=self.grammar,
+            seed=self.seed,
+            count=self.count,
+            start=self.start,
+            workers=self.workers,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
+        try:
+            for house in _progress(request, self.count, "houses"):
+                houses.append(house)
+                if self.out is None:
+                    print(json.dumps(house.to_dict()), flush=True)
+        except (VitruviusError, KeyboardInterrupt) as end:
+            if houses and self.out:
+                save(houses, self.out, stopped=f"at house {self.start + len(houses)}: {end or 'interrupted'}")
+                say(f"{self.out}: kept the {len(houses)} made before")
+            raise
+        if self.out:
+            save(houses, self.out)
+            say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
+        return 0
+
+    def _count(self) -> int:
+        """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
+        from logic import count_layouts
+
+        counts = count_layouts(
+            self.rooms,
+            types=_counts("--type", self.type),
+            furniture=_counts("--piece", self.piece),
+            grammar=self.grammar,
+            seconds=self.seconds,
+        )
+        for name, number, whole in counts:
+            print(f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}")
+        return 0 if all(whole for _, _, whole in counts) else 4
+
+
+@dataclass(frozen=True)
+class Explain:
+    """Tell why no house satisfies a request: what clashes, and where it stands."""
+
+    rooms: int
+    """Number of secondary rooms, 1 to 128."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres; 0 for none."""
+
+    grammar: str = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seconds: float = 60.0
+    """Most seconds."""
+
+    json: bool = False
+    """Print the reasons as JSON."""
+
+    def run(self) -> int:
+        """Print the reasons; 1 where there is a house after all."""
+        from logic import Unsatisfiable, generate
+        from logic.errors import to_record
+
+        houses = generate(
+            rooms=self.rooms,
+            types=_counts("--type", self.type),
+            furniture=_counts("--piece", self.piece),
+            cell=self.cell,
+            grammar=self.grammar,
+            seconds=self.seconds,
+        )
+        try:
+            next(houses)
+        except Unsatisfiable as proof:
+            print(json.dumps(to_record(proof)) if self.json else proof)
+            return 0
+        print(json.dumps({"satisfiable": True}) if self.json else "There are such houses: vitruvius generate")
+        return 1
+
+
+@dataclass(frozen=True)
+class Lint:
+    """Find the mistakes in rule files that clingo and Prolog pass over."""
+
+    grammar: tyro.conf.Positional[str] = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    json: bool = False
+    """Print each finding as a line of JSON."""
+
+    def run(self) -> int:
+        """Print a line for each finding; 1 if any is an error."""
+        from msgspec import to_builtins
+
+        from logic import lint
+
+        found = lint(self.grammar)
+        for finding in found:
+            print(json.dumps(to_builtins(finding)) if self.json else finding)
+        errors = sum(finding.severity == "error" for finding in found)
+        say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
+        return 1 if errors else 0
+
+
+@dataclass(frozen=True)
+class Check:
+    """Check houses by plain geometry, apart from the rules that made them."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    json: bool = False
+    """Print the violations of each house as a line of JSON."""
+
+    def run(self) -> int:
+        """Print a line for each violation; 1 if there is any."""
+        from logic import check, load
+
+        houses = load(self.file)
+        spoiled = 0
+        for number, house in enumerate(_progress(houses, len(houses), "houses"), start=1):
+            violations = check(house)
+            spoiled += bool(violations)
+            if self.json:
+                print(json.dumps({"house": number, "violations": violations}))
+            else:
+                for violation in violations:
+                    print(f"{self.file}:{number}: {violation}")
+        say(f"{self.file}: {len(houses)} checked, {spoiled or 'none'} with violations")
+        return 1 if spoiled else 0
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Draw plans of houses and a contact sheet."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    out: Path = Path("plans")
+    """Folder for the pictures."""
+
+    format: Literal["svg", "png"] = "svg"
+    """What the plans are written as."""
+
+    def run(self) -> int:
+        """Write a picture of each house and one of all."""
+        from logic import load
+        from logic.draw import draw
+
+        pictures = draw(load(self.file), self.out, format=self.format)
+        say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
+        return 0
+
+
+def _counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
+    """``("bedroom=2", "hall=..1")`` as ``{"bedroom": 2, "hall": (0, 1)}``."""
+    from logic.request import from_option
+
+    counts = {}
+    for text in texts:
+        name, _, number = text.partition("=")
+        if not name or not re.fullmatch(r"\d+|\d*\.\.\d*", number) or name in counts:
+            raise RequestError(f"{option} {text}: give each name once, as in {option} bed=2 or bed=1..3")
+        counts[name] = from_option(number)
+    return counts
+
+
+def _require_writable(out: Path | None, count: int) -> None:
+    """Say before the work, not after it, that its place cannot take it."""
+    if out is None:
+        return
+    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
+        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
+    if out.is_dir():
+        raise RequestError(f"--out {out}: is a folder: name a file in it, as in {out / 'houses.jsonl'}")
+    folder = next(parent for parent in out.absolute().parents if parent.exists())
+    if not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise RequestError(f"--out {out}: {folder} cannot be written to")
+
+
+def _progress(items: Any, total: int, what: str) -> Iterator[Any]:
+    """A progress bar on a terminal, nothing in a pipe."""
+    console = Console(stderr=True)
+    return iter(
+        track(items, what, total=total, console=console, disable=not console.is_terminal, transient=True)
+    )
+
+
+def say(text: str) -> None:
+    """A line for the user, on stderr: the standard output is for houses and answers."""
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,34 @@
+"""The commands about houses need only what makes houses."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+GENERATE = """
+import sys
+from importlib.metadata import entry_points
+(vitruvius,) = entry_points(group="console_scripts", name="vitruvius")
+sys.argv = ["vitruvius", "generate", "--rooms", "1"]
+vitruvius.load()()
+"""
+
+
+@pytest.mark.parametrize("library", ["torch", "taichi", "gymnasium", "matplotlib"])
+def test_making_a_house_imports_nothing_of_the_simulator_or_the_agent(tmp_path: Path, library: str) -> None:
+    """A module of that name, which the command and its solver process find first, ends them."""
+    (tmp_path / f"{library}.py").write_text(f"raise SystemExit('{library} is imported')")
+    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    command = [sys.executable, "-c", GENERATE]
+    made = subprocess.run(
+        command,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert made.returncode == 0, made.stderr
+    assert made.stdout.startswith('{"format"')
