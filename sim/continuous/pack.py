@@ -48,8 +48,8 @@ LONGEST = 2**16 - 1
 """Of a cell's lists together: they are counted in 16 bits."""
 
 LINE, AHEAD = 16, 64
-"""Words of a cache line, and of a block's beginning that is fetched before it is read; the last block, too,
-has as many behind it."""
+"""Words of a cache line, and of a block's beginning that is prefetched; the last block, too, has as many
+behind it."""
 
 WEST, EAST = -1, 1
 """A line that is seen from the west (or north) only, or from the east (or south); walls are 0."""

@@ -43,8 +43,8 @@ class Sight:
         return self.rays.metres(nearest), kinds
 
     @ti.func
-    def fetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.fetch``: the distances."""
+    def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.prefetch``: the distances."""
         at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count)
         at += self.rays.first(cell[2], 0)
         half, last = ti.static(self.rays.lanes // 2), ti.static(self.rays.lanes - 1)
