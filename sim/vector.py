@@ -15,6 +15,7 @@ from logic import House, load
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.episodes import HOUSE
+from sim.geometry import Geometry
 from sim.runtime import start
 from sim.tasks import Targets, named
 from sim.world import (
@@ -24,6 +25,7 @@ from sim.world import (
     NEXT_STEP,
     SAME_STEP,
     SAMPLE,
+    TABLES,
     TERMINATED,
     TRUNCATED,
     World,
@@ -171,6 +173,16 @@ class HouseVectorEnv(VectorEnv):
         """The bank that episodes sample from."""
         return self.world.houses
 
+    @property
+    def geometries(self) -> list[Geometry]:
+        """The boxes of each house of the bank, metres."""
+        return self.world.bank.geometries
+
+    @property
+    def backend(self) -> Backend:
+        """What moves bodies and casts rays."""
+        return self.world.backend
+
     def assign(self, houses: Any) -> None:
         """Set the houses (E,) of the bank in which the next episodes take place, -1 for one that is sampled.
 
@@ -278,6 +290,24 @@ class HouseVectorEnv(VectorEnv):
         told = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
         action = arrays["action"]
         return action.view() if self.device == "cpu" else action.tensor(np.int64, (count,)), told
+
+    def launch(self, actions: np.ndarray) -> None:
+        """Run the step's kernel alone on actions (E,) int64: for measurements, only on the CPU.
+
+        Nothing is checked or returned; its outputs are in the memory that ``step_torch`` returns.
+        """
+        self.world.arrays["action"].view()[:] = actions
+        self.world.run("step")
+
+    def info(self) -> dict[str, np.ndarray]:
+        """The info of the environments as they are now: copies, as ``step`` returns them."""
+        return self._info()
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """What kernels read of the bank, copies: ``numbers`` (n,) float32 and ``indices`` (m,) int32, laid
+        out as the backend's ``pack.py`` says, and ``places`` (p,) int32, as ``sim.world`` says.
+        """
+        return {name: self.world.arrays[name].numpy() for name in TABLES}
 
     def targets(self, count: int) -> np.ndarray:
         """Each environment's target and those that follow it in this episode, (E, count, 2), metres.

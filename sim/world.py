@@ -33,6 +33,9 @@ SAMPLE, KEEP = -1, -2
 STATE = "reals", "wholes", "assigned"
 """Arrays that a step depends on and that are not the bank's."""
 
+TABLES = "numbers", "indices", "places"
+"""Arrays of the bank."""
+
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
 
@@ -322,9 +325,9 @@ def _kernels(
         last_wholes: Wholes,
         prefetched: Indices,
     ):
-        """One step of every environment. ``action`` (E,); ``assigned`` (E,), the house of an episode that
-        begins, or ``SAMPLE``. Fills ``observation``, ``reward`` (E,), ``flags`` (3, E) (terminated, truncated,
-        blocked), and where the same step begins the next episode ``final`` and the ``last`` state.
+        """One step of every environment, with ``action`` (E,); an episode that begins is in the house
+        ``assigned`` (E,), or samples one. Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E):
+        terminated, truncated, blocked; in ``SAME_STEP`` also ``final`` and the ``last`` state.
         """
         for e in range(reals.shape[0]):
             if ti.static(all_rays):
