@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """What a world asks of a backend: to take in houses, and to place, move and see in them.
 
 A pose is a place on a lattice through the body's first position, so that where a body is depends on the

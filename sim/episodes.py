@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """What happens to one environment: episodes, targets and rewards, as functions of its state.
 
 How bodies move and what they see is the backend's. Every random number is Philox's word for (seed of the

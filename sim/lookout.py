@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false
 """Where bodies have looked and been: the spots of a house where a target would have been seen, and rooms.
 
 Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportIndexIssue=false
 """Rays in few directions, and what shortens them: lines along an axis.
 
 Headings are multiples of 45 degrees and rays a divisor of that apart, so a table holds all directions and no

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """The state of E environments over a bank of houses, and the kernels that step them all.
 
 A kernel knows the configuration and the backend; houses and states are arrays that it is given. So what is

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportIndexIssue=false
 """Houses as the continuous backend holds them: boxes and lines, and lists of those that matter.
 
 A house is divided into cells of ``CELL`` metres. Each has a list of the boxes that a body in it may touch by

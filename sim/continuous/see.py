@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
 
 from sim.backend import TARGET

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportIndexIssue=false
 """Houses as the grid backend holds them: for each cell what a body can do there, and what its rays hit.
 
 Walls lie on the edges of cells and pieces fill cells. Rays are cast once, from the middle of each cell that

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """What rays hit in the grid backend: looked up for the eye's cell, and the target before it."""
 
 from sim.backend import TARGET
