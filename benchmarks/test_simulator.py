@@ -259,7 +259,7 @@ def cast(envs: HouseVectorEnv, eye: np.ndarray, heading: np.ndarray) -> np.ndarr
     """
     solids = envs.geometries[0].solids
     boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
-    angle = heading[:, None] + np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
+    angle = heading[:, None] + DEFAULT.ray_angles
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1 / np.stack([np.cos(angle), -np.sin(angle)], axis=-1)
         nearest = np.full(angle.shape, DEFAULT.range)
