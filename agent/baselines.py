@@ -100,14 +100,8 @@ def baselines(envs: HouseVectorEnv, seed: int) -> dict[str, Callable[[], Policy]
 
     return {
         "random + avoidance": lambda: RandomPolicy(PaperRule(rng := chance()), rng),
-        "script": lambda: Script(ray_angles(envs), shield(envs), chance()),
+        "script": lambda: Script(envs.config.ray_angles, shield(envs), chance()),
         "explorer": lambda: Explorer(shield(envs), envs.config),
         "searcher": searcher,
         "oracle": lambda: Told(Oracle(envs).act),
     }
-
-
-def ray_angles(envs: HouseVectorEnv) -> np.ndarray:
-    """The directions of the rays (R,), radians from the heading."""
-    world = envs.config
-    return np.deg2rad(world.first_ray - world.ray_spacing * np.arange(world.rays))

@@ -10,12 +10,12 @@ that is, as in the paper, with one of those seen as often as houses are seen, el
 ``P_score`` goes with 1 / rank ** (1 / beta) of a house's score, ``P_stale`` with how long it was not played.
 
     levels = Levels(len(envs.houses), envs.num_envs)
-    envs.deal(levels.deal(envs.num_envs, generator))
+    envs.assign(levels.deal(envs.num_envs, generator))
     envs.reset(seed=0)
     for each rollout:
         ...  # note info["house"] of each step, beside its reward
         levels.update(house, error, ended, valid)
-        envs.deal(levels.deal(envs.num_envs, generator))  # for episodes that begin in the next rollout
+        envs.assign(levels.deal(envs.num_envs, generator))  # for episodes that begin in the next rollout
 """
 
 from collections.abc import Mapping

@@ -25,7 +25,7 @@ from agent.actions import FORWARD
 from agent.evaluate import begin
 from agent.policies import Policy
 from sim import HouseVectorEnv
-from sim.lookout import WORD, Lookout
+from sim.lookout import Lookout
 
 PHASES = ("approach", "door", "crossing", "survey", "again", "corners", "out")
 APPROACH, DOOR, CROSSING, SURVEY, AGAIN, CORNERS, OUT = range(len(PHASES))
@@ -91,19 +91,17 @@ class Search:
         """Begin where the bodies are now."""
         self.watch = Lookout(envs)
         self.watch.begin()
-        self.body, shapes = max(envs.config.body), envs.world.bank.geometries
-        arrays, rooms = self.watch.arrays, 1 + max(len(shape.rooms) for shape in shapes)
-        self.seen = arrays["seen"].view().reshape(envs.num_envs, -1)  # what the watch notes: (E, W)
+        self.envs, self.body, shapes = envs, max(envs.config.body), envs.geometries
+        rooms = 1 + max(len(shape.rooms) for shape in shapes)
+        self.seen = self.watch.seen
         self.earlier = np.zeros_like(self.seen)
         self.rooms = np.full((len(shapes), rooms - 1, 4), np.nan)
         self.doors = np.full((len(shapes), rooms - 1, 4), np.nan)
-        self.masks = np.zeros((len(shapes), rooms, self.seen.shape[1] * WORD), bool)
-        spots = arrays["spots"].numpy().reshape(-1, 2) * envs.config.step
-        starts, origins = arrays["starts"].numpy(), arrays["origins"].numpy().reshape(-1, 2)
+        self.masks = np.zeros((len(shapes), rooms, 8 * self.seen[0].nbytes), bool)
         for house, shape in enumerate(shapes):
             self.rooms[house, : len(shape.rooms)] = shape.rooms
             self.doors[house, : len(shape.rooms)] = shape.doors
-            places = spots[starts[house] : starts[house + 1]] + origins[house]
+            places = self.watch.spots[house]
             self.masks[house, room_of(places, self.rooms[house]), np.arange(len(places))] = True
         self.total = self.masks.sum(axis=-1)
         self.masks = np.packbits(self.masks, axis=-1, bitorder="little").view(self.seen.dtype)
@@ -111,12 +109,13 @@ class Search:
     def look(self, picked: np.ndarray) -> None:
         """Look from where the bodies are; where a target was ``picked`` (E,) bool, the next is sought."""
         self.earlier[picked] |= self.seen[picked]
-        self.seen[picked] = 0
+        self.watch.forget(picked)
         self.watch.look()
 
     def phase(self) -> np.ndarray:
         """What phase (E,) int64 a step made now is of, where no target is known."""
-        pose, _, house = self.watch.world.describe()
+        info = self.envs.info()
+        pose, house = info["pose"], info["house"]
         room = room_of(pose[:, :2], self.rooms[house])
         mask, total = self.masks[house, room], self.total[house, room]
 

@@ -98,7 +98,7 @@ class PQN(Learner):
         envs, config = self.envs, self.config
         self.levels = Levels(len(envs.houses), envs.num_envs) if config.levels else None
         if self.levels:
-            envs.deal(self.levels.deal(envs.num_envs, self.generator))
+            envs.assign(self.levels.deal(envs.num_envs, self.generator))
         observation, memory = self.first_look(), self.network.memory.empty(envs.num_envs)
         self.map = Map(envs.config, envs.num_envs) if config.map else None
         self.rollout = Rollout.starting(config.rollout, observation, memory, self.map)
@@ -124,7 +124,7 @@ class PQN(Learner):
         if self.levels:
             ended = rollout.terminated | rollout.truncated
             self.levels.update(rollout.house, g - rollout.v[:-1], ended, rollout.valid)
-            self.envs.deal(self.levels.deal(self.envs.num_envs, self.generator))
+            self.envs.assign(self.levels.deal(self.envs.num_envs, self.generator))
         self.clock.simulating += rollout.simulating
         self.clock.mapping += rollout.mapping
         self.clock.all += perf_counter() - start

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import cast
 
 import gymnasium
-import numpy as np
 
 from agent.avoidance import Shield, air
 from logic import House, HouseFileError
@@ -43,5 +42,4 @@ def make_worlds(
 def shield(envs: HouseVectorEnv) -> Shield:
     """The avoidance layer for the body and the rays of these worlds."""
     world = envs.config
-    angles = np.deg2rad(world.first_ray - world.ray_spacing * np.arange(world.rays))
-    return Shield(angles, reach=world.range, body=world.body[0], step=world.step, margin=air(world))
+    return Shield(world.ray_angles, reach=world.range, body=world.body[0], step=world.step, margin=air(world))

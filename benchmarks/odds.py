@@ -136,18 +136,11 @@ class Truth:
         """Begin where the bodies are, at their ``starts`` (E, 3), for maps of such cells, metres."""
         self.watch, self.starts, self.cell = Lookout(envs), starts, cell
         self.watch.begin()
-        arrays = self.watch.arrays
-        self.seen = arrays["seen"].view().reshape(envs.num_envs, -1)
-        spots = arrays["spots"].numpy().reshape(-1, 2) * envs.config.step
-        parts = np.split(spots, arrays["starts"].numpy()[1:-1])
-        self.trees = [
-            KDTree(part + origin)
-            for part, origin in zip(parts, arrays["origins"].numpy().reshape(-1, 2), strict=True)
-        ]
+        self.trees = [KDTree(spots) for spots in self.watch.spots]
 
     def look(self, picked: np.ndarray) -> None:
         """Look from where the bodies are; where a target was ``picked`` (E,) bool, the next is sought."""
-        self.seen[picked] = 0
+        self.watch.forget(picked)
         self.watch.look()
 
     def where(self, environment: int, nodes: np.ndarray) -> np.ndarray:
@@ -161,7 +154,7 @@ class Truth:
     def free(self, environment: int, nodes: np.ndarray) -> np.ndarray:
         """About which of these nodes (n, 2) a target could lie that was not seen since the last pick-up."""
         away, spot = self.trees[environment].query(self.where(environment, nodes))
-        seen = np.unpackbits(self.seen[environment].view(np.uint8), bitorder="little")[spot]
+        seen = np.unpackbits(self.watch.seen[environment].view(np.uint8), bitorder="little")[spot]
         return (away < BESIDE) & (seen == 0)
 
 

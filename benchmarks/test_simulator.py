@@ -23,7 +23,6 @@ from benchmarks.simulator.cores import confined, processors
 from logic import House, generate, save
 from sim import DEFAULT, Config, HouseVectorEnv
 from sim.continuous import pack
-from sim.continuous.pack import COLUMNS, FIRST_CELL, HEADER
 from sim.runtime import start
 
 ENVIRONMENTS = [1, 16, 256, 4096, 65536]
@@ -90,13 +89,7 @@ def timed(
 
 def kernel(envs: HouseVectorEnv) -> Callable[[torch.Tensor], None]:
     """A step without what surrounds the kernel, but for its launch."""
-    action, run = envs.world.arrays["action"].view(), envs.world.run
-
-    def step(actions: torch.Tensor) -> None:
-        action[:] = actions.numpy()
-        run("step")
-
-    return step
+    return lambda actions: envs.launch(actions.numpy())
 
 
 @study
@@ -168,7 +161,7 @@ def test_loops(benchmark, loop):
 @pytest.mark.parametrize("count", HOUSES)
 def test_different_houses(benchmark, count):
     envs = ready(MANY, bank(count))
-    size = sum(4 * envs.world.arrays[name].shape[0] for name in ("numbers", "indices", "places"))
+    size = sum(table.nbytes for table in envs.tables().values())
     timed(benchmark, kernel(envs), MANY, houses=count, bytes=size, panel=BY_OTHERS)
 
 
@@ -176,7 +169,7 @@ def test_different_houses(benchmark, count):
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_larger_houses(benchmark, rooms):
     envs = ready(MANY, bank(16, rooms))
-    shapes = envs.world.bank.geometries
+    shapes = envs.geometries
     segments = np.mean(
         [len(shape.verticals) + len(shape.horizontals) + 4 * len(shape.pieces) for shape in shapes]
     )
@@ -206,11 +199,11 @@ def test_more_processors(benchmark, cores):
 def test_parts(benchmark, what):
     """Parts of a step of 4096 environments, and what is done less often."""
     envs = ready(1 if what.startswith("one") else MANY, bank())
-    eye, heading = np.full((MANY, 2), 2.0), np.zeros(MANY)
+    eye, heading, still = np.full((MANY, 2), 2.0), np.zeros(MANY), np.zeros(1, int)
     work = {
-        "one environment's kernel": lambda: envs.world.run("step"),
+        "one environment's kernel": lambda: envs.launch(still),
         "observations copied": envs.state["observation"].copy,
-        "info": envs._info,
+        "info": envs.info,
         "reset of all": envs.reset,
         "rays in NumPy": lambda: cast(envs, eye, heading),
     }[what]
@@ -256,24 +249,17 @@ def c_compiler() -> list[str]:
 
 def lines_listed(envs: HouseVectorEnv) -> float:
     """How many lines a look meets: those listed for the eye's cell and its heading, on average."""
-    indices = envs.world.arrays["indices"].numpy()
-    pose, _, house = envs.world.describe()
-    corner = envs.world.arrays["numbers"].numpy()[: 2 * len(envs.houses)].reshape(-1, 2)[house]
-    header = indices[: HEADER * len(envs.houses)].reshape(-1, HEADER)[house]
-    column, row = ((pose[:, :2] - corner) / pack.CELL).astype(int).T
-    block = indices[header[:, FIRST_CELL] + row * header[:, COLUMNS] + column]
-    first = 1 + 2 * np.round(pose[:, 2] / (np.pi / 4)).astype(int) % 16
-    ends = indices.view(np.uint16)
-    return float((ends[2 * block + first + 2].astype(int) - ends[2 * block + first]).mean())
+    info = envs.info()
+    return float(pack.lines_listed(envs.tables(), info["house"], info["pose"]).mean())
 
 
 def cast(envs: HouseVectorEnv, eye: np.ndarray, heading: np.ndarray) -> np.ndarray:
     """Distances (E, R) from eyes (E, 2) in house 0, as most would write it: vectors over all rays, a loop
     over boxes, the slab method.
     """
-    solids = envs.world.bank.geometries[0].solids
+    solids = envs.geometries[0].solids
     boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
-    angle = heading[:, None] + np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
+    angle = heading[:, None] + DEFAULT.ray_angles
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1 / np.stack([np.cos(angle), -np.sin(angle)], axis=-1)
         nearest = np.full(angle.shape, DEFAULT.range)

@@ -42,7 +42,7 @@ class Teller(Surveyor):
         Belief.odds = _told(self.ground)  # pyright: ignore[reportAttributeAccessIssue]
         step_kernel.cache_clear()  # a kernel keeps what it was compiled with
         super().__init__(envs.config)
-        self.world_of, self.walls = envs.unwrapped.world, None
+        self.envs, self.walls = envs.unwrapped, None
         anywhere = make_worlds(envs.unwrapped.houses, 1, "mixed")
         anywhere.reset(seed=0)
         self.counts = [(anywhere, SURE)] if what == FLOOR else [(anywhere, ELSEWHERE), (envs, SURE)]
@@ -50,7 +50,8 @@ class Teller(Surveyor):
     def begin(self, environments: int) -> None:
         """Forget, and be told of the houses that the bodies are in."""
         super().begin(environments)
-        poses, _, houses = self.world_of.describe()
+        info = self.envs.info()
+        poses, houses = info["pose"], info["house"]
         ground = np.zeros((environments, SIDE, SIDE), np.uint8)
         for envs, count in self.counts:
             truth = Truth(envs, poses, self.map.cell)

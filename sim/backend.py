@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """What a world asks of a backend: to take in houses, and to place, move and see in them.
 
 A pose is a place on a lattice through the body's first position, so that where a body is depends on the
@@ -52,7 +51,7 @@ class Lattice:
 
 
 class Backend(Protocol):
-    """Motion and sight: ``stands``, ``move``, ``see`` and ``fetch`` are ``ti.func``s, which get a bank's
+    """Motion and sight: ``stands``, ``move``, ``see`` and ``prefetch`` are ``ti.func``s, which get a bank's
     ``numbers`` and ``indices`` and the number of a house in it.
     """
 
@@ -101,7 +100,7 @@ class Backend(Protocol):
         """
         ...
 
-    def fetch(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
+    def prefetch(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
         """Read some of what a look from a cell reads, that it may be near when it is read again: anything
         (i32). A backend that has nothing to gain returns 0.
         """

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """A square body and its eye, at poses that are counted in steps and headings."""
 
 import numpy as np

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 FOOT = 0.3048
 PIXEL = FOOT / 8.5
 """The paper's lengths are in pixels, 8.5 to a foot."""
@@ -78,6 +80,11 @@ class Config:
             raise ValueError(f"noise {self.noise} m and dropout {self.dropout}: not negative, at most 1")
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
+
+    @property
+    def ray_angles(self) -> np.ndarray:
+        """The rays' directions (R,) float64: radians from the heading, counter-clockwise."""
+        return np.deg2rad(self.first_ray - self.ray_spacing * np.arange(self.rays))
 
     @property
     def channels(self) -> int:

@@ -1,9 +1,8 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """What happens to one environment: episodes, targets and rewards, as functions of its state.
 
-How bodies move and what they see is the backend's. Every draw is Philox's word for (seed of the environment,
-episode, counter): counter 0 is the episode's house and start, counter k its k-th target, so no draw depends
-on how many environments there are, on how often others reset, or, for targets, on the agent.
+How bodies move and what they see is the backend's. Every random number is Philox's word for (seed of the
+environment, episode, counter): counter 0 is the episode's house and start, counter k its k-th target. So none
+depends on how many environments there are, on how often others reset, or, for targets, on the agent.
 """
 
 import numpy as np
@@ -15,13 +14,13 @@ from sim.philox import below, philox, uniform
 from sim.runtime import ti
 
 TRIES = 32
-"""Draws until a place that should lie apart from another is taken as it comes."""
+"""Samples until a place that should lie apart from another is taken as it comes."""
 
 NORTH = 2
 """The heading of fixed starts."""
 
 EPISODE, SENSOR = 0, 1
-"""What a draw is for: the fourth word of its counter."""
+"""What a random number is for: the fourth word of its counter."""
 
 HOUSE = 3
 """Where the house is among the whole numbers of an environment's state."""
@@ -41,7 +40,7 @@ State = ti.types.struct(
     cell=ti.math.ivec3,  # steps east and south, heading
     house=ti.i32,
     time=ti.i32,  # steps in this episode
-    found=ti.i32,  # targets drawn in this episode
+    found=ti.i32,  # targets sampled in this episode
     over=ti.i32,  # whether the episode has ended
     episode=ti.i32,
     seed=ti.u64,
@@ -108,30 +107,30 @@ class Episodes:
         truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
         state.over = terminated | truncated
         if picked:
-            state = self.draw_target(places, state, ti.static(self.apart))
+            state = self.sample_target(places, state, ti.static(self.apart))
         return state, picked, terminated, truncated, blocked
 
     @ti.func
-    def begin(self, places: ti.template(), state, wanted):
-        """The next episode, in the wanted house, or a drawn one if that is negative."""
+    def begin(self, places: ti.template(), state, house):
+        """The next episode, in the given house, or a sampled one if that is negative."""
         state.episode += 1
-        state.house = wanted
-        if wanted < 0:
-            state.house = below(self.draw(state, 0, 0)[0], places[0])
+        state.house = house
+        if house < 0:
+            state.house = below(self.random(state, 0, 0)[0], places[0])
         at = 1 + HEADER * state.house
         state.origin = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
         state.time, state.found, state.over = 0, 0, 0
-        return self.draw_start(places, self.draw_target(places, state, -1.0))
+        return self.sample_start(places, self.sample_target(places, state, -1.0))
 
     @ti.func
-    def draw_start(self, places: ti.template(), state):
-        """Draw where an episode starts, not on its first target."""
+    def sample_start(self, places: ti.template(), state):
+        """Sample where an episode starts, not on its first target."""
         at = 1 + HEADER * state.house
         first, count = places[at + 2], places[at + 3]
         turn, searching = 0, 1
         while searching:
             turn += 1
-            words = self.draw(state, 0, turn)
+            words = self.random(state, 0, turn)
             place = places[first + below(words[0], count)]
             heading = ti.select(ti.static(self.config.random_start), below(words[1], 8), NORTH)
             state.cell = ti.Vector([place & 0xFFFF, place >> 16, heading])
@@ -140,8 +139,8 @@ class Episodes:
         return state
 
     @ti.func
-    def draw_target(self, places: ti.template(), state, apart):
-        """Draw the next target, not within ``apart`` metres of the last along both axes."""
+    def sample_target(self, places: ti.template(), state, apart):
+        """Sample the next target, not within ``apart`` metres of the last along both axes."""
         state.found += 1
         at = 1 + HEADER * state.house
         corner = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
@@ -150,7 +149,7 @@ class Episodes:
         turn, searching = 0, 1
         while searching:
             turn += 1
-            place = places[first + below(self.draw(state, state.found, turn)[0], count)]
+            place = places[first + below(self.random(state, state.found, turn)[0], count)]
             steps = ti.Vector([ti.cast(place & 0xFFFF, ti.f32), ti.cast(place >> 16, ti.f32)])
             state.target = corner + steps * ti.static(self.config.step)
             near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
@@ -158,8 +157,8 @@ class Episodes:
         return state
 
     @ti.func
-    def draw(self, state, counter, turn):
-        """The random words of this environment's episode for a counter, at a turn of drawing again."""
+    def random(self, state, counter, turn):
+        """The random words of this environment's episode for a counter, at a turn of sampling again."""
         words = ti.Vector([state.episode, counter, turn, EPISODE])
         return philox(state.seed, ti.cast(words, ti.u64))
 

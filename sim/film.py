@@ -105,8 +105,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
 
     x, y, heading = scene.pose
     eye = view.at(x, y)
-    ray = np.arange(len(scene.distance))
-    angle = heading + np.deg2rad(scene.config.first_ray - scene.config.ray_spacing * ray)
+    angle = heading + scene.config.ray_angles
     reach = np.asarray(scene.distance)
     ends = np.column_stack([x + np.cos(angle) * reach, y - np.sin(angle) * reach])
     fan = [eye, *(view.at(*end) for end in ends)]

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false
 """Where bodies have looked and been: the spots of a house where a target would have been seen, and rooms.
 
 Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps
@@ -116,7 +114,10 @@ class Lookout:
     """
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """Watch these environments; the bank must stay as it is. ``begin`` it at each reset."""
+        """Watch these environments; the bank must stay as it is. ``begin`` it at each reset.
+
+        ``spots``: for each house the centres (n, 2) float64 of the targets that are looked for, metres.
+        """
         self.world: World = envs.unwrapped.world
         pitch = in_steps(PITCH, self.world)
         spots = [here.targets[thinned(here.targets, pitch)] for here in self.world.places]
@@ -127,6 +128,10 @@ class Lookout:
             "seen": Array(ti.u64, self.world.num_envs * -(-max(map(len, spots)) // WORD)),
             "counts": Array(ti.i32, self.world.num_envs),
         }
+        self.spots = [
+            self.world.config.step * each + np.asarray(lattice.origin, np.float32)
+            for each, lattice in zip(spots, self.world.lattices, strict=True)
+        ]
         self._total = np.array([len(each) for each in spots])
         self._rooms = np.full((len(spots), max(len(shape.rooms) for shape in self._shapes), 4), np.nan)
         for house, shape in enumerate(self._shapes):
@@ -139,6 +144,19 @@ class Lookout:
         """Forget all, and look from where the bodies are."""
         self.arrays["seen"].view()[:], self._been[:] = 0, False
         self.look()
+
+    @property
+    def seen(self) -> np.ndarray:
+        """Which spots of its house each environment has looked at, (E, W) uint64: bit k % 64 of word k // 64
+        is for the house's k-th spot. The same memory at each look.
+        """
+        seen = self.arrays["seen"].view().reshape(self.world.num_envs, -1)
+        seen.flags.writeable = False
+        return seen
+
+    def forget(self, chosen: np.ndarray) -> None:
+        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms."""
+        self.arrays["seen"].view().reshape(self.world.num_envs, -1)[chosen] = 0
 
     def look(self) -> None:
         """Look from where the bodies are now."""

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false
 """The fewest actions to a target, exactly: breadth-first search over (x, y, heading) on the true map.
 
 It knows the house, which no agent does: it bounds what an agent can reach, one target at a time. A search

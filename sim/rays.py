@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportIndexIssue=false
 """Rays in few directions, and what shortens them: lines along an axis.
 
 Headings are multiples of 45 degrees and rays a divisor of that apart, so a table holds all directions and no
@@ -22,7 +21,7 @@ PARALLEL = 1e-30
 """In place of a zero sine or cosine: a ray along an axis meets no line along it, in plain arithmetic."""
 
 
-def angles(config: Config) -> np.ndarray:
+def directions(config: Config) -> np.ndarray:
     """Degrees from east, counter-clockwise, of every direction: heading h looks along those from row
     ``turn * ((8 - h) % 8)`` on, where ``turn`` rows make 45 degrees. (7 turn + R,) float64.
     """
@@ -41,7 +40,7 @@ class Rays:
         self.none = int(np.float32(config.range).view(np.uint32))
         self.floats = ti.types.vector(lanes, ti.f32)
         self.bits = ti.types.vector(lanes, ti.u32)
-        degrees = angles(config)
+        degrees = directions(config)
         east, south = np.cos(np.deg2rad(degrees)), -np.sin(np.deg2rad(degrees))
         east[degrees % 180 == 90] = PARALLEL
         south[degrees % 180 == 0] = PARALLEL

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false
 """A searcher that knows the house but not where its target is: about the best that memory and search can do.
 
 It keeps the exact posterior over the target's places. Targets are drawn alike from all of them, so it is

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """What a body can do at each place of a lattice, by the very arithmetic of its moves."""
 
 from dataclasses import dataclass

@@ -154,7 +154,7 @@ class Cover(VectorWrapper):
     def _survey(self) -> None:
         """Divide the bank's houses into squares."""
         envs: Any = self.env.unwrapped
-        bounds = np.array([shape.bounds for shape in envs.world.bank.geometries])
+        bounds = np.array([shape.bounds for shape in envs.geometries])
         self._corner = bounds[:, :2]
         self._size = np.ceil((bounds[:, 2:] - bounds[:, :2]) / self.cell).astype(int)
         self._visited = np.zeros((self.num_envs, *self._size.max(axis=0)), bool)

@@ -15,15 +15,17 @@ from logic import House, load
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.episodes import HOUSE
+from sim.geometry import Geometry
 from sim.runtime import start
 from sim.tasks import Targets, named
 from sim.world import (
     BLOCKED,
     DISABLED,
-    DRAW,
     KEEP,
     NEXT_STEP,
     SAME_STEP,
+    SAMPLE,
+    TABLES,
     TERMINATED,
     TRUNCATED,
     World,
@@ -54,7 +56,7 @@ class HouseVectorEnv(VectorEnv):
     """Bodies with 40 rays look for targets in furnished houses, all stepped by one kernel.
 
     ## Description
-    Each environment draws a house of the bank at the start of each episode. A body walks in it and picks up
+    Each environment samples a house of the bank at the start of each episode. A body walks in it and picks up
     targets: square areas that appear one after the other. Metres, x east and y south; headings turn
     counter-clockwise from east.
 
@@ -74,8 +76,8 @@ class HouseVectorEnv(VectorEnv):
     and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
 
     ## Rewards
-    1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is drawn
-    at once, at least 0.82 m from it along one axis (where the house allows), so none falls in one's lap.
+    1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
+    sampled at once, at least 0.82 m from it along one axis where the house allows.
 
     ## Starting State
     Anywhere free in the main room, at any of the eight headings, not on the first target. ``paper``: at the
@@ -96,8 +98,8 @@ class HouseVectorEnv(VectorEnv):
     meets the same starts and the same targets in the same order, those that ``targets`` lists.
 
     ## Houses
-    Each episode draws its house, unless ``deal`` has said in which one it takes place: so a learner can
-    choose the houses in which there is most to learn. Targets and starts are drawn as ever.
+    Each episode samples its house, unless ``assign`` has set one: so a learner can choose the houses in which
+    there is most to learn. Targets and starts are sampled as always.
 
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
@@ -168,17 +170,28 @@ class HouseVectorEnv(VectorEnv):
 
     @property
     def houses(self) -> list[House]:
-        """The bank that episodes draw from."""
+        """The bank that episodes sample from."""
         return self.world.houses
 
-    def deal(self, houses: Any) -> None:
-        """Say in which houses (E,) of the bank the next episodes take place, -1 for one that is drawn.
+    @property
+    def geometries(self) -> list[Geometry]:
+        """The boxes of each house of the bank, metres."""
+        return self.world.bank.geometries
 
-        It holds for each environment's next episode, however it begins, and all after it, until dealt anew;
-        a reset's option ``house`` goes before it, and another bank ends it. Episodes under way go on as they
-        are. Raises ``ValueError``, and changes nothing, for other shapes, kinds or numbers.
+    @property
+    def backend(self) -> Backend:
+        """What moves bodies and casts rays."""
+        return self.world.backend
+
+    def assign(self, houses: Any) -> None:
+        """Set the houses (E,) of the bank in which the next episodes take place, -1 for one that is sampled.
+
+        It holds for each environment's next episode, however it begins, and for all after it, until the next
+        ``assign``. A reset's option ``house`` overrides it for one episode, and another bank clears it.
+        Episodes under way go on as they are. Raises ``ValueError``, and changes nothing, for other shapes,
+        kinds or numbers.
         """
-        self.world.arrays["deal"].fill(self._numbers("deal", houses, DRAW))
+        self.world.arrays["assigned"].fill(self._numbers("assign", houses, SAMPLE))
 
     def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
         """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
@@ -195,11 +208,11 @@ class HouseVectorEnv(VectorEnv):
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
-        ``target`` (E, 2) in metres and radians, in place of those drawn or dealt; ``reset_mask`` (E,) bool,
-        those environments that begin a new episode, all but the first time. ``ValueError`` for wrong ones,
-        before anything is changed.
+        ``target`` (E, 2) in metres and radians, in place of those sampled or assigned; ``reset_mask`` (E,)
+        bool, those environments that begin a new episode, all but the first time. ``ValueError`` for wrong
+        ones, before anything is changed.
         """
-        mask, wish, wish_at = self._read(options or {})
+        mask, option_wholes, option_reals = self._read(options or {})
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
@@ -209,8 +222,8 @@ class HouseVectorEnv(VectorEnv):
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} environments")
             words = np.array([int(one) % 2**64 for one in seed], np.uint64)
             super().reset(seed=int(seed[0]))
-            self.world.sow(words, mask)
-        self.world.reset(wish, wish_at)
+            self.world.seed(words, mask)
+        self.world.reset(option_wholes, option_reals)
         flags = self._flags()
         flags[:, mask] = False
         self.world.arrays["flags"].fill(flags.view(np.uint8).ravel())
@@ -278,6 +291,24 @@ class HouseVectorEnv(VectorEnv):
         action = arrays["action"]
         return action.view() if self.device == "cpu" else action.tensor(np.int64, (count,)), told
 
+    def launch(self, actions: np.ndarray) -> None:
+        """Run the step's kernel alone on actions (E,) int64: for measurements, only on the CPU.
+
+        Nothing is checked or returned; its outputs are in the memory that ``step_torch`` returns.
+        """
+        self.world.arrays["action"].view()[:] = actions
+        self.world.run("step")
+
+    def info(self) -> dict[str, np.ndarray]:
+        """The info of the environments as they are now: copies, as ``step`` returns them."""
+        return self._info()
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """What kernels read of the bank, copies: ``numbers`` (n,) float32 and ``indices`` (m,) int32, laid
+        out as the backend's ``pack.py`` says, and ``places`` (p,) int32, as ``sim.world`` says.
+        """
+        return {name: self.world.arrays[name].numpy() for name in TABLES}
+
     def targets(self, count: int) -> np.ndarray:
         """Each environment's target and those that follow it in this episode, (E, count, 2), metres.
 
@@ -301,9 +332,9 @@ class HouseVectorEnv(VectorEnv):
         kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
         if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
             raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
-        house, dealt = int(state["wholes"][:, HOUSE].max()), int(state["deal"].max())
-        if max(house, dealt) >= len(self.houses):
-            where = f"a body is in house {house}" if house > dealt else f"house {dealt} is dealt"
+        house, assigned = int(state["wholes"][:, HOUSE].max()), int(state["assigned"].max())
+        if max(house, assigned) >= len(self.houses):
+            where = f"a body is in house {house}" if house > assigned else f"house {assigned} is assigned"
             raise ValueError(f"a state of another bank: {where} of {len(self.houses)}")
         self.world.state = state
         for name in ("flags", "observation"):
@@ -397,8 +428,8 @@ class HouseVectorEnv(VectorEnv):
             raise ValueError(f"unknown reset option {min(unknown)!r}: there are {', '.join(known)}")
         count = self.num_envs
         mask = np.ones(count, bool)
-        wish, wish_at = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
-        wish[:, 0] = self.world.arrays["deal"].numpy()
+        option_wholes, option_reals = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
+        option_wholes[:, 0] = self.world.arrays["assigned"].numpy()
         if options.get("reset_mask") is not None:
             mask = np.asarray(options["reset_mask"])
             if mask.shape != (count,) or mask.dtype != bool:
@@ -408,16 +439,16 @@ class HouseVectorEnv(VectorEnv):
             if not self._ready and not mask.all():
                 raise ResetNeeded("the first reset is everywhere's: leave out reset_mask")
         if options.get("house") is not None:
-            wish[:, 0] = self._numbers("option house", options["house"], 0)
+            option_wholes[:, 0] = self._numbers("option house", options["house"], 0)
         if options.get("pose") is not None:
             if options.get("house") is None:
                 raise ValueError("option pose: say in which houses, by option house")
             poses = _floats("pose", options["pose"], (count, 3))
-            wish_at[:, :2], wish[:, 1:] = self.world.place(wish[:, 0], poses)
+            option_reals[:, :2], option_wholes[:, 1:] = self.world.place(option_wholes[:, 0], poses)
         if options.get("target") is not None:
-            wish_at[:, 2:] = _floats("target", options["target"], (count, 2))
-        wish[~mask, 0] = KEEP
-        return mask, wish, wish_at
+            option_reals[:, 2:] = _floats("target", options["target"], (count, 2))
+        option_wholes[~mask, 0] = KEEP
+        return mask, option_wholes, option_reals
 
     def _numbers(self, name: str, value: Any, least: int) -> np.ndarray:
         """Numbers (E,) of houses in the bank, from ``least`` on."""
@@ -425,8 +456,8 @@ class HouseVectorEnv(VectorEnv):
         if given.shape != (self.num_envs,) or not np.issubdtype(given.dtype, np.integer):
             raise ValueError(f"{name}: {self.num_envs} integers, found {given.dtype} {given.shape}")
         if given.min() < least or given.max() >= len(self.houses):
-            drawn = ", or -1 to draw one" if least == DRAW else ""
-            raise ValueError(f"{name}: the bank has houses 0 to {len(self.houses) - 1}{drawn}")
+            sampled = ", or -1 to sample one" if least == SAMPLE else ""
+            raise ValueError(f"{name}: the bank has houses 0 to {len(self.houses) - 1}{sampled}")
         return given
 
 

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """The state of E environments over a bank of houses, and the kernels that step them all.
 
 A kernel knows the configuration and the backend; houses and states are arrays that it is given. So what is
@@ -27,11 +26,14 @@ TERMINATED, TRUNCATED, BLOCKED = range(3)
 NEXT_STEP, SAME_STEP, DISABLED = range(3)
 """What follows an episode's end: the next step begins another episode, or the same one does, or none."""
 
-DRAW, KEEP = -1, -2
-"""In place of a wished house: draw one; do not begin an episode."""
+SAMPLE, KEEP = -1, -2
+"""In place of a house's number: sample one; do not begin an episode."""
 
-STATE = "reals", "wholes", "deal"
+STATE = "reals", "wholes", "assigned"
 """Arrays that a step depends on and that are not the bank's."""
+
+TABLES = "numbers", "indices", "places"
+"""Arrays of the bank."""
 
 BATCH = 256
 """Houses that are surveyed at a time: it bounds the memory that packing takes."""
@@ -77,10 +79,10 @@ class World:
             "final": Array(observation, ended),
             "reward": Array(ti.f32, count),
             "flags": Array(ti.u8, 3 * count),
-            "fetched": Array(ti.i32, count),
-            "wish": Array(ti.i32, count, 4),
-            "wish_at": Array(ti.f32, count, 4),
-            "deal": Array(ti.i32, count),
+            "prefetched": Array(ti.i32, count),
+            "option_wholes": Array(ti.i32, count, 4),
+            "option_reals": Array(ti.f32, count, 4),
+            "assigned": Array(ti.i32, count),
             "pose": Array(ti.f32, 3 * count),
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
@@ -90,8 +92,8 @@ class World:
         self.launches: dict[str, Launch] = {}
 
     def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
-        """Take in another bank, of which none is dealt, and where targets lie if that is another now; nothing
-        is compiled. Reset all environments before they are stepped again.
+        """Take in another bank, and another task if ``targets`` names one; nothing is compiled. No house is
+        assigned then. Reset all environments before they are stepped again.
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
@@ -105,7 +107,7 @@ class World:
         self.lattices, self.places = self._places(houses, bank, wanted)
         self.houses, self.bank, self.task = list(houses), bank, wanted
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
-        self.arrays["deal"].fill(np.full(self.num_envs, DRAW, np.int32))
+        self.arrays["assigned"].fill(np.full(self.num_envs, SAMPLE, np.int32))
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
@@ -147,17 +149,17 @@ class World:
             self.launches[name] = Launch(getattr(self.kernels, name), self.arrays)
         self.launches[name]()
 
-    def sow(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
+    def seed(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
         """Give the chosen (E,) bool environments their seeds (E,) uint64; their next episode is number 0."""
         wholes = self.arrays["wholes"].numpy()
         wholes[chosen, 7] = -1
         wholes[chosen, 8:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
         self.arrays["wholes"].fill(wholes)
 
-    def reset(self, wish: np.ndarray, wish_at: np.ndarray) -> None:
+    def reset(self, option_wholes: np.ndarray, option_reals: np.ndarray) -> None:
         """Begin episodes: see the kernel ``reset``."""
-        self.arrays["wish"].fill(wish)
-        self.arrays["wish_at"].fill(wish_at)
+        self.arrays["option_wholes"].fill(option_wholes)
+        self.arrays["option_reals"].fill(option_reals)
         self.run("reset")
 
     def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -203,11 +205,11 @@ class World:
     def targets(self, count: int) -> np.ndarray:
         """The target of each environment and the next ones, (E, count, 2), metres."""
         arrays = self.arrays | {"targets": Array(ti.f32, self.num_envs * count * 2)}
-        Launch(self.kernels.foresee, arrays)()
+        Launch(self.kernels.peek, arrays)()
         return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
 
     def environment(self, e: int) -> dict[str, int]:
-        """One environment's counts: steps and targets drawn in its episode, if it is over, its number."""
+        """One environment's counts: steps and targets sampled in its episode, if it is over, its number."""
         whole = self.arrays["wholes"].numpy()[e]
         return {
             "time": int(whole[4]),
@@ -250,7 +252,7 @@ class Kernels(NamedTuple):
     reset: Any
     step: Any
     describe: Any
-    foresee: Any
+    peek: Any
     stand: Any
 
 
@@ -265,7 +267,7 @@ def _kernels(
     rays, all_rays = config.rays, not by_ray
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
     Bytes, Longs = ti.types.ndarray(ti.u8, 1), ti.types.ndarray(ti.i64, 1)
-    Wishes = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
+    Options = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 
     @ti.func
     def flag(flags: ti.template(), e, count, terminated, truncated, blocked):
@@ -280,20 +282,21 @@ def _kernels(
         places: Indices,
         reals: Reals,
         wholes: Wholes,
-        wish: Wishes,
-        wish_at: Reals,
+        option_wholes: Options,
+        option_reals: Reals,
         observation: Observation,
     ):
-        """Begin the next episode where the house that is wished, the first of ``wish`` (E, 4), is not
-        ``KEEP``; ``wish_at`` (E, 4): origin, with the cell of ``wish``, and target where they are not NaN.
+        """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
+        ``option_reals`` (E, 4): origin, with the cell that is the rest of ``option_wholes``, and target; what
+        is NaN is sampled.
         """
         for e in range(reals.shape[0]):
-            if wish[e][0] != ti.static(KEEP):
-                state = episodes.begin(places, loaded(reals, wholes, e), wish[e][0])
-                at = wish_at[e]
+            if option_wholes[e][0] != ti.static(KEEP):
+                state = episodes.begin(places, loaded(reals, wholes, e), option_wholes[e][0])
+                at = option_reals[e]
                 if at[0] == at[0]:
                     state.origin = ti.Vector([at[0], at[1]])
-                    state.cell = ti.Vector([wish[e][1], wish[e][2], wish[e][3]])
+                    state.cell = ti.Vector([option_wholes[e][1], option_wholes[e][2], option_wholes[e][3]])
                 if at[2] == at[2]:
                     state.target = ti.Vector([at[2], at[3]])
                 store(reals, wholes, e, state)
@@ -301,7 +304,7 @@ def _kernels(
                     episodes.look(numbers, indices, state, 0, rays, observation, e)
         if ti.static(by_ray):
             for e, r in ti.ndrange(reals.shape[0], rays):
-                if wish[e][0] != ti.static(KEEP):
+                if option_wholes[e][0] != ti.static(KEEP):
                     episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
 
     @ti.kernel
@@ -312,27 +315,27 @@ def _kernels(
         reals: Reals,
         wholes: Wholes,
         action: Longs,
-        deal: Indices,
+        assigned: Indices,
         observation: Observation,
         final: Observation,
         reward: ti.types.ndarray(ti.f32, 1),
         flags: Bytes,
         last_reals: Reals,
         last_wholes: Wholes,
-        fetched: Indices,
+        prefetched: Indices,
     ):
-        """One step of every environment. ``action`` (E,); ``deal`` (E,), the house of an episode that begins,
-        or ``DRAW``; fills ``observation``, ``reward`` (E,), ``flags`` (3, E): terminated, truncated, blocked;
-        and where the same step begins the next episode ``final`` and the ``last`` state.
+        """One step of every environment, with ``action`` (E,); an episode that begins is in the house
+        ``assigned`` (E,), or samples one. Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E):
+        terminated, truncated, blocked; in ``SAME_STEP`` also ``final`` and the ``last`` state.
         """
         for e in range(reals.shape[0]):
             if ti.static(all_rays):
                 # What the next environment looks up comes from memory while this one steps.
                 after = loaded(reals, wholes, ti.min(e + 1, reals.shape[0] - 1))
-                fetched[e] = backend.fetch(numbers, indices, after.house, after.origin, after.cell)
+                prefetched[e] = backend.prefetch(numbers, indices, after.house, after.origin, after.cell)
             state = loaded(reals, wholes, e)
             if ti.static(mode == NEXT_STEP) and state.over:
-                state = episodes.begin(places, state, deal[e])
+                state = episodes.begin(places, state, assigned[e])
                 reward[e] = 0.0
                 flag(flags, e, reals.shape[0], 0, 0, 0)
             else:
@@ -345,7 +348,7 @@ def _kernels(
                 store(last_reals, last_wholes, e, state)
                 if ti.static(all_rays):
                     episodes.look(numbers, indices, state, 0, rays, final, e)
-                    state = episodes.begin(places, state, deal[e])
+                    state = episodes.begin(places, state, assigned[e])
             store(reals, wholes, e, state)
             if ti.static(all_rays):
                 episodes.look(numbers, indices, state, 0, rays, observation, e)
@@ -356,7 +359,7 @@ def _kernels(
                         episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, final, e)
                 for e in range(reals.shape[0]):
                     if wholes[e][6]:
-                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), deal[e]))
+                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), assigned[e]))
             for e, r in ti.ndrange(reals.shape[0], rays):
                 episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
 
@@ -374,14 +377,14 @@ def _kernels(
             house[e] = state.house
 
     @ti.kernel
-    def foresee(places: Indices, reals: Reals, wholes: Wholes, targets: Numbers):
+    def peek(places: Indices, reals: Reals, wholes: Wholes, targets: Numbers):
         """Write each environment's target and the next ones, (E, count, 2), metres."""
         for e in range(reals.shape[0]):
             state, count = loaded(reals, wholes, e), targets.shape[0] // (2 * reals.shape[0])
             for k in range(count):
                 targets[2 * (e * count + k)] = state.target[0]
                 targets[2 * (e * count + k) + 1] = state.target[1]
-                state = episodes.draw_target(places, state, ti.static(episodes.apart))
+                state = episodes.sample_target(places, state, ti.static(episodes.apart))
 
     @ti.kernel
     def stand(numbers: Numbers, indices: Indices, origins: Numbers, cells: Indices, free: Indices):
@@ -391,4 +394,4 @@ def _kernels(
             cell = ti.Vector([cells[4 * k + 1], cells[4 * k + 2], cells[4 * k + 3]])
             free[k] = backend.stands(numbers, indices, cells[4 * k], origin, cell)
 
-    return Kernels(backend, episodes, reset, step, describe, foresee, stand)
+    return Kernels(backend, episodes, reset, step, describe, peek, stand)

@@ -76,7 +76,7 @@ class Map:
         count, rays, side = environments, config.rays, max(config.body)
         step = max(1, round(4 * config.step / side))
         self.config, self.cell = config, 2 * config.step / step
-        angles = np.deg2rad(config.first_ray - config.ray_spacing * np.arange(rays))
+        angles = config.ray_angles
         turned = angles + np.pi / 4 * np.arange(8)[:, None]
         reaches = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * config.range / self.cell
         area = count << 2 * BITS

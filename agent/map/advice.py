@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """What a map advises: the turn to the heading from which a step brings the goal nearest."""
 
 from agent.map.cells import Grid

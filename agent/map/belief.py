@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """What is believed of where targets lie: how likely a place is to hide one, before it was looked at.
 
 Two things are learnt while an episode goes on. Ground that was never seen may be no floor at all: the inside

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """The map's cells: what rays have shown, and when.
 
 A cell is half a body wide, so a body that stands on a corner of cells, a node, covers just the four about it.

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """What a network is told of a map: numbers of the whole and of each of eight headings, and their mirror."""
 
 import torch

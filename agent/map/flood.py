@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """How far away all places are: a flood that rises from the body by blocks of 2 by 2 nodes, 64 in a word.
 
 A choice of a view asks for the length of the ways to all places, but not which way to go: so blocks will

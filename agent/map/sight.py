@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """Where the target is, by what the rays showed of it: a square whose sides lie along the walls.
 
 Places are in cells, east and south of the eye.

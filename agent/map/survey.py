@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """A survey of the map, before a view is chosen: how far away all places are, and what may hide at each."""
 
 from agent.map.belief import ABOUT, Belief

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """A sweep of the rays: the floor that they pass is noted as seen, and what they end on as occupied.
 
 Sweeps are much of what a map costs, so it makes as few as tell it the same. Where the body goes straight on

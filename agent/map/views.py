@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """Views on the map: the place and heading to go to, from which a look would show most hiding places for its
 way. The searcher (``sim.searcher``) goes by the same rule, but knows the house; a map knows its own cells.
 

@@ -1,5 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """Ways on the map: breadth-first over nodes, from a goal to the body and a little further.
 
 A step along a diagonal goes as far along both axes, so all eight neighbours of a node are one apart. What is

@@ -56,8 +56,7 @@ class Loop:
     def __init__(self, envs: HouseVectorEnv, folder: Path, command: list[str]) -> None:
         library = folder / "step.so"
         subprocess.run([*command, *FLAGS, str(SOURCE), "-o", str(library)], check=True)
-        self.library, world, config = ctypes.CDLL(str(library)), envs.world, envs.config
-        backend = world.backend
+        self.library, config, backend = ctypes.CDLL(str(library)), envs.config, envs.backend
         assert isinstance(backend, Continuous), "the step in C is the continuous backend's"
         rays = backend.rays
         self.config = Config(
@@ -65,8 +64,9 @@ class Loop:
             CELL, SKIN, SEAM, MARGIN, rays.widest, config.steps,
         )  # fmt: skip
         count = self.count = envs.num_envs
-        names = ("numbers", "indices", "places", "reals", "wholes")
-        self.arrays = [rays.table.to_numpy(), *(world.arrays[name].numpy() for name in names)]
+        tables, state = envs.tables(), envs.state
+        bank = (tables[name] for name in ("numbers", "indices", "places"))
+        self.arrays = [rays.table.to_numpy(), *bank, state["reals"], state["wholes"]]
         self.observation = np.zeros((count, config.rays, 2), np.float32)
         self.reward, self.flags = np.zeros(count, np.float32), np.zeros((3, count), np.uint8)
 

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """What is in a body's way in the continuous backend: boxes that it would touch as it slides."""
 
 import numpy as np

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportIndexIssue=false
 """Houses as the continuous backend holds them: boxes and lines, and lists of those that matter.
 
 A house is divided into cells of ``CELL`` metres. Each has a list of the boxes that a body in it may touch by
@@ -15,7 +14,7 @@ about a sixth of a house.
     block     how many numbers the lists have up to the end of each | lists; numbers of 16 bits, two in each
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -48,8 +47,8 @@ LONGEST = 2**16 - 1
 """Of a cell's lists together: they are counted in 16 bits."""
 
 LINE, AHEAD = 16, 64
-"""Words of a cache line, and of a block's beginning that is fetched before it is read; the last block, too,
-has as many behind it."""
+"""Words of a cache line, and of a block's beginning that is prefetched; the last block, too, has as many
+behind it."""
 
 WEST, EAST = -1, 1
 """A line that is seen from the west (or north) only, or from the east (or south); walls are 0."""
@@ -104,6 +103,20 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         at += len(rows)
         cell += part.size[0] * part.size[1]
     return Bank(shapes, *_lists(np.concatenate(numbers), header, parts, config))
+
+
+def lines_listed(tables: Mapping[str, np.ndarray], house: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """How many lines a look meets, (E,) int: those listed for the cell and the heading of an eye at each of
+    the poses (E, 3) in houses (E,). ``tables``: ``numbers`` and ``indices`` of a bank.
+    """
+    indices = tables["indices"]
+    header = indices[: HEADER * (house.max() + 1)].reshape(-1, HEADER)[house]
+    corner = np.column_stack([tables["numbers"][2 * house], tables["numbers"][2 * house + 1]])
+    column, row = ((pose[:, :2] - corner) / CELL).astype(int).T
+    block = indices[header[:, FIRST_CELL] + row * header[:, COLUMNS] + column]
+    first = 1 + 2 * np.round(pose[:, 2] / (np.pi / 4)).astype(int) % 16
+    ends = indices.view(np.uint16)
+    return ends[2 * block + first + 2].astype(int) - ends[2 * block + first]
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
 
 from sim.backend import TARGET
@@ -49,8 +48,8 @@ class Sight:
         return self.rays.metres(nearest), kinds
 
     @ti.func
-    def fetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.fetch``: the first cache lines of a block, which are most blocks' all."""
+    def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.prefetch``: the first cache lines of a block, which are most blocks' all."""
         block = cell_of(numbers, indices, house, self.body.eye(origin, cell))
         some = indices[block]
         for k in ti.static(range(LINE, AHEAD, LINE)):

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 """What a body can do in the grid backend: looked up for its cell."""
 
 import numpy as np

@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportIndexIssue=false
 """Houses as the grid backend holds them: for each cell what a body can do there, and what its rays hit.
 
 Walls lie on the edges of cells and pieces fill cells. Rays are cast once, from the middle of each cell that
@@ -21,7 +20,7 @@ from sim.backend import PIECE, WALL, Bank
 from sim.body import HEADINGS, Body
 from sim.config import Config
 from sim.geometry import TOLERANCE, Geometry, geometry
-from sim.rays import SEAM, Rays, angles
+from sim.rays import SEAM, Rays, directions
 from sim.runtime import Array, Launch, start, ti
 
 HEADER = 3
@@ -92,7 +91,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         cells.append(np.where(stands, part.ways.T.ravel() | numbers << ROW, 0))
         row, at = row + int(stands.sum()), at + stands.size
     indices = np.concatenate([header.ravel(), *cells]).astype(np.int32)
-    count = len(angles(config))
+    count = len(directions(config))
     arrays = {
         "numbers": Array(ti.f32, row * count * (1 + config.sees_kind)),
         "jobs": Array.of(np.concatenate([_jobs(k, part) for k, part in enumerate(parts)]).ravel()),

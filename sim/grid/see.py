@@ -1,4 +1,3 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false, reportOptionalCall=false
 """What rays hit in the grid backend: looked up for the eye's cell, and the target before it."""
 
 from sim.backend import TARGET
@@ -43,8 +42,8 @@ class Sight:
         return self.rays.metres(nearest), kinds
 
     @ti.func
-    def fetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
-        """See ``Backend.fetch``: the distances."""
+    def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.prefetch``: the distances."""
         at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count)
         at += self.rays.first(cell[2], 0)
         half, last = ti.static(self.rays.lanes // 2), ti.static(self.rays.lanes - 1)

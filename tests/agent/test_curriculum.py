@@ -337,7 +337,7 @@ def test_a_learner_that_deals_is_a_function_of_its_seeds_and_sees_the_whole_bank
         count, generator = 4, seeded(5)
         envs = HouseVectorEnv(bank, num_envs=count, max_episode_steps=10)
         levels, over, shares = Levels(len(bank), count), torch.zeros(count, dtype=torch.bool), []
-        envs.deal(levels.deal(count, generator))
+        envs.assign(levels.deal(count, generator))
         envs.reset(seed=0)
         for _ in range(12):
             rows = []
@@ -347,7 +347,7 @@ def test_a_learner_that_deals_is_a_function_of_its_seeds_and_sees_the_whole_bank
                 valid, over = ~over, terminated | truncated
                 rows.append((info["house"].clone(), reward.clone(), over, valid))
             levels.update(*(torch.stack(some) for some in zip(*rows, strict=True)))
-            envs.deal(levels.deal(count, generator))
+            envs.assign(levels.deal(count, generator))
             shares.append(levels.seen)
         assert shares[-1] == 1
         return [levels.probabilities, *levels.state().values()]

@@ -31,7 +31,7 @@ from sim import DEFAULT
 from sim.runtime import Array, Launch, start, ti
 from tests.worlds import random_house
 
-ANGLES = np.deg2rad(DEFAULT.first_ray - DEFAULT.ray_spacing * np.arange(DEFAULT.rays))
+ANGLES = DEFAULT.ray_angles
 REACH = 55.0
 
 

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from agent import checkpoint, scoreboard
 from agent.avoidance import FORWARD, LEFT, RIGHT
-from agent.baselines import AROUND, Script, baselines, ray_angles
+from agent.baselines import AROUND, Script, baselines
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.commands import Evaluate
@@ -256,4 +256,4 @@ def test_baselines_and_modes_have_these_names():
     envs = make_worlds(HOUSES[:1], 1)
     assert list(baselines(envs, 0)) == BASELINES
     assert MODES == ("main", "secondary", "mixed")
-    assert len(ray_angles(envs)) == 40
+    assert len(envs.config.ray_angles) == 40

@@ -30,12 +30,12 @@ def transitions(house, origin, config):
     # A lattice through one origin, as the body has it: float32 sums of origin and steps.
     at = np.full((len(pose), 4), np.nan, np.float32)
     at[:, :2] = origin
-    wish = np.column_stack([np.zeros(len(pose)), cells]).astype(np.int32)
-    free = standing(envs, at[:, :2], wish)
+    options = np.column_stack([np.zeros(len(pose)), cells]).astype(np.int32)
+    free = standing(envs, at[:, :2], options)
     moved = {}
     for action in range(3):
         envs.reset(seed=0)
-        envs.world.reset(wish, at)
+        envs.world.reset(options, at)
         envs.step(np.full(len(pose), action))
         after = envs.world.state["wholes"][:, :3]
         for k in np.flatnonzero(free):
@@ -151,9 +151,9 @@ def test_it_finds_the_way_from_wherever_the_body_is():
     envs.reset(seed=0, options={"house": np.zeros(4, int), "pose": pose})
     oracle, found = Oracle(envs), np.zeros(4)
     for k in range(400):
-        wish = oracle.act()
+        best = oracle.act()
         wandering = k % 3 == 0
-        _, reward, _, _, _ = envs.step(rng.integers(0, 3, 4) if wandering else wish)
+        _, reward, _, _, _ = envs.step(rng.integers(0, 3, 4) if wandering else best)
         found += reward
     assert (found >= 2).all()
 

@@ -1,4 +1,4 @@
-"""Houses that are dealt: a learner says where next episodes take place, and nothing else changes."""
+"""`assign` sets the houses of the next episodes, and changes nothing else."""
 
 import re
 from typing import Any
@@ -14,10 +14,10 @@ from tests import worlds
 HOUSES = worlds.RANDOM[:4]
 COUNT, LENGTH, STEPS = 6, 7, 40
 PLAN = np.random.default_rng(1).choice(3, p=[0.2, 0.2, 0.6], size=(STEPS, COUNT))
-DEALT = np.array([3, 1, -1, 2, -1, 0])
-BY_THEMSELVES = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
+ASSIGNED = np.array([3, 1, -1, 2, -1, 0])
+AUTOMATIC = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
 LOOPS = pytest.mark.parametrize("by_ray", [False, True])
-MODES = pytest.mark.parametrize("mode", BY_THEMSELVES)
+MODES = pytest.mark.parametrize("mode", AUTOMATIC)
 
 
 def make(mode: Any = AutoresetMode.NEXT_STEP, count: int = COUNT, **more: Any) -> HouseVectorEnv:
@@ -25,8 +25,8 @@ def make(mode: Any = AutoresetMode.NEXT_STEP, count: int = COUNT, **more: Any) -
     return HouseVectorEnv(HOUSES, num_envs=count, **(arguments | more))
 
 
-def told(envs: HouseVectorEnv, plan: np.ndarray) -> list[list[np.ndarray]]:
-    """What is told of each step of a plan, by environment in the first axis of each array."""
+def outputs(envs: HouseVectorEnv, plan: np.ndarray) -> list[list[np.ndarray]]:
+    """What each step of a plan returns, by environment in the first axis of each array."""
     steps = []
     for actions in plan:
         observation, reward, terminated, truncated, info = envs.step(actions)
@@ -47,64 +47,64 @@ def houses(steps: list[list[np.ndarray]]) -> np.ndarray:
 
 @LOOPS
 @MODES
-def test_episodes_that_begin_by_themselves_take_place_where_they_are_dealt(mode, by_ray):
+def test_autoreset_begins_episodes_in_the_assigned_houses(mode, by_ray):
     envs = make(mode, by_ray=by_ray)
     _, info = envs.reset(seed=2)
     first = LENGTH if mode is AutoresetMode.NEXT_STEP else LENGTH - 1
-    envs.deal(DEALT)
-    after = houses(told(envs, PLAN))
+    envs.assign(ASSIGNED)
+    after = houses(outputs(envs, PLAN))
     np.testing.assert_array_equal(after[:first], np.tile(info["house"], (first, 1)))
-    given = DEALT >= 0
-    np.testing.assert_array_equal(after[first:, given], np.tile(DEALT[given], (STEPS - first, 1)))
+    given = ASSIGNED >= 0
+    np.testing.assert_array_equal(after[first:, given], np.tile(ASSIGNED[given], (STEPS - first, 1)))
     assert all(len(np.unique(column)) > 1 for column in after[:, ~given].T)
 
 
 @LOOPS
 @MODES
-def test_other_environments_go_on_as_if_nothing_had_been_dealt(mode, by_ray):
+def test_environments_without_an_assigned_house_go_on_as_if_assign_had_not_been_called(mode, by_ray):
     runs = []
-    for dealt in (None, DEALT):
+    for assigned in (None, ASSIGNED):
         envs = make(mode, by_ray=by_ray)
         envs.reset(seed=2)
-        if dealt is not None:
-            envs.deal(dealt)
-        runs.append(told(envs, PLAN))
-    assert same(*runs, where=DEALT < 0)
-    assert not same(*runs, where=DEALT >= 0)
+        if assigned is not None:
+            envs.assign(assigned)
+        runs.append(outputs(envs, PLAN))
+    assert same(*runs, where=ASSIGNED < 0)
+    assert not same(*runs, where=ASSIGNED >= 0)
 
 
 @MODES
-def test_a_house_that_is_dealt_is_as_if_it_had_been_drawn(mode):
+def test_an_episode_in_an_assigned_house_equals_one_whose_house_was_sampled(mode):
     usual = make(mode)
     usual.reset(seed=5)
-    wanted, drawn = told(usual, PLAN), []
+    expected, found = outputs(usual, PLAN), []
     envs = make(mode)
     envs.reset(seed=5)
-    for actions, step in zip(PLAN, wanted, strict=True):
-        envs.deal(step[6])
-        drawn += told(envs, actions[None])
-    assert same(drawn, wanted)
+    for actions, step in zip(PLAN, expected, strict=True):
+        envs.assign(step[6])
+        found += outputs(envs, actions[None])
+    assert same(found, expected)
 
 
-def test_a_deal_is_kept_until_the_next_one_and_minus_one_draws_again():
+def test_assigned_houses_hold_until_the_next_assign_and_minus_one_samples_again():
     envs = make()
     envs.reset(seed=0)
-    envs.deal(np.full(COUNT, 2))
-    assert (houses(told(envs, PLAN))[LENGTH:] == 2).all()
-    envs.deal(torch.full((COUNT,), 1))
-    assert (houses(told(envs, PLAN))[LENGTH + 1 :] == 1).all()
-    envs.deal(np.full(COUNT, -1))
-    assert len(np.unique(houses(told(envs, PLAN))[-1])) > 1
+    envs.assign(np.full(COUNT, 2))
+    assert (houses(outputs(envs, PLAN))[LENGTH:] == 2).all()
+    envs.assign(torch.full((COUNT,), 1))
+    assert (houses(outputs(envs, PLAN))[LENGTH + 1 :] == 1).all()
+    envs.assign(np.full(COUNT, -1))
+    assert len(np.unique(houses(outputs(envs, PLAN))[-1])) > 1
 
 
-def test_episodes_that_a_reset_begins_are_dealt_too_but_for_its_options():
+def test_reset_uses_assigned_houses_unless_its_option_house_says_otherwise():
     envs = make(AutoresetMode.DISABLED)
-    envs.deal(DEALT)
+    envs.assign(ASSIGNED)
     _, info = envs.reset(seed=0)
-    np.testing.assert_array_equal(info["house"][DEALT >= 0], DEALT[DEALT >= 0])
-    told(envs, PLAN[:LENGTH])
+    np.testing.assert_array_equal(info["house"][ASSIGNED >= 0], ASSIGNED[ASSIGNED >= 0])
+    outputs(envs, PLAN[:LENGTH])
     some = np.arange(COUNT) < 2
-    envs.deal(np.full(COUNT, 1))
+    envs.assign(np.full(COUNT, 1))
     _, later = envs.reset(options={"reset_mask": some})
     np.testing.assert_array_equal(later["house"], np.where(some, 1, info["house"]))
     option = np.array([0, 1, 2, 3, 0, 1])
@@ -114,61 +114,61 @@ def test_episodes_that_a_reset_begins_are_dealt_too_but_for_its_options():
 
 
 @MODES
-def test_a_deal_is_part_of_the_state(mode):
+def test_assigned_houses_are_part_of_the_state(mode):
     envs, other = make(mode), make(mode)
     envs.reset(seed=3)
-    told(envs, PLAN[:3])
-    envs.deal(DEALT)
+    outputs(envs, PLAN[:3])
+    envs.assign(ASSIGNED)
     state = envs.state
-    on = told(envs, PLAN)
+    on = outputs(envs, PLAN)
     other.reset(seed=99)
-    other.deal(np.full(COUNT, 3))
+    other.assign(np.full(COUNT, 3))
     for again in (envs, other):
         again.state = state
-        assert same(told(again, PLAN), on)
-        np.testing.assert_array_equal(again.state["deal"], DEALT)
+        assert same(outputs(again, PLAN), on)
+        np.testing.assert_array_equal(again.state["assigned"], ASSIGNED)
 
 
-def test_a_state_that_deals_another_banks_house_is_refused():
+def test_a_state_that_assigns_a_house_outside_the_bank_is_refused():
     envs = make()
     envs.reset(seed=0)
-    with pytest.raises(ValueError, match="a state of another bank: house 4 is dealt of 4"):
-        envs.state = envs.state | {"deal": np.full(COUNT, 4, np.int32)}
+    with pytest.raises(ValueError, match="a state of another bank: house 4 is assigned of 4"):
+        envs.state = envs.state | {"assigned": np.full(COUNT, 4, np.int32)}
 
 
-def test_another_bank_ends_a_deal():
+def test_set_houses_clears_assigned_houses():
     envs = make()
     envs.reset(seed=0)
-    envs.deal(np.full(COUNT, 3))
+    envs.assign(np.full(COUNT, 3))
     envs.set_houses(HOUSES[:2])
     assert set(envs.reset(seed=0)[1]["house"].tolist()) == {0, 1}
 
 
 WRONG = {
-    "deal: 6 integers, found int64 (5,)": np.zeros(5, int),
-    "deal: 6 integers, found int64 (6, 1)": np.zeros((6, 1), int),
-    "deal: 6 integers, found float64 (6,)": np.zeros(6),
-    "deal: 6 integers, found bool (6,)": np.zeros(6, bool),
-    "deal: the bank has houses 0 to 3, or -1 to draw one": [0, 1, 2, 3, 4, 0],
-    "deal: the bank has houses 0 to 3, or -1": [0, 1, 2, 3, -2, 0],
+    "assign: 6 integers, found int64 (5,)": np.zeros(5, int),
+    "assign: 6 integers, found int64 (6, 1)": np.zeros((6, 1), int),
+    "assign: 6 integers, found float64 (6,)": np.zeros(6),
+    "assign: 6 integers, found bool (6,)": np.zeros(6, bool),
+    "assign: the bank has houses 0 to 3, or -1 to sample one": [0, 1, 2, 3, 4, 0],
+    "assign: the bank has houses 0 to 3, or -1": [0, 1, 2, 3, -2, 0],
 }
 
 
 @pytest.mark.parametrize("message", WRONG)
-def test_a_wrong_deal_is_refused_and_changes_nothing(message):
+def test_assign_refuses_wrong_houses_and_changes_nothing(message):
     envs = make()
-    envs.deal(DEALT)
+    envs.assign(ASSIGNED)
     with pytest.raises(ValueError, match=re.escape(message)):
-        envs.deal(WRONG[message])
-    np.testing.assert_array_equal(envs.state["deal"], DEALT)
+        envs.assign(WRONG[message])
+    np.testing.assert_array_equal(envs.state["assigned"], ASSIGNED)
 
 
 @MODES
-def test_the_batched_path_tells_the_house_without_a_copy(mode):
+def test_step_torch_returns_the_house_without_a_copy(mode):
     envs, other = make(mode), make(mode)
     for each in (envs, other):
         each.reset(seed=4)
-        each.deal(DEALT)
+        each.assign(ASSIGNED)
     before = None
     for actions in PLAN:
         house = envs.step_torch(torch.from_numpy(actions))[4]["house"]
