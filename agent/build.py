@@ -9,10 +9,10 @@ from torch import Tensor, nn
 from agent.actions import ACTIONS
 from agent.avoidance import Layer, PaperRule
 from agent.config import Config, PQNConfig
-from agent.map import FEATURES
 from agent.memory import Memory
 from agent.network import QNetwork
-from agent.policies import QPolicy, Surveyor
+from agent.planner import FEATURES
+from agent.policies import QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.world import shield
 from sim import HouseVectorEnv
@@ -81,5 +81,5 @@ def layer_of(config: Config, envs: HouseVectorEnv, generator: torch.Generator) -
 def policy_of(network: Any, config: Config, envs: HouseVectorEnv, seed: int = 0) -> QPolicy:
     """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
     generator = torch.Generator().manual_seed(seed)
-    surveyor = Surveyor(envs.config) if network.shape[3] else None
-    return QPolicy(network, layer_of(config, envs, generator), generator, surveyor=surveyor)
+    tracker = Tracker(envs.config) if network.shape[3] else None
+    return QPolicy(network, layer_of(config, envs, generator), generator, tracker=tracker)

@@ -5,7 +5,7 @@
 | ``observation`` | (B, R, C) float32 | distance / range, is target |
 | ``memory`` | (B, M, 6) float32 | traces (recurrent: (B, H)); zeros where an episode begins |
 | ``blocked`` | (B,) bool | whether the last move was |
-| ``features`` | (B, F) float32 | what a map tells (``agent.map``); only of a network that reads one |
+| ``features`` | (B, F) float32 | what a map tells (``agent.planner``); only of a network that reads one |
 
 | output | shape | |
 |---|---|---|

@@ -27,7 +27,7 @@ class QNetwork(nn.Module):
     ) -> None:
         """Draw first weights from torch's generator: ``agent.build.network_of`` seeds it.
 
-        ``features`` is how many numbers of a map it reads: ``agent.map.FEATURES``, or 0 for none.
+        ``features`` is how many numbers of a map it reads: ``agent.planner.FEATURES``, or 0 for none.
         """
         super().__init__()
         self.shape = (rays, channels, half_lives, features)

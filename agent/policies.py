@@ -8,8 +8,8 @@ from torch.nn.functional import one_hot
 
 from agent.actions import ACTIONS
 from agent.avoidance import Layer, random_preference, subsume
-from agent.map import Map
 from agent.network import QNetwork
+from agent.planner import Planner
 from sim.config import DEFAULT, Config
 
 DEFERENCE = 0.1
@@ -34,31 +34,31 @@ class Policy(Protocol):
         ...
 
 
-class Surveyor:
+class Tracker:
     """Keeps a map of each environment for a policy, which tells it its actions."""
 
     def __init__(self, world: Config) -> None:
         """Make maps for worlds of this configuration."""
         self.world = world
-        self.map = Map(world, 1)
+        self.planner = Planner(world, 1)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
-        if len(self.map.advice) != environments:
-            self.map = Map(self.world, environments)
+        if len(self.planner.advice) != environments:
+            self.planner = Planner(self.world, environments)
         self.actions = torch.zeros(environments, dtype=torch.int64)
         self.fresh = torch.ones(environments, dtype=torch.bool)
 
-    def look(self, observation: Tensor, blocked: Tensor) -> Map:
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
         """The maps, with what the last actions led to."""
-        self.map.step(observation, blocked, self.actions, self.fresh)
+        self.planner.step(observation, blocked, self.actions, self.fresh)
         self.fresh.fill_(False)
-        return self.map
+        return self.planner
 
 
 class Stack:
     """Behaviours one over the other, the highest first: each chooses among what those above it leave, and is
-    not heard where it wants nothing of that. ``Stack(shield, Explore(surveyor))`` over a network is Brooks's
+    not heard where it wants nothing of that. ``Stack(shield, Explore(tracker))`` over a network is Brooks's
     avoid over explore over the rest.
     """
 
@@ -78,14 +78,14 @@ class Stack:
 class Explore:
     """A layer: while no target is known, go where one may hide."""
 
-    def __init__(self, surveyor: Surveyor) -> None:
-        """Read the maps that a policy keeps with ``surveyor``."""
-        self.surveyor = surveyor
+    def __init__(self, tracker: Tracker) -> None:
+        """Read the maps that a policy keeps with ``tracker``."""
+        self.tracker = tracker
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """What the map advises (E, A) bool, or anything where a target is known."""
-        map = self.surveyor.map
-        return one_hot(map.advice, ACTIONS).bool() | ~map.seeks[:, None]
+        planner = self.tracker.planner
+        return one_hot(planner.advice, ACTIONS).bool() | ~planner.seeks[:, None]
 
 
 class QPolicy:
@@ -98,40 +98,40 @@ class QPolicy:
         generator: torch.Generator,
         epsilon: float = 0.01,
         forward: float = 0.93,
-        surveyor: Surveyor | None = None,
+        tracker: Tracker | None = None,
     ) -> None:
         """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
 
-        A hundredth is what a body needs to leave a loop that it does not know it is in. ``surveyor`` keeps
+        A hundredth is what a body needs to leave a loop that it does not know it is in. ``tracker`` keeps
         the maps that the network or a layer reads; a network that reads them has one of the default world.
         """
         self.network, self.avoidance, self.generator = network, avoidance, generator
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
         self.remembered = network.memory.empty(0)
         self.reads = bool(network.shape[3])
-        self.surveyor = surveyor or (Surveyor(DEFAULT) if self.reads else None)
+        self.tracker = tracker or (Tracker(DEFAULT) if self.reads else None)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
         self.interventions = 0
         self.remembered = self.network.memory.empty(environments)
-        if self.surveyor:
-            self.surveyor.begin(environments)
+        if self.tracker:
+            self.tracker.begin(environments)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
-        map = self.surveyor.look(observation, blocked) if self.surveyor else None
-        q = self.network(observation, self.remembered, map.features if map and self.reads else None)
-        if map and self.reads:
-            q = deferring(q, map.advice)
+        planner = self.tracker.look(observation, blocked) if self.tracker else None
+        q = self.network(observation, self.remembered, planner.features if planner and self.reads else None)
+        if planner and self.reads:
+            q = deferring(q, planner.advice)
         preference = explore(q, chances(q.shape[:1], self.generator, self.epsilon, self.forward))
         actions = subsume(preference, self.avoidance(observation, blocked))
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros(len(actions), dtype=torch.bool)
         self.remembered = self.network.memory(self.remembered, observation, blocked, actions, same)
-        if self.surveyor:
-            self.surveyor.actions = actions
+        if self.tracker:
+            self.tracker.actions = actions
         return actions
 
 
@@ -143,19 +143,19 @@ class Explorer:
     def __init__(self, avoidance: Layer, world: Config = DEFAULT) -> None:
         """Explore worlds of this configuration under ``avoidance``."""
         self.avoidance, self.interventions = avoidance, 0
-        self.surveyor = Surveyor(world)
+        self.tracker = Tracker(world)
 
     def begin(self, environments: int) -> None:
         """Forget: an episode begins in so many environments."""
         self.interventions = 0
-        self.surveyor.begin(environments)
+        self.tracker.begin(environments)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
-        advice = self.surveyor.look(observation, blocked).advice
+        advice = self.tracker.look(observation, blocked).advice
         actions = subsume(one_hot(advice, ACTIONS).float(), self.avoidance(observation, blocked))
         self.interventions += int((actions != advice).sum())
-        self.surveyor.actions = actions
+        self.tracker.actions = actions
         return actions
 
 

@@ -20,8 +20,8 @@ from agent.actions import mirrored
 from agent.config import PQNConfig
 from agent.learner import Learner, Progress
 from agent.levels import Levels
-from agent.map import Map, mirrored_features
 from agent.memory import mirrored_memory
+from agent.planner import Planner, mirrored_features
 from agent.rollout import Rollout
 from sim import HouseVectorEnv
 
@@ -100,7 +100,7 @@ class PQN(Learner):
         if self.levels:
             envs.assign(self.levels.deal(envs.num_envs, self.generator))
         observation, memory = self.first_look(), self.network.memory.empty(envs.num_envs)
-        self.map = Map(envs.config, envs.num_envs) if config.map else None
+        self.map = Planner(envs.config, envs.num_envs) if config.map else None
         self.rollout = Rollout.starting(config.rollout, observation, memory, self.map)
 
     @property

@@ -7,8 +7,8 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import Layer, subsume
-from agent.map import Map
 from agent.network import QNetwork
+from agent.planner import Planner
 from agent.policies import chances, deferring, explore
 from sim import HouseVectorEnv
 
@@ -56,7 +56,7 @@ class Rollout:
     valid: Tensor
     """Which steps count (T, E) bool: all but those after an end, whose action the world ignored."""
 
-    map: Map | None = None
+    map: Planner | None = None
     """The maps, where the network reads them."""
 
     overruled: int = 0
@@ -69,7 +69,9 @@ class Rollout:
     """Seconds spent on maps."""
 
     @classmethod
-    def starting(cls, steps: int, observation: Tensor, memory: Tensor, map: Map | None = None) -> "Rollout":
+    def starting(
+        cls, steps: int, observation: Tensor, memory: Tensor, map: Planner | None = None
+    ) -> "Rollout":
         """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 6)."""
         size = (steps, len(observation))
         ended = observation.new_zeros(size, dtype=torch.bool)

@@ -6,13 +6,13 @@ import inspect
 import pkgutil
 from types import ModuleType
 
-import agent.map
+import agent.planner
 from logic.errors import RequestError
 from logic.spelling import closest
 
-MODULES: dict[str, ModuleType] = {"map": agent.map} | {
-    each.name: importlib.import_module(f"agent.map.{each.name}")
-    for each in pkgutil.iter_modules(agent.map.__path__)
+MODULES: dict[str, ModuleType] = {"map": agent.planner} | {
+    each.name: importlib.import_module(f"agent.planner.{each.name}")
+    for each in pkgutil.iter_modules(agent.planner.__path__)
 }
 """By their last names."""
 
@@ -53,7 +53,7 @@ def constants(text: str) -> dict[str, float]:
         if not places:
             near = closest(name, [*KNOWN, *(place.partition(".")[2] for place in KNOWN)])
             raise RequestError(
-                f"--set {text}: {name or 'nothing'} is no number of agent.map that can be set"
+                f"--set {text}: {name or 'nothing'} is no number of agent.planner that can be set"
                 + (f". Did you mean {near}?" if near else "")
             )
         if len(places) > 1:

@@ -1,7 +1,7 @@
 """What the numbers of an agent's map are worth: ``python -m benchmarks.explorers --set THOUGHT=48``.
 
 The explorer (``agent.policies.Explorer``) plays four episodes in each of 320 houses of validation
-seeds, as it is and with other numbers in the modules of ``agent.map``: each ``--set`` is a variant, of one
+seeds, as it is and with other numbers in ``agent.planner``: each ``--set`` is a variant, of one
 number or of several (``--set DEPTH=4,PLENTY=300``). Tables tell what share of the oracle's targets each
 picks up, and what that differs, house by house, from the explorer as it is. Houses and scores are kept, so
 that a run that was stopped goes on where it was; scores by the sources that made them.
@@ -30,8 +30,8 @@ from agent.banks import VALIDATION, bank_hash
 from agent.baselines import baselines
 from agent.commands import Targets
 from agent.evaluate import begin
-from agent.map import Map
-from agent.policies import Explorer, Policy, Surveyor
+from agent.planner import Planner
+from agent.policies import Explorer, Policy, Tracker
 from agent.scoreboard import Sheet
 from agent.statistics import interquartile_mean
 from agent.world import make_worlds, shield
@@ -153,24 +153,24 @@ class Explorers:
             if not path.exists():
                 envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
                 what = TELLERS.get(player)
-                surveyor = told.Teller(envs, what) if what else Clock(envs.config)
-                policy = baselines(envs, 0)[player]() if player in SOURCES else explorer(envs, surveyor)
-                if isinstance(surveyor, told.Teller) and what == told.WALLS:
+                tracker = told.Teller(envs, what) if what else Clock(envs.config)
+                policy = baselines(envs, 0)[player]() if player in SOURCES else explorer(envs, tracker)
+                if isinstance(tracker, told.Teller) and what == told.WALLS:
                     episode(envs, policy, self.steps, len(self.bank))
-                    surveyor.remember()
+                    tracker.remember()
                 targets = episode(envs, policy, self.steps, len(self.bank))
                 targets = targets.reshape(len(THIRDS), self.episodes, -1).mean(axis=1)
-                np.savez(content, targets=targets, microseconds=surveyor.microseconds)
+                np.savez(content, targets=targets, microseconds=tracker.microseconds)
                 write_whole(path, content.getvalue())
                 say(f"{mode}, {player}: {targets.sum() / len(self.bank):.2f} targets an episode")
 
 
-class Clock(Surveyor):
+class Clock(Tracker):
     """Keeps maps, and the seconds that they took of processors, whatever else these do."""
 
     seconds: tuple[float, ...] = ()
 
-    def look(self, observation: Tensor, blocked: Tensor) -> Map:
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
         """The maps, with what the last actions led to."""
         began = process_time()
         found = super().look(observation, blocked)
@@ -188,10 +188,10 @@ def changed(player: str) -> dict[str, float]:
     return {} if player in (AS_IS, *SOURCES, *TELLERS) else constants(player)
 
 
-def explorer(envs: HouseVectorEnv, surveyor: Surveyor) -> Policy:
+def explorer(envs: HouseVectorEnv, tracker: Tracker) -> Policy:
     """An explorer for these environments, with what keeps its maps."""
     policy = Explorer(shield(envs), envs.config)
-    policy.surveyor = surveyor
+    policy.tracker = tracker
     return policy
 
 

@@ -17,9 +17,9 @@ from agent import checkpoint
 from agent.banks import benchmark
 from agent.build import policy_of
 from agent.commands import Targets
-from agent.map import BITS, Map
-from agent.map.cells import FLAGS
-from agent.map.counts import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
+from agent.planner import BITS, Planner
+from agent.planner.cells import FLAGS
+from agent.planner.counts import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
 from agent.world import make_worlds
 from logic import House
 from sim.film import MARGIN, PAPER, SHARP, Camera, View, film
@@ -59,14 +59,14 @@ class Film:
         seen, info = envs.reset(seed=self.house, options={"house": np.zeros(1, int)})
         policy = policy_of(found.network, found.config, envs, 0)
         policy.begin(1)
-        if policy.surveyor is None:
+        if policy.tracker is None:
             raise SystemExit(f"{self.agent}: has no map")
         observation, blocked = torch.as_tensor(seen), torch.zeros(1, dtype=torch.bool)
         window, camera, frames = Window(house, self.width, info["pose"][0]), Camera(envs, 0, self.width), []
         for step in range(envs.config.steps):
             actions = policy(observation, blocked)
             if step % self.stride == 0:
-                frames.append(side_by_side(camera.shoot(), window.drawn(policy.surveyor.map)))
+                frames.append(side_by_side(camera.shoot(), window.drawn(policy.tracker.planner)))
             observation, _, _, _, info = envs.step_torch(actions)
             blocked = info["blocked"]
         film(frames, self.out)
@@ -86,7 +86,7 @@ class Window:
         self.box = np.concatenate([corner, corner + np.array(self.size) / scale])  # metres from the start
         self.quarters = round(float(start[2]) / (np.pi / 4)) // 2
 
-    def drawn(self, map: Map) -> Image.Image:
+    def drawn(self, map: Planner) -> Image.Image:
         """The first environment's map."""
         side = 1 << BITS
         counts, states = map.arrays["counts"].view()[:COUNTS], map.occupancy(0)

@@ -1,7 +1,7 @@
 # pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
 # pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
 """How often ground that was never seen hides a target: ``python -m benchmarks.odds`` prints the table
-``agent.map.belief.ODDS`` as it is measured, beside the one that the code holds.
+``agent.planner.belief.ODDS`` as it is measured, beside the one that the code holds.
 
 Explorers play in 100 houses of training seeds. Every now and then each that seeks a target is asked
 for some of the hiding places on its map, and the house itself tells in which a target could lie that was not
@@ -20,10 +20,10 @@ from scipy.ndimage import label
 from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
-from agent.map import BITS, Map, belief
-from agent.map.belief import ODDS, SURE, Belief
-from agent.map.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
-from agent.map.counts import COUNTS, SINCE
+from agent.planner import BITS, Planner, belief
+from agent.planner.belief import ODDS, SURE, Belief
+from agent.planner.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
+from agent.planner.counts import COUNTS, SINCE
 from agent.policies import Explorer
 from agent.scoreboard import Sheet
 from agent.world import make_worlds, shield
@@ -80,7 +80,7 @@ class Odds:
 class Places:
     """The hiding places on maps, by what surrounds them."""
 
-    def __init__(self, map: Map) -> None:
+    def __init__(self, map: Planner) -> None:
         """Ask these maps."""
         self.map, number = map, len(map.advice)
         grid, believed, half = Grid(BITS), Belief(Grid(BITS)), SIDE // 2
@@ -167,7 +167,7 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
     observation, info = envs.reset(seed=0, options={"house": np.arange(number)})
     policy = Explorer(shield(envs), envs.config)
     policy.begin(number)
-    map = policy.surveyor.map
+    map = policy.tracker.planner
     places, truth = Places(map), Truth(envs, info["pose"], map.cell)
     seen, blocked = torch.as_tensor(observation), torch.zeros(number, dtype=torch.bool)
     free, asked = np.zeros((2, number, ENTRIES + 1), int)

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from torch import Tensor
 
-from agent.map import BITS, Map
-from agent.map.belief import SURE, Belief
-from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID
-from agent.map.kernel import step_kernel
-from agent.policies import Surveyor
+from agent.planner import BITS, Planner
+from agent.planner.belief import SURE, Belief
+from agent.planner.cells import FLAGS, NEAR, OCCUPIED, SOLID
+from agent.planner.kernel import step_kernel
+from agent.policies import Tracker
 from agent.world import make_worlds
 from benchmarks.odds import BESIDE, SIDE, Truth
 from sim import HouseVectorEnv
@@ -28,7 +28,7 @@ ELSEWHERE = 15
 """What floor in other rooms counts, of ``SURE``: it may be a way to those. 5 and 30 do as well."""
 
 
-class Teller(Surveyor):
+class Teller(Tracker):
     """Keeps maps of environments and tells them of their houses, when an episode begins. All maps that this
     process makes from now on ask it.
     """
@@ -54,24 +54,24 @@ class Teller(Surveyor):
         poses, houses = info["pose"], info["house"]
         ground = np.zeros((environments, SIDE, SIDE), np.uint8)
         for envs, count in self.counts:
-            truth = Truth(envs, poses, self.map.cell)
+            truth = Truth(envs, poses, self.planner.cell)
             for e, house in enumerate(map(int, houses)):
                 away, _ = truth.trees[house].query(truth.where(e, NODES), distance_upper_bound=BESIDE)
                 ground[e, ::2, ::2][(away < BESIDE).reshape(SIDE // 2, -1)] = count
         self.ground.from_numpy(ground.ravel())
 
-    def look(self, observation: Tensor, blocked: Tensor) -> Map:
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
         """The maps, with what the last actions led to, and at first with the walls."""
         first = bool(self.fresh.all())
         found = super().look(observation, blocked)
         if first and self.walls is not None:
-            self.map.arrays["cells"].view()[:] |= self.walls
-            self.map.arrays["news"].view()[:] = 1
+            self.planner.arrays["cells"].view()[:] |= self.walls
+            self.planner.arrays["news"].view()[:] = 1
         return found
 
     def remember(self) -> None:
         """Take the walls from the maps as they are, for episodes that begin where this one began."""
-        self.walls = self.map.arrays["cells"].numpy() & np.uint16(OCCUPIED | SOLID | NEAR)
+        self.walls = self.planner.arrays["cells"].numpy() & np.uint16(OCCUPIED | SOLID | NEAR)
 
 
 def _nodes() -> np.ndarray:

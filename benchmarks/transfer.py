@@ -19,7 +19,7 @@ from agent import checkpoint, scoreboard
 from agent.banks import VALIDATION
 from agent.checkpoint import Checkpoint
 from agent.commands import Targets
-from agent.map import BITS, Map
+from agent.planner import BITS, Planner
 from agent.protocol import measure
 from agent.statistics import Estimate
 from logic import House, generate, load, save
@@ -161,7 +161,7 @@ def wider(houses: list[House]) -> float:
 
 def reach() -> float:
     """How far it is around an agent's map, metres."""
-    return Map(DEFAULT, 1).cell * 2**BITS
+    return Planner(DEFAULT, 1).cell * 2**BITS
 
 
 if __name__ == "__main__":

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import torch
 
-from agent.map.belief import ABOUT, ODDS, SURE, Belief
-from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, Cells, Floats, Grid, Wholes
-from agent.map.counts import FOUND, HERE
+from agent.planner.belief import ABOUT, ODDS, SURE, Belief
+from agent.planner.cells import FLAGS, NEAR, OCCUPIED, SOLID, Cells, Floats, Grid, Wholes
+from agent.planner.counts import FOUND, HERE
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from sim.runtime import Array, Launch, start, ti
@@ -134,7 +134,7 @@ def test_a_map_knows_which_pick_ups_were_in_the_room_of_the_start():
         inside = ((target > boxes[:, :2]) & (target < boxes[:, 2:])).all(-1)
         here += (reward > 0) & inside
         seen, blocked, target = torch.as_tensor(observation), torch.as_tensor(info["blocked"]), info["target"]
-    counts = explorer.surveyor.map._counts.numpy()
+    counts = explorer.tracker.planner._counts.numpy()
     assert here.sum() > 10
     assert (counts[:, FOUND] - here).sum() > 10
     assert np.abs(counts[:, HERE] - here).sum() <= 0.1 * here.sum()

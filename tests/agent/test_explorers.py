@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import torch
 
-from agent.map import belief, kernel, survey, views
-from agent.map.belief import ODDS, SURE
-from agent.map.cells import FLAGS, OCCUPIED
-from agent.map.counts import COUNTS, KIND, NONE, SEARCH
+from agent.planner import belief, kernel, survey, views
+from agent.planner.belief import ODDS, SURE
+from agent.planner.cells import FLAGS, OCCUPIED
+from agent.planner.counts import COUNTS, KIND, NONE, SEARCH
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from benchmarks import explorers
@@ -134,7 +134,7 @@ def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.M
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("TOUGHT=3", "TOUGHT is no number of agent.map that can be set. Did you mean THOUGHT?"),
+        ("TOUGHT=3", "TOUGHT is no number of agent.planner that can be set. Did you mean THOUGHT?"),
         ("THOUGHT=48,Q=1", "Q is no number"),
         ("", "nothing is no number"),
         ("ABOUT=3", "more than one ABOUT. Say belief.ABOUT or kernel.ABOUT"),
@@ -198,7 +198,7 @@ def test_ground_is_told_as_it_lies_in_the_house(what: str, teller: Any) -> None:
     _, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
     found = teller(envs, what)
     found.begin(len(HOUSES))
-    told, cell = found.ground.to_numpy().reshape(-1, 256, 256), found.map.cell
+    told, cell = found.ground.to_numpy().reshape(-1, 256, 256), found.planner.cell
     right, floor, counts = 0, 0, set()
     for e, (x, y, heading) in enumerate(info["pose"]):
         # Headings run counter-clockwise, y points south; a map's east is where the body looked at first.
@@ -229,7 +229,7 @@ def test_each_teller_is_asked_by_its_own_maps(teller: Any) -> None:
         found.begin(len(HOUSES))
         found.ground.fill(count)
         found.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
-        kinds.append(found.map.arrays["counts"].numpy().reshape(-1, COUNTS)[:, KIND].tolist())
+        kinds.append(found.planner.arrays["counts"].numpy().reshape(-1, COUNTS)[:, KIND].tolist())
     assert kinds == [[NONE] * len(HOUSES), [SEARCH] * len(HOUSES)]
 
 
@@ -239,10 +239,10 @@ def test_walls_are_told_and_nothing_as_seen(teller: Any) -> None:
     found = teller(envs, "walls")
     policy = explorers.explorer(envs, found)
     explorers.episode(envs, policy, 150, len(HOUSES))
-    once = found.map.arrays["cells"].numpy()
+    once = found.planner.arrays["cells"].numpy()
     found.remember()
     explorers.episode(envs, policy, 1, len(HOUSES))
-    again = found.map.arrays["cells"].numpy()
+    again = found.planner.arrays["cells"].numpy()
     assert (again & OCCUPIED >= once & OCCUPIED).all()
     assert (once & OCCUPIED > 0).sum() > 500
     seen, before = ((cells & OCCUPIED - 1) >> FLAGS for cells in (again, once))
@@ -260,19 +260,19 @@ def explored(steps: int) -> tuple[Any, Explorer, Truth]:
     observation, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
     explorer = Explorer(shield(envs), envs.config)
     explorer.begin(len(HOUSES))
-    truth = Truth(envs, info["pose"], explorer.surveyor.map.cell)
+    truth = Truth(envs, info["pose"], explorer.tracker.planner.cell)
     seen, blocked = torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool)
     for _ in range(steps):
         seen, reward, _, _, info = envs.step_torch(explorer(seen, blocked))
         blocked = info["blocked"]
         truth.look(reward.numpy() > 0)
-    explorer.surveyor.look(seen, blocked)
+    explorer.tracker.look(seen, blocked)
     return envs, explorer, truth
 
 
 def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_house() -> None:
     envs, explorer, truth = explored(60)
-    map, pose = explorer.surveyor.map, envs.world.describe()[0]
+    map, pose = explorer.tracker.planner, envs.world.describe()[0]
     entries = Places(map).ask()
     assert belief.ODDS == ODDS
     cells = map.arrays["cells"].view().reshape(len(HOUSES), 256, 256)

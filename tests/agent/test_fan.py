@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from agent.map import FREE, TAKEN, Map
-from agent.map.cells import (
+from agent.planner import FREE, TAKEN, Planner
+from agent.planner.cells import (
     DEPTH,
     FLAGS,
     NEAR,
@@ -23,8 +23,8 @@ from agent.map.cells import (
     Grid,
     Wholes,
 )
-from agent.map.counts import HEADING, KNOWN, SINCE, TIME, X, Y
-from agent.map.fan import BESIDE, BEYOND, FINE, fan
+from agent.planner.counts import HEADING, KNOWN, SINCE, TIME, X, Y
+from agent.planner.fan import BESIDE, BEYOND, FINE, fan
 from agent.world import make_worlds
 from logic import Door, House, Rect, Room, generate
 from sim import DEFAULT
@@ -146,7 +146,7 @@ def test_one_look_shows_the_room_before_the_eye_to_its_walls_and_nothing_behind_
     eye = np.array([2.5, 2.0])
     options = {"house": [0], "pose": [[*eye, heading]], "target": [[0.6, 0.6]]}
     observation, _ = worlds.reset(seed=0, options=options)
-    maps, no = Map(worlds.config, 1), torch.zeros(1).bool()
+    maps, no = Planner(worlds.config, 1), torch.zeros(1).bool()
     maps.step(torch.as_tensor(observation), no, torch.zeros(1, dtype=torch.int64), ~no)
     cells = maps.occupancy(0)
     south, east = (np.indices(cells.shape) - 127.5) * maps.cell
@@ -170,7 +170,7 @@ def test_ways_may_lead_where_something_was_seen_at_a_distance_along_one_of_eight
     house = House(Rect(0, 0, 5.0, 4.0), (Room(0.0, 4.0, 4.0, 3.0, "hall", (), Door(1.0, 4.0, 0.762, 0.0)),))
     worlds = make_worlds([house], 1, "main")
     observation, _ = worlds.reset(seed=0)
-    maps, no = Map(worlds.config, 1), torch.zeros(1).bool()
+    maps, no = Planner(worlds.config, 1), torch.zeros(1).bool()
     maps.step(torch.as_tensor(observation), no, torch.zeros(1, dtype=torch.int64), ~no)
     for action in (0, 2, 2, 1, 2, 2, 0, 0, 2):
         observation, _, _, _, info = worlds.step(np.array([action]))
@@ -188,7 +188,7 @@ def test_between_two_rays_nothing_is_seen_beyond_the_shorter_of_them():
     number = 40
     worlds = make_worlds([random_house(0)], number, "main")
     observation, _ = worlds.reset(seed=2)
-    maps, no = Map(worlds.config, number), torch.zeros(number).bool()
+    maps, no = Planner(worlds.config, number), torch.zeros(number).bool()
     maps.step(torch.as_tensor(observation), no, torch.zeros(number, dtype=torch.int64), ~no)
     reach = observation[..., 0] * worlds.config.range / maps.cell
     kept_from = 0
@@ -218,7 +218,7 @@ def test_each_sweep_is_the_fan_of_the_eye_where_it_stands(backend):
     houses = [random_house(0)] if backend == "continuous" else list(generate(3, seed=5, count=1, cell=0.3))
     worlds = make_worlds(houses, number, "mixed", backend=backend)
     observation, _ = worlds.reset(seed=2)
-    maps, begun, chance = Map(worlds.config, number), torch.ones(number).bool(), np.random.default_rng(0)
+    maps, begun, chance = Planner(worlds.config, number), torch.ones(number).bool(), np.random.default_rng(0)
     blocked, actions = torch.zeros(number).bool(), np.zeros(number, np.int64)
     starts, _, entries = fan(ANGLES, worlds.config.range / maps.cell)
     poses, left_out, pickups, passed, missed, shown = set(), np.zeros(2, int), 0, 0, 0, 0

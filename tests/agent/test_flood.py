@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from agent.map.cells import NEAR, SOLID, TILE, Bytes, Cells, Grid, Wholes
-from agent.map.flood import UNASKED, Flood, Words
-from agent.map.survey import Survey
+from agent.planner.cells import NEAR, SOLID, TILE, Bytes, Cells, Grid, Wholes
+from agent.planner.flood import UNASKED, Flood, Words
+from agent.planner.survey import Survey
 from sim.runtime import Array, Launch, start, ti
 
 BITS = 8

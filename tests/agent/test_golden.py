@@ -95,7 +95,7 @@ def explored(name: str) -> dict[str, Any]:
     policy = Explorer(shield(envs), envs.config)
 
     def look() -> tuple[torch.Tensor, ...]:
-        map = policy.surveyor.map
+        map = policy.tracker.planner
         return map.advice, map.features, map.new, map.progress, map.way, map.found
 
     return play(envs, policy, look)

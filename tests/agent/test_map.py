@@ -15,13 +15,13 @@ from agent.build import network_of
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
 from agent.evaluate import play
-from agent.map import FEATURES, FREE, TAKEN, Map, mirrored_features
-from agent.map.cells import FLAGS, SOLID, WAYS
-from agent.map.counts import KIND, NONE, STALE, THINK
-from agent.map.features import SCALARS, SIDES
-from agent.map.flood import UNASKED
-from agent.map.ways import FAR
-from agent.policies import Explore, Explorer, QPolicy, Stack, Surveyor, deferring
+from agent.planner import FEATURES, FREE, TAKEN, Planner, mirrored_features
+from agent.planner.cells import FLAGS, SOLID, WAYS
+from agent.planner.counts import KIND, NONE, STALE, THINK
+from agent.planner.features import SCALARS, SIDES
+from agent.planner.flood import UNASKED
+from agent.planner.ways import FAR
+from agent.policies import Explore, Explorer, QPolicy, Stack, Tracker, deferring
 from agent.pqn import PQN
 from agent.world import make_worlds, shield
 from logic import Door, House, Piece, Rect, Room, generate
@@ -45,7 +45,7 @@ def envs() -> HouseVectorEnv:
 
 
 def walked(
-    envs: HouseVectorEnv, maps: Map, steps: int, options: dict[str, Any] | None = None, seed: int = 0
+    envs: HouseVectorEnv, maps: Planner, steps: int, options: dict[str, Any] | None = None, seed: int = 0
 ) -> list[dict[str, np.ndarray]]:
     """Infos of a walk: the maps' advice, and at random for a fifth of the time, under the shield."""
     number, layer = envs.num_envs, shield(envs)
@@ -68,7 +68,7 @@ def walked(
     return infos
 
 
-def in_house(maps: Map, e: int, start: np.ndarray, points: np.ndarray) -> np.ndarray:
+def in_house(maps: Planner, e: int, start: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Points (n, 2) in cells of a map's frame as metres in the house, by the pose where the episode began."""
     octant = round(start[2] / (np.pi / 4)) % 8
     turn = (octant - octant % 2) * np.pi / 4
@@ -78,7 +78,7 @@ def in_house(maps: Map, e: int, start: np.ndarray, points: np.ndarray) -> np.nda
 
 
 def test_the_map_knows_where_the_body_is(envs):
-    maps = Map(DEFAULT, E)
+    maps = Planner(DEFAULT, E)
     infos = walked(envs, maps, STEPS)
     for e in range(E):
         x, y, heading = maps.pose(e)
@@ -89,7 +89,7 @@ def test_the_map_knows_where_the_body_is(envs):
 
 
 def test_what_is_free_on_the_map_is_floor_and_what_is_taken_holds_a_wall_or_a_piece(envs):
-    maps = Map(DEFAULT, E)
+    maps = Planner(DEFAULT, E)
     infos = walked(envs, maps, STEPS)
     for e in range(E):
         sides, cells = _sides(envs.houses[e]), maps.occupancy(e)
@@ -118,7 +118,7 @@ def _sides(house: House) -> np.ndarray:
 
 def test_ways_are_as_long_as_a_graph_of_the_same_cells_has_them(envs):
     """Against SciPy's Dijkstra: a diagonal step is as long as a straight one, and needs both corners."""
-    maps, checked = Map(DEFAULT, E), 0
+    maps, checked = Planner(DEFAULT, E), 0
     for steps in (30, 50, 70, 90, 110):
         walked(envs, maps, steps)
         for e in range(E):
@@ -168,7 +168,7 @@ def test_what_was_never_seen_is_not_in_the_map():
         worlds = make_worlds([House(Rect(0, 0, 6.0, 4.0), (near, hidden))], 1, "main")
         options = {"house": [0], "pose": [[3.0, 2.0, np.pi]], "target": [[0.6, 0.6]]}
         observation, _ = worlds.reset(seed=0, options=options)
-        maps, blocked, fresh = Map(worlds.config, 1), torch.zeros(1).bool(), torch.ones(1).bool()
+        maps, blocked, fresh = Planner(worlds.config, 1), torch.zeros(1).bool(), torch.ones(1).bool()
         action = torch.tensor([LEFT])
         for turn in [LEFT, RIGHT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT] * 4:
             maps.step(torch.as_tensor(observation), blocked, action, fresh)
@@ -181,17 +181,17 @@ def test_what_was_never_seen_is_not_in_the_map():
 
 
 def test_a_map_does_not_depend_on_the_others_of_its_batch(envs):
-    together = Map(DEFAULT, E)
+    together = Planner(DEFAULT, E)
     walked(envs, together, 100)
     alone = make_worlds([envs.houses[0]], 1, "mixed")
-    maps = Map(DEFAULT, 1)
+    maps = Planner(DEFAULT, 1)
     walked(alone, maps, 100)
     assert torch.equal(maps.features[0], together.features[0])
     assert np.array_equal(maps.occupancy(0), together.occupancy(0))
 
 
 def test_a_new_episode_begins_with_an_empty_map(envs):
-    maps, twice = Map(DEFAULT, E), Map(DEFAULT, E)
+    maps, twice = Planner(DEFAULT, E), Planner(DEFAULT, E)
     walked(envs, twice, 50, seed=1)
     for one in (maps, twice):
         walked(envs, one, 50)
@@ -209,7 +209,7 @@ def test_features_of_the_mirror_are_the_mirrors_features():
         start = worlds.reset(seed=3)[1]["pose"][0]
         options = {"house": [0, 0], "pose": [[*start[:2], heading]] * 2}
         observation, _ = worlds.reset(seed=0, options=options)
-        one, other = Map(DEFAULT, 1), Map(DEFAULT, 1)
+        one, other = Planner(DEFAULT, 1), Planner(DEFAULT, 1)
         no, fresh, action = torch.zeros(1).bool(), torch.ones(1).bool(), torch.tensor([LEFT])
         agree = []
         blocked = no
@@ -250,7 +250,7 @@ def test_walls_are_lines_to_bodies_that_fill_cells(gridded):
     """Between two cells that were seen there is a wall on the map only if there is one in the house, and
     nearly always if there is.
     """
-    maps = Map(gridded.config, gridded.num_envs)
+    maps = Planner(gridded.config, gridded.num_envs)
     infos = walked(gridded, maps, 1000)
     nodes = 2 * np.stack(np.meshgrid(range(-60, 60), range(-60, 60)), axis=-1).reshape(-1, 2)
     agree = []
@@ -277,7 +277,7 @@ class Twins:
     """A map, and one that is told before each step that there are news everywhere: it finds all anew."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        self.kept, self.anew = Map(envs.config, envs.num_envs), Map(envs.config, envs.num_envs)
+        self.kept, self.anew = Planner(envs.config, envs.num_envs), Planner(envs.config, envs.num_envs)
         self.asked = 0
 
     def step(self, *inputs: torch.Tensor) -> None:
@@ -314,7 +314,7 @@ def test_what_a_body_that_fills_a_cell_can_do_is_what_its_map_says(gridded):
     for _ in range(600):
         poses = info["pose"]
         action = explorer(seen, blocked).numpy()
-        free = explorer.surveyor.map.features[:, SCALARS:].view(-1, 8, SIDES)[..., 0].numpy() > 0
+        free = explorer.tracker.planner.features[:, SCALARS:].view(-1, 8, SIDES)[..., 0].numpy() > 0
         for e, house in enumerate(gridded.houses):
             headings = (round(poses[e, 2] / (np.pi / 4)) + np.arange(8)) % 8
             agree.append(free[e] == (ways_of(gridded, house, poses[e : e + 1, :2]) >> headings & 1 == 1))
@@ -333,7 +333,7 @@ def test_the_explorer_finds_targets_behind_walls(envs):
     score = play("explorer", worlds, explorer, seed=0)
     assert (score.targets >= 3).all()
     assert score.blocked <= score.steps * 0.001
-    found = explorer.surveyor.map.found.numpy()
+    found = explorer.tracker.planner.found.numpy()
     assert np.abs(found - score.targets).sum() <= 0.1 * score.targets.sum()
 
 
@@ -362,21 +362,21 @@ def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes():
 
 def test_behaviours_stack_avoid_over_explore_over_network(envs):
     """While no target is known the map decides, then the network does; the shield overrules both."""
-    network, surveyor, layer = network_of(PQNConfig()), Surveyor(envs.config), shield(envs)
+    network, tracker, layer = network_of(PQNConfig()), Tracker(envs.config), shield(envs)
     stacked = QPolicy(
-        *(network, Stack(layer, Explore(surveyor)), torch.Generator().manual_seed(0)),
+        *(network, Stack(layer, Explore(tracker)), torch.Generator().manual_seed(0)),
         epsilon=0.0,
-        surveyor=surveyor,
+        tracker=tracker,
     )
     seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(E).bool()
     stacked.begin(E)
     sought = 0
     for _ in range(150):
         remembered = stacked.remembered
-        actions, seeks = stacked(seen, blocked), surveyor.map.seeks
+        actions, seeks = stacked(seen, blocked), tracker.planner.seeks
         with torch.no_grad():
             alone = subsume(network(seen, remembered), layer(seen, blocked))
-        assert torch.equal(actions, torch.where(seeks, surveyor.map.advice, alone))
+        assert torch.equal(actions, torch.where(seeks, tracker.planner.advice, alone))
         sought += int(seeks.sum())
         observation, _, _, _, info = envs.step(actions.numpy())
         seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
@@ -406,8 +406,8 @@ def test_a_new_network_with_a_map_does_what_it_advises(envs):
     policy.begin(E)
     for _ in range(50):
         actions = policy(seen, blocked)
-        assert policy.surveyor
-        assert torch.equal(actions, policy.surveyor.map.advice)
+        assert policy.tracker
+        assert torch.equal(actions, policy.tracker.planner.advice)
         observation, _, _, _, info = envs.step(actions.numpy())
         seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
 
@@ -444,7 +444,7 @@ def test_learning_with_a_map_is_a_function_of_the_seed(envs):
 
 def test_episodes_longer_than_a_cell_can_tell_are_refused():
     with pytest.raises(ValueError, match="8,18"):
-        Map(replace(DEFAULT, steps=20_000), 1)
+        Planner(replace(DEFAULT, steps=20_000), 1)
 
 
 @pytest.mark.parametrize("slant", [0, 1])
@@ -456,7 +456,7 @@ def test_a_map_begun_where_no_wall_is_in_sight_is_begun_again_at_the_first_wall(
     worlds = make_worlds([house], 1, "main")
     options = {"house": [0], "pose": [[10.0, 10.0, slant * np.pi / 4]], "target": [[2.0, 18.0]]}
     observation, _ = worlds.reset(seed=0, options=options)
-    maps, no = Map(worlds.config, 1), torch.zeros(1).bool()
+    maps, no = Planner(worlds.config, 1), torch.zeros(1).bool()
     assert (observation[..., 0] == 1.0).all()
     maps.step(torch.as_tensor(observation), no, torch.tensor([LEFT]), ~no)
     for turn in [RIGHT, LEFT] + [FORWARD] * 60:
@@ -467,7 +467,7 @@ def test_a_map_begun_where_no_wall_is_in_sight_is_begun_again_at_the_first_wall(
 
 
 def test_maps_of_another_revision_are_refused_before_anything_is_taken_up():
-    maps = Map(DEFAULT, 1)
+    maps = Planner(DEFAULT, 1)
     before = maps.state
     with pytest.raises(RequestError, match="another revision"):
         maps.state = {name: torch.ones_like(value) for name, value in before.items() if name != "shown"}

@@ -3,12 +3,12 @@
 
 import numpy as np
 
-from agent.map.belief import SURE
-from agent.map.cells import FLAGS, NEAR, OCCUPIED, SOLID, TILE, Bytes, Cells, Grid, Wholes
-from agent.map.counts import COUNTS, HEADING, SINCE, X, Y
-from agent.map.flood import UNASKED, Words
-from agent.map.survey import HASTE, PITCH, UNTOLD
-from agent.map.views import (
+from agent.planner.belief import SURE
+from agent.planner.cells import FLAGS, NEAR, OCCUPIED, SOLID, TILE, Bytes, Cells, Grid, Wholes
+from agent.planner.counts import COUNTS, HEADING, SINCE, X, Y
+from agent.planner.flood import UNASKED, Words
+from agent.planner.survey import HASTE, PITCH, UNTOLD
+from agent.planner.views import (
     LEAST,
     LOOKED,
     PLENTY,

@@ -3,10 +3,10 @@
 from functools import cache
 from typing import Any, NamedTuple
 
-from agent.map.advice import Advice
-from agent.map.belief import Belief
-from agent.map.cells import TILE, Bytes, Cells, Floats, Grid, Longs, Wholes
-from agent.map.counts import (
+from agent.planner.advice import Advice
+from agent.planner.belief import Belief
+from agent.planner.cells import TILE, Bytes, Cells, Floats, Grid, Longs, Wholes
+from agent.planner.counts import (
     AGE,
     ALIGNED,
     COUNTS,
@@ -34,12 +34,12 @@ from agent.map.counts import (
     X,
     Y,
 )
-from agent.map.features import describe
-from agent.map.flood import Words
-from agent.map.sight import Sight
-from agent.map.sweep import Sweep
-from agent.map.views import THOUGHT, Views
-from agent.map.ways import DETOUR, FAR, Ways
+from agent.planner.features import describe
+from agent.planner.flood import Words
+from agent.planner.sight import Sight
+from agent.planner.sweep import Sweep
+from agent.planner.views import THOUGHT, Views
+from agent.planner.ways import DETOUR, FAR, Ways
 from sim.runtime import ti
 
 TOUCH = 0.1

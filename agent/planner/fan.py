@@ -8,7 +8,7 @@ cases fit in a table.
 
 import numpy as np
 
-from agent.map.cells import WAYS
+from agent.planner.cells import WAYS
 
 BESIDE = 0.7
 """Cells from a ray at which a cell's centre is on it."""

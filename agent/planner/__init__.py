@@ -10,8 +10,8 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
-from agent.map.cells import FLAGS, LATEST, OCCUPIED, TILE
-from agent.map.counts import (
+from agent.planner.cells import FLAGS, LATEST, OCCUPIED, TILE
+from agent.planner.counts import (
     COUNTS,
     FOUND,
     HEADING,
@@ -24,18 +24,18 @@ from agent.map.counts import (
     X,
     Y,
 )
-from agent.map.fan import FINE, fan
-from agent.map.features import FEATURES, mirrored_features
-from agent.map.flood import UNASKED, WORDS
-from agent.map.kernel import Body, step_kernel
-from agent.map.survey import PITCH
-from agent.map.views import looks
-from agent.map.ways import FAR
+from agent.planner.fan import FINE, fan
+from agent.planner.features import FEATURES, mirrored_features
+from agent.planner.flood import UNASKED, WORDS
+from agent.planner.kernel import Body, step_kernel
+from agent.planner.survey import PITCH
+from agent.planner.views import looks
+from agent.planner.ways import FAR
 from logic.errors import RequestError
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
-__all__ = ["FEATURES", "Map", "mirrored_features"]
+__all__ = ["FEATURES", "Planner", "mirrored_features"]
 
 BITS = 8
 """The grid is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""
@@ -50,7 +50,7 @@ STATE = (
 """What a map goes on from."""
 
 
-class Map:
+class Planner:
     """Maps of E environments: one kernel takes them all a step further.
 
     A map remembers when it last saw each cell (half a body wide), which are occupied, and the target that it
@@ -137,7 +137,7 @@ class Map:
     @state.setter
     def state(self, state: dict[str, Tensor]) -> None:
         if set(state) != set(STATE):
-            raise RequestError("the maps were kept by another revision of agent.map: begin the run anew")
+            raise RequestError("the maps were kept by another revision of agent.planner: begin the run anew")
         for name in STATE:
             self.arrays[name].fill(state[name].numpy())
 

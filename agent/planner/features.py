@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from agent.map.counts import COUNTS, KIND, LAST_NEW, NEW, SEARCH, SINCE, TARGET, TIME, WAY
+from agent.planner.counts import COUNTS, KIND, LAST_NEW, NEW, SEARCH, SINCE, TARGET, TIME, WAY
 from sim.runtime import ti
 
 SCALARS, SIDES = 14, 3

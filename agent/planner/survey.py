@@ -1,9 +1,9 @@
 """A survey of the map, before a view is chosen: how far away all places are, and what may hide at each."""
 
-from agent.map.belief import ABOUT, Belief
-from agent.map.cells import DEPTH, FLAGS, Grid
-from agent.map.counts import COUNTS, FOUND, HERE, SINCE, X, Y
-from agent.map.flood import NODES, OPEN, UNASKED, Flood
+from agent.planner.belief import ABOUT, Belief
+from agent.planner.cells import DEPTH, FLAGS, Grid
+from agent.planner.counts import COUNTS, FOUND, HERE, SINCE, X, Y
+from agent.planner.flood import NODES, OPEN, UNASKED, Flood
 from sim.runtime import ti
 
 PITCH = 4

@@ -7,7 +7,7 @@ all that to the north and the south, so diagonally too. Where it comes, but for 
 lead as well. What was found of a tile, 8 by 8 blocks, is kept until there are news in it or beside it.
 """
 
-from agent.map.cells import TILE, Grid
+from agent.planner.cells import TILE, Grid
 from sim.runtime import ti
 
 NODES, SIDE = 1 << TILE, 1 << TILE - 1

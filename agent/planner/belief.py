@@ -6,7 +6,7 @@ of it: each pick-up tells which, by Bayes's rule. In 320 validation houses the s
 of the oracle's targets in secondary rooms, and costs 0.011 +- 0.004 where targets lie in all rooms.
 """
 
-from agent.map.cells import FLAGS, OCCUPIED, WAYS, Grid
+from agent.planner.cells import FLAGS, OCCUPIED, WAYS, Grid
 from sim.runtime import ti
 
 SURE = 100

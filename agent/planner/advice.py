@@ -1,7 +1,7 @@
 """What a map advises: the turn to the heading from which a step brings the goal nearest."""
 
-from agent.map.cells import Grid
-from agent.map.ways import FAR, Ways
+from agent.planner.cells import Grid
+from agent.planner.ways import FAR, Ways
 from sim.runtime import ti
 
 

@@ -27,7 +27,7 @@ LATEST = (1 << 15 - FLAGS) - 1
 
 TILE = 4
 """Tiles are of 2^4 by 2^4 cells. ``news`` tells of each whether more is known of its cells or its nodes
-than when it was asked last (``agent.map.flood``).
+than when it was asked last (``agent.planner.flood``).
 """
 
 AROUND = 0.07

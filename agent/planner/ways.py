@@ -4,14 +4,14 @@ A step along a diagonal goes as far along both axes, so all eight neighbours of 
 near to what was seen and not known to be solid counts as free: the body finds out on its way.
 """
 
-from agent.map.cells import WAYS, Grid
+from agent.planner.cells import WAYS, Grid
 from sim.runtime import ti
 
 FAR = (1 << 16) - 1
 """A node that no search has come to."""
 
 DETOUR = 8
-"""Nodes by which a way may be longer than the flood (``agent.map.flood``) found the goal to be away, or than
+"""Nodes by which a way may be longer than the flood (``flood``) found the goal to be away, or than
 a quarter more than the straight way to a target, for its nodes to be measured."""
 
 LONG = 40

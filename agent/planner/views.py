@@ -9,11 +9,11 @@ those an explorer that goes by them picks up 0.65 of the oracle's targets
 
 import numpy as np
 
-from agent.map.belief import SURE
-from agent.map.cells import OCCUPIED, SOLID, Grid
-from agent.map.counts import COUNTS, HEADING, X, Y
-from agent.map.survey import PITCH, UNTOLD, Survey
-from agent.map.ways import DETOUR
+from agent.planner.belief import SURE
+from agent.planner.cells import OCCUPIED, SOLID, Grid
+from agent.planner.counts import COUNTS, HEADING, X, Y
+from agent.planner.survey import PITCH, UNTOLD, Survey
+from agent.planner.ways import DETOUR
 from sim.runtime import ti
 
 RAYS = 5

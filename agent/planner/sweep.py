@@ -7,8 +7,8 @@ ray passes over what the last sweep noted, or passed over itself. Together these
 up by +0.0001 +- 0.0014 of the oracle's targets, in 320 validation houses.
 """
 
-from agent.map.cells import Grid
-from agent.map.fan import BAND, FINE, bands
+from agent.planner.cells import Grid
+from agent.planner.fan import BAND, FINE, bands
 from sim.runtime import ti
 
 MARGIN = 1.0
@@ -18,7 +18,7 @@ MARGIN = 1.0
 @ti.data_oriented
 class Sweep:
     """Sweeps on a grid by so many rays of some reach, in parts of a cell. ``starts``, ``skips`` and ``fan``
-    are those of ``agent.map.fan``; ``swept`` has how far each environment's rays reached in its last sweep.
+    are those of ``fan.py``; ``swept`` has how far each environment's rays reached in its last sweep.
     """
 
     def __init__(self, grid: Grid, rays: int, reach: float) -> None:
