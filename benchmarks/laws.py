@@ -14,7 +14,7 @@ from scipy.stats import beta, kstest
 
 from logic import House
 from logic.builder import Builder
-from logic.placement import Cramped, Layout, Refuted, RoomLayout
+from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.request import Request
 
 SIDES = {"north": (0, 1), "east": (1, 1), "south": (0, -1), "west": (1, -1)}
@@ -50,7 +50,7 @@ def on_a_chain(builder: Builder, pieces: int, draws: int) -> np.ndarray:
     seeds = np.random.default_rng(pieces).integers(2**63, size=draws).tolist()
     each = f"findall(Xs,(member(Seed,{seeds}),{drawn}),All)"
     goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
-    starts = np.array(builder._placer._json(goal))
+    starts = np.array(builder.placer._json(goal))
     return _gaps(starts, starts + 0.5, 0.0, 10.0) / (10 - 0.5 * pieces)
 
 
@@ -76,7 +76,7 @@ def along_sides(builder: Builder, rooms: int, draws: int) -> dict[int, np.ndarra
     The first gap begins where the first room's door would touch the corner of the main room, or a gap past it
     where the corner is another side's; the last ends likewise.
     """
-    lengths: dict[str, float] = builder._placer.lengths({})[0]["lengths"]
+    lengths: dict[str, float] = builder.placer.lengths({})[0]["lengths"]
     between = max(lengths["room_gap"], lengths["door_clearance"])
     shares: dict[int, list[np.ndarray]] = defaultdict(list)
     for index in range(draws):
@@ -84,8 +84,8 @@ def along_sides(builder: Builder, rooms: int, draws: int) -> dict[int, np.ndarra
         request = Request.read({"rooms": rooms, "types": {}, "furniture": {}})
         layout = builder.layout(request, rng)
         try:
-            plan = builder.place(layout, rng, 10**8, least=False)
-        except (Refuted, Cramped):  # of its furniture, which has no part in where rooms stand
+            plan = builder.place(layout, rng, 10**8, minimal=False)
+        except (Infeasible, Misfit):  # of its furniture, which has no part in where rooms stand
             continue
         house = builder._as_house(plan, layout, request, rooms, index)
         owners = {

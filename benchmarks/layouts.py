@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from time import monotonic
+from typing import Any
 
 import numpy as np
 from clingo import Symbol
@@ -85,13 +86,10 @@ def spread(grammar: str, subject: int | str, draws: int, tries: int, seconds: fl
     They are listed where that takes no more than so many seconds.
     """
     builder = Builder(find(grammar))
-    if isinstance(subject, int):
-        parts = builder._housing_parts(subject, ())
-    else:
-        parts = builder._furnishing_parts(subject, ())
-    listed = every_layout(Program(*parts, arguments=EVERY), seconds)
-    program = Program(*parts)
-    drawn = Counter(tuple(program.draw(np.random.default_rng([1, i])) or ()) for i in range(draws))
+    make: Any = builder.programs.rooms if isinstance(subject, int) else builder.programs.furniture
+    listed = every_layout(make(subject, arguments=EVERY), seconds)
+    program: Program = make(subject)
+    drawn = Counter(tuple(program.sample(np.random.default_rng([1, i])) or ()) for i in range(draws))
     conditioned = by_rejection(program, np.random.default_rng(2), tries)
     size = len(listed) if listed else None
     alike = np.random.default_rng(3).multinomial(draws, np.full(size, 1 / size)) if size else ()

@@ -81,7 +81,7 @@ def measure(
 
 def inferences(builder: Builder) -> int:
     """Those that SWI-Prolog has made so far."""
-    return builder._placer._ask("statistics(inferences,Count)")["Count"]
+    return builder.placer._ask("statistics(inferences,Count)")["Count"]
 
 
 # - the generator ------------------------------------------------------------------------------------------
@@ -118,7 +118,7 @@ def test_place(benchmark: Any, builder: Builder, rooms: int, monkeypatch: pytest
 
 
 def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Layout]:
-    """The layouts of the first houses: those that stage 2 does not refute."""
+    """The layouts of the first houses: those that stage 2 finds feasible."""
     placed: list[Layout] = []
     place = builder.place
 
@@ -158,11 +158,11 @@ def test_workers(benchmark: Any, workers: int) -> None:
 @pytest.mark.parametrize("rooms", REJECTIONS)
 def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
     consult(builder, "rejection.pl")
-    builder._placer._ask(f"set_random(seed({rooms}))")
+    builder.placer._ask(f"set_random(seed({rooms}))")
     tries: list[int] = []
 
     def plan(_: int) -> None:
-        tries.append(builder._placer._ask(f"rejection:tries_until_valid({rooms},{LIMIT},Tries)")["Tries"])
+        tries.append(builder.placer._ask(f"rejection:tries_until_valid({rooms},{LIMIT},Tries)")["Tries"])
 
     rounds = REJECTIONS[rooms]
     measure(benchmark, builder, rooms, plan, rounds=rounds)
@@ -171,7 +171,7 @@ def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
 
 
 def consult(builder: Builder, name: str) -> None:
-    builder._placer._ask(f"use_module('{Path(__file__).with_name(name)}')")
+    builder.placer._ask(f"use_module('{Path(__file__).with_name(name)}')")
 
 
 # - other solvers of the same systems ----------------------------------------------------------------------
@@ -194,8 +194,8 @@ def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> li
     found = []
     for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
         terms = [f"{room.type},[{','.join(map(str, room.furniture))}]" for room in layout.rooms]
-        builder._placer._ask(f"systems:stated({number},[{','.join(f'room({term})' for term in terms)}])")
-        found.append([matrices(builder._placer._json(f"room_system({term},Json)")) for term in terms])
+        builder.placer._ask(f"systems:stated({number},[{','.join(f'room({term})' for term in terms)}])")
+        found.append([matrices(builder.placer._json(f"room_system({term},Json)")) for term in terms])
     return found
 
 
@@ -204,7 +204,7 @@ def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> li
 @pytest.mark.usefixtures("systems")
 def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def decide(turn: int) -> None:
-        builder._placer._ask(f"systems:decided({turn % HOUSES})")
+        builder.placer._ask(f"systems:decided({turn % HOUSES})")
 
     measure(benchmark, builder, rooms, decide, panel=SOLVERS)
 
@@ -240,7 +240,7 @@ def test_decide_with_highs_at_once(
 @pytest.mark.usefixtures("systems")
 def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def draw(turn: int) -> None:
-        builder._placer._ask(f"systems:drawn({turn % HOUSES},{turn})")
+        builder.placer._ask(f"systems:drawn({turn % HOUSES},{turn})")
 
     measure(benchmark, builder, rooms, draw, panel=SOLVERS)
 

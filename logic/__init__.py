@@ -2,6 +2,7 @@
 
 from logic.check import check
 from logic.errors import (
+    Finding,
     GrammarError,
     HouseFileError,
     LimitReached,
@@ -11,7 +12,7 @@ from logic.errors import (
     VitruviusError,
 )
 from logic.files import load, save
-from logic.generate import Finding, count_layouts, generate, lint
+from logic.generate import count_layouts, generate, lint
 from logic.house import Door, House, Piece, Rect, Room
 
 __all__ = [

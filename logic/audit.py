@@ -1,4 +1,4 @@
-"""What may stand in a grammar's .lp files: rules that a draw of picks is true to, and no code."""
+"""What may stand in a grammar's .lp files: rules whose layouts can be sampled by picks, and no code."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -42,7 +42,7 @@ def _objection(statement: Any, part: str) -> str:
     if statement.ast_type == ASTType.Script:
         return "a grammar holds rules, no scripts"
     if statement.ast_type == ASTType.Minimize:
-        return "layouts are drawn, not optimised: use weight/2 or a constraint"
+        return "layouts are sampled, not optimised: use weight/2 or a constraint"
     if statement.ast_type == ASTType.Rule:
         if statement.head.ast_type in CHOICES:
             return "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"

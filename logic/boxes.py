@@ -13,6 +13,9 @@ TOLERANCE = 1e-6
 WALLS = ("west", "north", "east", "south")
 """The walls of a box, in the order of its numbers; the walls ``k`` and ``(k + 2) % 4`` face each other."""
 
+BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
+"""The wall behind a piece whose front faces so, by its place in ``WALLS``."""
+
 
 def overlap(one: Box, other: Box) -> float:
     """How deep two boxes overlap, metres; negative where they are apart."""

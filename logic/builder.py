@@ -1,10 +1,8 @@
 """From a request to a house: the two stages, and what goes between them."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cache
 from importlib.metadata import version
-from math import ceil, floor
 from typing import Any
 
 import clingo
@@ -15,15 +13,15 @@ from clingo import Function, Number, Symbol
 from logic.errors import LimitReached
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
-from logic.layout import EVERY, Program
-from logic.linter import Linter
-from logic.messages import placed_error
-from logic.placement import Cramped, Layout, Refuted, RoomLayout
-from logic.proof import Prover, stays_for, wishes_for
+from logic.layout import Program
+from logic.loaded import LoadedGrammar
+from logic.placement import Infeasible, Layout, Misfit, RoomLayout
+from logic.proof import Prover
 from logic.request import Request, known
+from logic.terms import to_furnish
 
-MOST_CRAMPED = 200
-"""How often rooms that are drawn may fail to fit between those that stay, though others might."""
+MOST_MISFITS = 200
+"""How often sampled rooms may fail to fit between the fixed rooms, though others might fit."""
 
 
 class Builder:
@@ -35,59 +33,84 @@ class Builder:
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
         self._grammar = grammar
-        linter = Linter(grammar, cell)
-        if linter.errors:
-            raise linter.errors[0]
-        self.types = sorted(linter.furniture)
-        self._placer, self._pieces = linter.placer, linter.furniture
-        self._lengths = self._lengths_by_type(linter.lengths)
-        probe = self._housing(1, ())
-        for program in (probe, *(self._furnishing(type_) for type_ in self.types)):
-            self._refuse_remarks(program)
+        self._loaded = LoadedGrammar(grammar, cell)
+        if self._loaded.errors:
+            raise self._loaded.errors[0]
+        self.placer, self.programs = self._loaded.placer, self._loaded.programs
+        self.programs.refuse_remarks()
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
-            "swi-prolog": self._placer.version(),
+            "swi-prolog": self.placer.version(),
         }
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
         """Make house ``index``: a function of the grammar, the request, the seed and the index.
 
         Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no
-        such house, ``LimitReached`` past so many Prolog inferences.
+        such house, ``LimitReached`` past this number of Prolog inferences.
         """
         rng = np.random.default_rng([seed, index])
         self._require_known(request)
-        with Refutations() as refuted:
-            layout = self.layout(request, rng, refuted)
+        with Nogoods() as nogoods:
+            layout = self.layout(request, rng, nogoods)
             while True:
                 try:
-                    plan = self.place(layout, rng, inferences, least=refuted.count > 1)
+                    plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
                     return self._as_house(plan, layout, request, seed, index)
-                except Cramped as proof:
-                    inferences -= proof.inferences
-                    self._note_cramped(proof, layout, request, refuted)
-                    layout = self.layout(request, rng, refuted)
-                except Refuted as proof:
+                except Misfit as misfit:
+                    inferences -= misfit.inferences
+                    self._learn_misfit(misfit, layout, request, nogoods)
+                    layout = self.layout(request, rng, nogoods)
+                except Infeasible as proof:
                     inferences -= proof.inferences
                     if inferences <= 0:
                         raise LimitReached(f"house {index} reached its limit of inferences") from None
-                    for number, clash in proof.clashes.items():
-                        program, _ = self._furnishing_for(layout.rooms[number].type.name, request)
-                        refuted.add(program, clash.atoms)
-                    again = self._refurnished(request, layout, proof.clashes, rng, refuted)
-                    layout = again or self.layout(request, rng, refuted)
+                    for number, conflict in proof.conflicts.items():
+                        program, _ = self.programs.furniture_for(layout.rooms[number].type.name, request)
+                        nogoods.add(program, conflict.atoms)
+                    again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
+                    layout = again or self.layout(request, rng, nogoods)
 
-    def layout(
-        self, request: Request, rng: np.random.Generator, refuted: "Refutations | None" = None
-    ) -> Layout:
-        """Stage 1: draw a layout that is not refuted yet; raises ``Unsatisfiable`` where none is left."""
-        refuted = refuted or Refutations()
+    def layout(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods | None" = None) -> Layout:
+        """Stage 1: sample a layout outside the nogoods; raises ``Unsatisfiable`` where none is left."""
+        nogoods = nogoods or Nogoods()
         while True:
-            bare = self._draw_rooms(request, rng, refuted)
-            furnished = self._refurnished(request, bare, range(request.rooms), rng, refuted)
+            bare = self._sample_rooms(request, rng, nogoods)
+            furnished = self._refurnished(request, bare, range(request.rooms), rng, nogoods)
             if furnished is not None:
                 return furnished
+
+    def place(
+        self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
+    ) -> dict[str, Any]:
+        """Stage 2: see ``Placer.place``."""
+        return self.placer.place(layout, rng, inferences, minimal)
+
+    def _sample_rooms(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
+        """A layout without furniture, and without the types of room that cannot have any."""
+        program, assumed = self.programs.rooms_for(request)
+        without = [
+            atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
+        ]
+        atoms = program.sample(rng, assumed, without, nogoods.guards.get(program))
+        if atoms is None:
+            prover = Prover(self._grammar, self.placer, self._loaded.lengths)
+            raise prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
+        of_room = {
+            name: {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == name}
+            for name in ("room", "side")
+        }
+        fixed = {
+            atom.arguments[1].number: request.fixed[atom.arguments[0].number]
+            for atom in atoms
+            if atom.name == "numbered"
+        }
+        rooms = [
+            RoomLayout(number, type_, of_room["side"][number], (), fixed=fixed.get(number))
+            for number, type_ in sorted(of_room["room"].items())
+        ]
+        return Layout(rooms, [atom for atom in atoms if atom.name == "corner"])
 
     def _refurnished(
         self,
@@ -95,150 +118,52 @@ class Builder:
         layout: Layout,
         numbers: Iterable[int],
         rng: np.random.Generator,
-        refuted: "Refutations",
+        nogoods: "Nogoods",
     ) -> Layout | None:
         """The layout with new furniture in these rooms; None, learnt, where a type of room can have none."""
         rooms = list(layout.rooms)
         for number in numbers:
-            if rooms[number].kept:
+            if rooms[number].fixed:
                 continue
             type_ = rooms[number].type.name
-            program, wishes = self._furnishing_for(type_, request)
-            furniture = program.draw(rng, wishes, guard=refuted.guards.get(program))
+            program, assumed = self.programs.furniture_for(type_, request)
+            furniture = program.sample(rng, assumed, guard=nogoods.guards.get(program))
             if furniture is None:
-                refuted.unfurnishable.add(type_)
+                nogoods.unfurnishable.add(type_)
                 return None
             rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
         return Layout(rooms, layout.corners)
 
-    def place(
-        self, layout: Layout, rng: np.random.Generator, inferences: int, least: bool = True
-    ) -> dict[str, Any]:
-        """Stage 2: see ``Placer.place``."""
-        return self._placer.place(layout, rng, inferences, least)
-
-    def _draw_rooms(self, request: Request, rng: np.random.Generator, refuted: "Refutations") -> Layout:
-        """A layout without furniture, and without the types of room that cannot have any."""
-        wishes = wishes_for("among", request.types)
-        wishes |= stays_for(request.keep)
-        program = self._housing(request.rooms, tuple(wishes.values()))
-        granted, without = map(_granted, wishes.values()), _rooms_of(refuted.unfurnishable, request)
-        atoms = program.draw(rng, granted, without, refuted.guards.get(program))
-        if atoms is None:
-            prover = Prover(self._grammar, self._placer, self._lengths)
-            raise prover.unsatisfiable(request, refuted.unfurnishable, refuted.hopeless)
-        types = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "room"}
-        sides = {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == "side"}
-        kept = {a.arguments[1].number: request.keep[a.arguments[0].number] for a in atoms if a.name == "kept"}
-        rooms = [
-            RoomLayout(number, types[number], sides[number], (), kept=kept.get(number))
-            for number in sorted(types)
-        ]
-        return Layout(rooms, [atom for atom in atoms if atom.name == "corner"])
-
-    def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool]]:
-        """How many layouts there are: of the rooms, and of the furniture of each type of room.
-
-        A name, the number, and whether it is all of them: False where the seconds for each ran out.
-        """
-        self._require_known(request)
-        wishes = tuple(wishes_for("among", request.types).values())
-        program = Program(*self._housing_parts(request.rooms, wishes), arguments=EVERY)
-        yield (str(request), *program.count(map(_granted, wishes), seconds))
-        for type_ in self.types:
-            granted = self._wants(type_, request)
-            program = Program(*self._furnishing_parts(type_, granted), arguments=EVERY)
-            yield (type_, *program.count(map(_granted, granted), seconds))
-
-    def _note_cramped(self, proof: Cramped, layout: Layout, request: Request, refuted: "Refutations") -> None:
-        """Exclude a hopeless order of the rooms; raises ``LimitReached`` after many that only did not fit."""
-        refuted.cramped += not proof.hopeless
-        if refuted.cramped == MOST_CRAMPED:
+    def _learn_misfit(self, misfit: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
+        """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many other misfits."""
+        if misfit.infeasible:
+            order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
+            for room in layout.rooms:
+                if room.fixed:
+                    number = request.fixed.index(room.fixed)
+                    order[Function("numbered", [Number(number), Number(room.number)])] = True
+            order |= dict.fromkeys(layout.corners, True)
+            nogoods.orders.append(order)
+            nogoods.add(self.programs.rooms_for(request)[0], order)
+            return
+        nogoods.misfits += 1
+        if nogoods.misfits == MOST_MISFITS:
             raise LimitReached(
-                f"{MOST_CRAMPED} times the rooms drawn did not fit between those that stay, though smaller "
+                f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though smaller "
                 "ones might: try another seed, fewer rooms or smaller types"
             )
-        if proof.hopeless:
-            wishes = wishes_for("among", request.types) | stays_for(request.keep)
-            sides = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
-            stays = {
-                Function("kept", [Number(request.keep.index(room.kept)), Number(room.number)]): True
-                for room in layout.rooms
-                if room.kept
-            }
-            order = sides | stays | dict.fromkeys(layout.corners, True)
-            refuted.hopeless.append(order)
-            refuted.add(self._housing(request.rooms, tuple(wishes.values())), order)
 
     def _require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
-        for type_ in (*request.types, *(kept.room.type for kept in request.keep)):
-            known("room type", type_, self.types)
+        furniture = self._loaded.furniture
+        for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):
+            known("room type", type_, furniture)
         for name in request.furniture:
             type_, _, piece = name.rpartition(".")
             if type_:
-                known("room type", type_, self.types)
-            pieces = [self._pieces[type_]] if type_ else self._pieces.values()
+                known("room type", type_, furniture)
+            pieces = [furniture[type_]] if type_ else furniture.values()
             known("piece", piece, {each for room in pieces for each in room})
-
-    @cache  # noqa: B019 (a builder lives as long as its process)
-    def _housing(self, rooms: int, wishes: tuple[Symbol, ...]) -> Program:
-        """The program of a house's rooms, with these wishes to be granted."""
-        return Program(*self._housing_parts(rooms, wishes))
-
-    def _housing_parts(self, rooms: int, wishes: tuple[Symbol, ...]) -> tuple[Any, ...]:
-        parts = [("house", []), *((wish.name, wish.arguments) for wish in wishes)]
-        return self._grammar.asp, {"rooms": rooms}, parts
-
-    def _furnishing_for(self, type_: str, request: Request) -> tuple[Program, list[Symbol]]:
-        """The program that furnishes a room of this type, and what is to be granted in it."""
-        wishes = self._wants(type_, request)
-        return self._furnishing(type_, wishes), [_granted(wish) for wish in wishes]
-
-    def _wants(self, type_: str, request: Request) -> tuple[Symbol, ...]:
-        """What a request wishes of the furniture in a room of this type."""
-        wants = {name: n for name, n in request.wants(type_).items() if name in self._pieces[type_]}
-        return tuple(wishes_for("has", wants).values())
-
-    @cache  # noqa: B019
-    def _furnishing(self, type_: str, wishes: tuple[Symbol, ...] = ()) -> Program:
-        """The program of a room's furniture, with the extremes of its lengths as facts."""
-        return Program(*self._furnishing_parts(type_, wishes))
-
-    def _furnishing_parts(self, type_: str, wishes: tuple[Symbol, ...]) -> tuple[Any, ...]:
-        facts = [(fact.name, fact.arguments) for fact, _ in self._lengths[type_]]
-        parts = [("room", []), *facts, *((wish.name, wish.arguments) for wish in wishes)]
-        return self._grammar.asp, {"this_room": type_}, parts
-
-    def _lengths_by_type(self, lengths: dict[str, Any]) -> dict[str, list[tuple[Symbol, Symbol]]]:
-        """For each room type what stage 1 knows of lengths, each fact with the clause that it comes from."""
-        named = [
-            (
-                Function("length", [Function(name), Number(floor(1000 * m))]),
-                Function("length", [Function(name)]),
-            )
-            for name, m in lengths["lengths"].items()
-        ]
-        facts = {}
-        for type_ in self.types:
-            kind = Function(type_)
-            reach = Function("reach", [kind, *_millimetres(lengths["rooms"][type_])])
-            facts[type_] = [*named, (reach, Function("size", [kind]))]
-            for piece, extremes in lengths["pieces"][type_].items():
-                extent = Function("extent", [Function(piece), *_millimetres(extremes)])
-                facts[type_].append((extent, Function("size", [kind, Function(piece)])))
-        return facts
-
-    def _refuse_remarks(self, program: Program) -> None:
-        """What clingo only remarks on, and passes over, is an error where it is in the grammar's files.
-
-        That an atom is in no rule's head is none: a program holds the rules of one stage.
-        """
-        for remark in program.remarks:
-            error = placed_error(remark)
-            own = str(error.file) in map(str, self._grammar.asp)
-            if own and "does not occur in any rule head" not in remark:
-                raise error
 
     def _as_house(
         self, plan: dict[str, Any], layout: Layout, request: Request, seed: int, index: int
@@ -253,38 +178,40 @@ class Builder:
         )
         floor = msgspec.convert(plan["floor"], Rect)
         planned = [msgspec.convert(room, Room | None) for room in plan["rooms"]]
-        if request.keep:
+        if request.fixed:
             floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
         rooms = tuple(
-            room.kept.room if room.kept else new for room, new in zip(layout.rooms, planned, strict=True)
+            room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
         )
         return House(floor, rooms, provenance=provenance)
 
 
-class Refutations:
-    """What is refuted for one house. It ends with that house, so that no other depends on it."""
+class Nogoods:
+    """What is proved infeasible for one house. It ends with that house, so that no other depends on it."""
 
     def __init__(self) -> None:
-        """Begin with nothing refuted."""
+        """Begin with none."""
         self.unfurnishable: set[str] = set()
-        self.hopeless: list[Mapping[Symbol, bool]] = []
+        """Types of room that cannot be furnished."""
+        self.orders: list[Mapping[Symbol, bool]] = []
+        """Orders of the rooms that do not fit between the fixed rooms, whatever the sizes."""
         self.guards: dict[Program, int] = {}
         self.count = 0
-        self.cramped = 0
+        self.misfits = 0
 
     def add(self, program: Program, atoms: Mapping[Symbol, bool]) -> None:
         """No layout of the program in which just these atoms hold, or fail, has a solution."""
         self.count += 1
         if program not in self.guards:
             self.guards[program] = program.guard()
-        program.refute(self.guards[program], atoms)
+        program.exclude(self.guards[program], atoms)
 
-    def __enter__(self) -> "Refutations":
+    def __enter__(self) -> "Nogoods":
         """Begin the work on a house."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Forget all that is refuted."""
+        """Forget all of them."""
         for program, guard in self.guards.items():
             program.forget(guard)
 
@@ -297,22 +224,3 @@ def _moved(rect: Any, x: float, y: float) -> Any:
     if hasattr(rect, "door"):
         changes["door"] = _moved(rect.door, x, y)
     return msgspec.structs.replace(rect, **changes)
-
-
-def _granted(wish: Symbol) -> Symbol:
-    return Function("granted", [wish])
-
-
-def _rooms_of(types: Iterable[str], request: Request) -> list[Symbol]:
-    """The atoms that say that some room of one of these types is to be furnished."""
-    return [
-        Function("bare", [Number(number), Function(type_)])
-        for type_ in sorted(types)
-        for number in range(request.rooms)
-    ]
-
-
-def _millimetres(extremes: Sequence[float]) -> list[Symbol]:
-    """Least and greatest lengths in turn, as whole millimetres that exclude none of them."""
-    bounds = [floor, ceil] * (len(extremes) // 2)
-    return [Number(bound(1000 * metres)) for bound, metres in zip(bounds, extremes, strict=True)]

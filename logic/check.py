@@ -12,14 +12,12 @@ from itertools import combinations
 import msgspec
 import shapely
 
-from logic.boxes import TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
-from logic.house import FORMAT, House, Room
+from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
+from logic.house import BODY, FORMAT, House, Room
 from logic.least import ELONGATION, least_area, side_of
-from logic.promises import PROMISES, Promises, kept_counts, kept_sizes, kept_together
+from logic.promises import PROMISES, Promises, arrangement_violations, count_violations, size_violations
 from logic.walk import free_floor, main_space, places_inside, spaces, swept
 
-BODY = 0.287
-"""Metres: side of the square body that walks the house."""
 CLEARANCE = 0.45
 """Metres: nothing stands nearer to a door, on either side of its wall."""
 PASSAGE = 0.42
@@ -30,9 +28,6 @@ SLIVER = 1e-4
 """Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
 SPACIOUSNESS = 2.0
 """The most that the main room may be larger than the least main room that fits its rooms."""
-
-_BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
-
 
 DEFAULT = "original"
 """The promises of houses that name no grammar: the paper's constraints, whatever the sizes."""
@@ -183,19 +178,22 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
             yield f"{place}: {a} overlaps {b} by {depth:.2f} m"
     if house.format == FORMAT:
         yield from _fronts(room, place, names, promises)
-        yield from (f"{place}: {line}" for line in kept_sizes(room, side_of(house, room), names, promises))
-        yield from (f"{place}: {line}" for line in kept_counts(room, promises))
-        yield from (f"{place}: {line}" for line in kept_together(room, names, promises))
+        found = [
+            *size_violations(room, side_of(house, room), names, promises),
+            *count_violations(room, promises),
+            *arrangement_violations(room, names, promises),
+        ]
+        yield from (f"{place}: {line}" for line in found)
 
 
 def _fronts(room: Room, place: str, names: list[str], promises: Promises) -> Iterator[str]:
     """A piece at a wall has its back to it, or a side if it turns; children turn to their parent."""
     for piece, name in zip(room.pieces, names, strict=True):
-        if piece.orientation not in {"", *_BACK}:
+        if piece.orientation not in {"", *BACK}:
             yield f"{place}: {name} faces {piece.orientation!r} (must be N, E, S, W or empty)"
         elif piece.orientation and piece in room.children:
             walls = walls_touched(piece, room)
-            back = _BACK[piece.orientation]
+            back = BACK[piece.orientation]
             sides = (
                 {back, (back + 1) % 4, (back + 3) % 4}
                 if promises.turns is None or piece.type in promises.turns
@@ -235,7 +233,7 @@ def _main_room(house: House, promises: Promises) -> Iterator[str]:
     if long > ELONGATION * short + TOLERANCE:
         yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
     if house.provenance and "keep" in house.provenance.request:
-        return  # It reaches from one room that stays to the other, however far.
+        return  # It reaches from one fixed room to the other, however far.
     if house.format != FORMAT or not house.rooms or any(side_of(house, room) is None for room in house.rooms):
         return
     least = least_area(house, math.inf if promises.room_gap is None else max(promises.room_gap, CLEARANCE))

@@ -60,7 +60,7 @@ class Generate:
     """Most seconds for a house."""
 
     count_layouts: bool = False
-    """Make no houses, but count the layouts that they are drawn from."""
+    """Make no houses, but count the layouts from which they are sampled."""
 
     out: Path | None = None
     """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
@@ -94,7 +94,7 @@ class Generate:
         except (VitruviusError, KeyboardInterrupt) as end:
             if houses and self.out:
                 save(houses, self.out, stopped=f"at house {self.start + len(houses)}: {end or 'interrupted'}")
-                say(f"{self.out}: kept the {len(houses)} made before")
+                say(f"{self.out}: holds the {len(houses)} made before")
             raise
         if self.out:
             save(houses, self.out)
@@ -119,7 +119,7 @@ class Generate:
 
 @dataclass(frozen=True)
 class Explain:
-    """Tell why no house satisfies a request: what clashes, and where it stands."""
+    """Say why no house satisfies a request: which statements conflict, and where they stand."""
 
     rooms: int
     """Number of secondary rooms, 1 to 128."""
@@ -203,17 +203,17 @@ class Check:
         from logic import check, load
 
         houses = load(self.file)
-        spoiled = 0
+        nonconforming = 0
         for number, house in enumerate(_progress(houses, len(houses), "houses"), start=1):
             violations = check(house)
-            spoiled += bool(violations)
+            nonconforming += bool(violations)
             if self.json:
                 print(json.dumps({"house": number, "violations": violations}))
             else:
                 for violation in violations:
                     print(f"{self.file}:{number}: {violation}")
-        say(f"{self.file}: {len(houses)} checked, {spoiled or 'none'} with violations")
-        return 1 if spoiled else 0
+        say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
+        return 1 if nonconforming else 0
 
 
 @dataclass(frozen=True)

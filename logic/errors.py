@@ -62,12 +62,26 @@ class Reason(msgspec.Struct, frozen=True):
         return f"{self.file}:{self.line}:{self.column}: {self.text}" if self.file else self.text
 
 
+class Finding(msgspec.Struct, frozen=True):
+    """Something wrong with a grammar: ``error`` or ``warning``, by its place."""
+
+    severity: str
+    file: str
+    line: int
+    column: int
+    text: str
+
+    def __str__(self) -> str:
+        """As in ``sizes.pl:6:1: error: nothing uses room_gab/1: did you mean room_gap/1?``."""
+        return f"{self.file}:{self.line}:{self.column}: {self.severity}: {self.text}"
+
+
 class Unsatisfiable(VitruviusError):
     """Proved: no house satisfies the request.
 
-    ``reasons`` are a least set of the user's own statements and choices that clash: take one away and the
-    others do not (but more may clash than this). ``unfurnishable`` names the types of room that are part of
-    it because they cannot be furnished. ``advice`` says what would do, if known.
+    ``reasons`` are a minimal conflict of the user's own statements and choices: take one away and the others
+    are in none (but there may be other conflicts). ``unfurnishable`` names the types of room that are part
+    of it because they cannot be furnished. ``advice`` says what would do, if known.
     """
 
     exit_code = 3
@@ -80,12 +94,12 @@ class Unsatisfiable(VitruviusError):
         advice: str = "",
         unfurnishable: tuple[str, ...] = (),
     ) -> None:
-        """Keep what clashes."""
+        """Keep the conflict."""
         self.grammar, self.request, self.reasons = grammar, request, reasons
         self.advice, self.unfurnishable = advice, unfurnishable
         bare = "".join(f", since no {type_} can be furnished" for type_ in unfurnishable)
         listed = "".join(f"\n  {reason}" for reason in reasons)
-        only = "this forbids it" if len(reasons) == 1 else "these clash, so one of them must go"
+        only = "this forbids it" if len(reasons) == 1 else "these conflict, so one of them must go"
         hint = f"\n{advice}" if advice else ""
         super().__init__(f"no house of {grammar} has {request}{bare}: {only}{listed}{hint}")
 

@@ -1,6 +1,6 @@
 # clingo.ast leaves the attributes of its nodes untyped.
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
-"""Why there is no house: a least set of the user's own statements and choices that clash.
+"""Why there is no house: a minimal set of the user's own statements and choices in conflict.
 
 Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
 is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
@@ -22,7 +22,7 @@ from clingo import Function, Number, Symbol, SymbolType, ast
 
 from logic.errors import Reason
 from logic.layout import CORE, Part
-from logic.placement import Clash
+from logic.placement import Conflict
 
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
@@ -41,7 +41,7 @@ class Statement:
     reason: Reason
     literals: tuple[int, ...]
     clause: Symbol | None = None
-    """Of a ``.pl`` file: see ``logic.placement.Clash``."""
+    """Of a ``.pl`` file: see ``logic.placement.Conflict``."""
 
 
 class Relaxed:
@@ -58,7 +58,7 @@ class Relaxed:
         """Ground these parts of the core and the files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
-        With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/wishes.lp``.
+        With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
@@ -114,14 +114,14 @@ class Relaxed:
         self._control.solve(assumptions=_assumed(statements), on_core=core.update)
         return [statement for statement in statements if core.intersection(statement.literals)]
 
-    def refute(self, clash: Clash) -> None:
-        """Exclude what clashes, as long as its clauses are stated."""
+    def exclude(self, conflict: Conflict) -> None:
+        """Exclude all layouts with this conflict, as long as its clauses are stated."""
         clauses = [
-            statement.literals[0] for statement in self.statements if statement.clause in clash.clauses
+            statement.literals[0] for statement in self.statements if statement.clause in conflict.clauses
         ]
         atoms = [
             self._literal_of[atom] if holds else -self._literal_of[atom]
-            for atom, holds in clash.atoms.items()
+            for atom, holds in conflict.atoms.items()
             if atom in self._literal_of
         ]
         with self._control.backend() as backend:
@@ -139,20 +139,20 @@ class _Grounded(clingo.Observer):
         self.conditions.update(body)
 
 
-def least(
+def minimal(
     statements: Sequence[Statement],
     possible: Callable[[Sequence[Statement]], bool],
     core: Callable[[Sequence[Statement]], list[Statement]],
 ) -> list[Statement]:
     """Statements that are impossible together, and possible with any one of them left out."""
-    kept = core(statements)
+    needed = core(statements)
     # A rule is more readily left out than the facts above it, which it may stand in for.
-    for statement in reversed(list(kept)):
-        if statement in kept:
-            fewer = [other for other in kept if other is not statement]
+    for statement in reversed(list(needed)):
+        if statement in needed:
+            fewer = [other for other in needed if other is not statement]
             if not possible(fewer):
-                kept = core(fewer)
-    return kept
+                needed = core(fewer)
+    return needed
 
 
 def _assumed(statements: Iterable[Statement]) -> list[int]:

@@ -15,15 +15,12 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import GrammarError, LimitReached, RequestError, VitruviusError, from_record
+from logic.errors import Finding, GrammarError, LimitReached, RequestError, VitruviusError, from_record
+from logic.fixed import fixed_rooms
 from logic.grammar import find
-from logic.house import House
-from logic.keep import kept_rooms
-from logic.request import Count, Request
+from logic.house import BODY, House
+from logic.request import MOST_ROOMS, Count, Request
 
-MOST_ROOMS = 128
-BODY = 0.287
-"""Metres: the width of the body that walks in the houses, and the least cell of a grid."""
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
 
@@ -53,11 +50,11 @@ def generate(
     ``furniture`` counts in the same way the pieces in each room that may have them, or in rooms of one type:
     ``{"bed": 1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the body's 0.287) every edge
     of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
-    The rooms of ``keep`` (as in ``house.only("R0", "R2")``) stay where they are, with their doors and
-    furniture, and are among the ``rooms``; all else, the main room too, is generated anew around them.
+    The rooms of ``keep`` (as in ``house.only("R0", "R2")``) are fixed, with their doors and furniture, and
+    count among the ``rooms``; all else, the main room too, is generated around them.
     ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
-    request, the seed and ``i``: the number of ``workers``, each a process of its own, changes nothing but the
-    time. ``inferences`` (of Prolog) and ``seconds`` bound each house.
+    request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
+    ``inferences`` (of Prolog) and ``seconds`` bound each house.
 
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
@@ -78,10 +75,10 @@ def generate(
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}, "cell": cell})
     if keep is not None:
         if cell:
-            raise RequestError("keep: rooms that stay need not lie on the grid: leave out cell or keep")
+            raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
         if not 0 < len(keep.rooms) <= rooms:
-            raise RequestError(f"keep: 1 to {rooms} of the {rooms} rooms can stay, not {len(keep.rooms)}")
-        wanted = replace(wanted, keep=tuple(kept_rooms(keep)))
+            raise RequestError(f"keep: 1 to {rooms} of the {rooms} rooms can be fixed, not {len(keep.rooms)}")
+        wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
     opening = {"grammar": str(find(grammar).directory), "cell": float(cell)}
     return _houses(opening, question, range(start, start + count), workers, seconds)
@@ -95,10 +92,10 @@ def count_layouts(
     grammar: str | Path = "family",
     seconds: float = 60.0,
 ) -> list[tuple[str, int, bool]]:
-    """Count the layouts that stage 1 draws from: of the rooms of a house, and of the furniture of each type.
+    """Count the layouts from which stage 1 samples: of a house's rooms, and of each type's furniture.
 
-    Each is a name, a number, and whether that is exact: it is False where more than so many were found in
-    ``seconds``. Room layouts say types, sides, corners; furniture layouts all that ``rules/room.lp`` shows.
+    Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
+    more. Room layouts say types, sides, corners; furniture layouts all that ``rules/room.lp`` shows.
     Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
@@ -112,25 +109,11 @@ def count_layouts(
         worker.end()
 
 
-class Finding(msgspec.Struct, frozen=True):
-    """Something wrong with a grammar: ``error`` or ``warning``, by its place."""
-
-    severity: str
-    file: str
-    line: int
-    column: int
-    text: str
-
-    def __str__(self) -> str:
-        """As in ``sizes.pl:6:1: error: nothing uses room_gab/1: did you mean room_gap/1?``."""
-        return f"{self.file}:{self.line}:{self.column}: {self.severity}: {self.text}"
-
-
 def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]:
     """Find the mistakes in a grammar's files that clingo and SWI-Prolog pass over, without running its code.
 
     ``generate`` refuses a grammar with an error. Raises ``GrammarError`` where there is no such grammar, and
-    ``LimitReached`` past so many seconds.
+    ``LimitReached`` past these seconds.
     """
     opening = {"grammar": str(find(grammar).directory), "lint": True}
     worker = _Worker(opening)
@@ -146,7 +129,7 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
 def _houses(
     opening: dict[str, Any], request: dict[str, Any], indices: range, workers: int, seconds: float
 ) -> Iterator[House]:
-    """Deal the indices out in turn, so that answers come back in the order in which they are asked for."""
+    """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
     team = [_Worker(opening) for _ in range(min(workers, len(indices)))]
     try:
         for worker in team:
@@ -174,7 +157,7 @@ class _Worker:
 
     def __init__(self, opening: dict[str, Any]) -> None:
         self._grammar = opening["grammar"]
-        # A session of its own: Ctrl-C goes to the parent alone, which then ends the worker.
+        # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
         self._process = subprocess.Popen(
             [sys.executable, "-m", "logic.worker"],
             stdin=subprocess.PIPE,
@@ -199,7 +182,7 @@ class _Worker:
             pass
 
     def answer(self, seconds: float, late: str) -> dict[str, Any]:
-        """Wait for the answer to the oldest open request, at most so many seconds; else ``late`` is said."""
+        """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``."""
         deadline = time.monotonic() + seconds
         while b"\n" not in self._received:
             if not self._answers.select(max(0.0, deadline - time.monotonic())):

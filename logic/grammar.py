@@ -7,7 +7,7 @@ from pathlib import Path
 from logic.errors import GrammarError
 
 SHIPPED = Path(__file__).parent / "grammars"
-CORE = Path(__file__).parent / "rules"
+RULES = Path(__file__).parent / "rules"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def find(grammar: str | Path) -> Grammar:
 def _hash(files: tuple[Path, ...]) -> str:
     """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
     digest = hashlib.sha256()
-    for file in (*files, *sorted(CORE.glob("*.[lp][lp]"))):
+    for file in (*files, *sorted(RULES.glob("*.[lp][lp]"))):
         content = file.read_bytes()
         digest.update(f"{file.name} {len(content)}\n".encode() + content)
     return digest.hexdigest()

@@ -19,6 +19,9 @@ ORIGINAL = "original"
 PIXEL = 0.3048 / 8.5
 """Metres in a pixel of the original's files: 8.5 px to a foot."""
 
+BODY = 0.287
+"""Metres: side of the square body that walks in houses, and the least cell of a grid."""
+
 Orientation = Literal["", "N", "E", "S", "W"]
 
 
@@ -92,7 +95,7 @@ class House(msgspec.Struct, frozen=True):
     provenance: Provenance | None = None
 
     def only(self, *names: str) -> House:
-        """The house with these rooms alone, by name (``"R0"``), to be kept: see ``generate``.
+        """The house with these rooms alone, by name (``"R0"``), for ``generate(keep=...)``.
 
         Raises ``ValueError`` for a name that no room has.
         """

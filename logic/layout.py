@@ -1,11 +1,11 @@
-"""Stage 1, clingo: every discrete choice of a house, drawn by weight and independently of the solver's state.
+"""Stage 1, clingo: every discrete choice of a house, sampled by weight whatever the solver's state.
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
-drawn pick by pick: the variables in random order, each taking its first value, in random order, that some
+sampled pick by pick: the variables in random order, each taking its first value, in random order, that some
 stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks
-in just this order, so what it has to take back is refuted, and the first model is the lexicographically first
-(Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the rules and the random
-numbers alone, never on what was solved before.
+in just this order, so what it has to take back is proved impossible, and the first model is the
+lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the
+rules and the random numbers alone, never on what was solved before.
 """
 
 import time
@@ -18,14 +18,16 @@ import numpy as np
 from clingo import Function, Symbol
 
 from logic.errors import GrammarError
+from logic.grammar import RULES
 from logic.messages import clingo_error
 
 Part = tuple[str, Sequence[Symbol]]
+"""A ``#program`` part of the rules and its arguments."""
 
 EVERY = ("--models=0", "--project=show")
 """Arguments of a program that is to give every layout once."""
 
-CORE = Path(__file__).parent / "rules" / "core.lp"
+CORE = RULES / "core.lp"
 
 
 class Program:
@@ -88,19 +90,19 @@ class Program:
         """Whether there is a layout with all assumed atoms and without any of the others."""
         return bool(self._control.solve(assumptions=self._literals(assumed, without)).satisfiable)
 
-    def draw(
+    def sample(
         self,
         rng: np.random.Generator,
         assumed: Iterable[Symbol] = (),
         without: Iterable[Symbol] = (),
         guard: int | None = None,
     ) -> list[Symbol] | None:
-        """Draw a layout with all assumed atoms, without any of the others and none that the guard excludes.
+        """Sample a layout with all assumed atoms, without any of the others and none that the guard excludes.
 
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout.
         """
-        # The least of exponential numbers divided by weights is a weighted draw (Efraimidis, Spirakis 2006).
+        # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         ranks = np.repeat(rng.permutation(len(self._counts)), self._counts)
         assumptions = self._literals(assumed, without) + ([] if guard is None else [guard])
@@ -127,14 +129,14 @@ class Program:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
     def guard(self) -> int:
-        """A literal that binds what is refuted to some draws, until ``forget``."""
+        """A literal under which ``exclude`` holds, for the samples that name it, until ``forget``."""
         with self._changing() as backend:
             guard = backend.add_atom()
             backend.add_external(guard, clingo.TruthValue.Free)
         return guard
 
-    def refute(self, guard: int, atoms: Mapping[Symbol, bool]) -> None:
-        """Exclude all layouts in which just these atoms hold, or fail, from draws under the guard."""
+    def exclude(self, guard: int, atoms: Mapping[Symbol, bool]) -> None:
+        """Exclude all layouts in which just these atoms hold, or fail, from samples under the guard."""
         # An atom that can never hold fails in every layout.
         literals = [
             literal if holds else -literal
@@ -167,12 +169,12 @@ class _Brancher(clingo.Propagator):
         self._scanned = [0]
 
     def renew(self) -> None:
-        """The program changes: look up the solver's literals anew."""
+        """The program changes: look up the solver's literals again."""
         self._solver_literals = None
 
     @contextmanager
     def first(self, order: np.ndarray) -> Iterator[None]:
-        """Within this, solving finds the model that is first by the picks in this order of theirs."""
+        """Within this, solving finds the model that is first by the picks in this order."""
         self._order = order
         try:
             yield

@@ -14,8 +14,8 @@ import numpy as np
 from clingo import Function, Symbol, parse_term
 
 from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
-from logic.grammar import Grammar
-from logic.keep import Kept
+from logic.fixed import FixedRoom
+from logic.grammar import RULES, Grammar
 
 NAMES = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that every grammar states, each as a fact of this name."""
@@ -30,7 +30,7 @@ class RoomLayout:
     side: Symbol
     furniture: Sequence[Symbol]
     seed: int = 0
-    kept: Kept | None = None
+    fixed: FixedRoom | None = None
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Layout:
 
 
 @dataclass(frozen=True)
-class Clash:
-    """A least set of reasons why a room cannot have its furniture: take one away and CLP(R) has a solution.
+class Conflict:
+    """A minimal set of reasons why a room cannot have its furniture: take one away and CLP(R) has a solution.
 
     ``atoms`` of the layout, each of which holds or fails; ``clauses`` of the grammar, as terms:
     ``length(passage)``, ``size(bedroom)``, ``size(bedroom,bed)``.
@@ -53,22 +53,22 @@ class Clash:
     clauses: tuple[Symbol, ...]
 
 
-class Refuted(Exception):
+class Infeasible(Exception):
     """Proved: no sizes and places satisfy the rules for these rooms of a layout."""
 
-    def __init__(self, clashes: Mapping[int, Clash], inferences: int) -> None:
-        """Keep what clashes in each room, by number, and the Prolog inferences that the proof took."""
-        super().__init__(f"rooms {list(clashes)} are refuted")
-        self.clashes, self.inferences = clashes, inferences
+    def __init__(self, conflicts: Mapping[int, Conflict], inferences: int) -> None:
+        """Keep the conflict in each room, by number, and the Prolog inferences that the proof took."""
+        super().__init__(f"rooms {list(conflicts)} are infeasible")
+        self.conflicts, self.inferences = conflicts, inferences
 
 
-class Cramped(Exception):
-    """These rooms do not fit between those that stay; where it is hopeless, no other sizes do either."""
+class Misfit(Exception):
+    """These rooms do not fit between the fixed rooms; where that is infeasible, no other sizes do either."""
 
-    def __init__(self, hopeless: bool, inferences: int) -> None:
+    def __init__(self, infeasible: bool, inferences: int) -> None:
         """Keep the Prolog inferences that it took."""
-        super().__init__("the rooms do not fit between those that stay")
-        self.hopeless, self.inferences = hopeless, inferences
+        super().__init__("the rooms do not fit between the fixed rooms")
+        self.infeasible, self.inferences = infeasible, inferences
 
 
 class Placer:
@@ -85,7 +85,7 @@ class Placer:
             raise MissingProgram(f"SWI-Prolog cannot be used: {error}. Install it, or use ./run") from None
         self._prolog = Prolog
         self._directory = grammar.directory
-        self._ask(f"use_module({_quoted(Path(__file__).parent / 'rules' / 'core.pl')})")
+        self._ask(f"use_module({_quoted(RULES / 'core.pl')})")
         files = ",".join(_quoted(file) for file in grammar.prolog)
         self.problems = [
             GrammarError(text, file or grammar.directory, line, column)
@@ -135,43 +135,46 @@ class Placer:
         ]
 
     def place(
-        self, layout: Layout, rng: np.random.Generator, inferences: int, least: bool = True
+        self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
     ) -> dict[str, Any]:
         """Place a layout: ``{"floor": {}, "rooms": [{}], "inferences": n}``, metres, as in a house file.
 
-        Of rooms that stay the plan is None, and ``corner`` is where the main room's corner is.
+        Of fixed rooms the plan is None, and ``corner`` is where the main room's corner is.
 
-        A refutation's clashes are ``least``, or else found five times as quickly.
+        Conflicts are ``minimal``, or else found five times as quickly.
 
-        Raises ``Refuted`` where the constraints have no solution, ``LimitReached`` past so many inferences.
+        Raises ``Infeasible`` where the constraints have no solution, ``Misfit`` where the rooms do not fit
+        between the fixed rooms, ``LimitReached`` past this number of inferences.
         """
-        # Seeds for the rooms and the main room: numbers by the thousand cost more to pass than to draw.
+        # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
         rooms = ",".join(
-            _stays(room.number, room.kept)
-            if room.kept
+            _fixed(room.number, room.fixed)
+            if room.fixed
             else f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{room.seed})"
             for room in layout.rooms
         )
-        seed, proof = rng.integers(2**63), "least" if least else "quick"
+        seed, proof = rng.integers(2**63), "least" if minimal else "quick"
         goal = f"placed(layout([{rooms}],{_list(layout.corners)},{seed},{proof}),{inferences},Json)"
         answer = self._json(goal)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
         if "cramped" in answer:
-            raise Cramped(answer["cramped"], answer["inferences"])
+            raise Misfit(answer["cramped"], answer["inferences"])
         if "refuted" in answer:
-            raise Refuted({room: _clash(why) for room, why in answer["refuted"]}, answer["inferences"])
+            raise Infeasible({room: _conflict(why) for room, why in answer["refuted"]}, answer["inferences"])
         return answer
 
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
-        """File and line of clauses, named as in ``Clash``; those that the grammar states."""
+        """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
         found = self._json(f"grammar_origins({_list(clauses)},Json)")
         return {parse_term(clause): (file, line) for clause, file, line in found}
 
-    def clash(self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]) -> Clash | None:
-        """A least clash of a room with this furniture, some clauses left out; None if it has places."""
-        told = self._json(f"room_clash({type_},{_list(furniture)},{_list(without)},Json)")
-        return None if told is None else _clash(told)
+    def conflict(
+        self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
+    ) -> Conflict | None:
+        """A minimal conflict of a room with this furniture, some clauses left out; None if it has places."""
+        reasons = self._json(f"room_clash({type_},{_list(furniture)},{_list(without)},Json)")
+        return None if reasons is None else _conflict(reasons)
 
     def version(self) -> str:
         """SWI-Prolog's version, as in 9.0.4."""
@@ -195,15 +198,15 @@ class Placer:
         return answers[0]
 
 
-def _stays(number: int, kept: Kept) -> str:
-    measures = (kept.width, kept.depth, kept.door, kept.along, kept.wall)
-    return f"stays({number},{kept.side},{','.join(map(repr, measures))})"
+def _fixed(number: int, room: FixedRoom) -> str:
+    measures = (room.width, room.depth, room.door, room.along, room.wall)
+    return f"stays({number},{room.side},{','.join(map(repr, measures))})"
 
 
-def _clash(reasons: Iterable[tuple[str, str]]) -> Clash:
+def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:
     """Reasons as SWI-Prolog gives them, by kind: an atom that holds or fails, a clause."""
     terms = [(kind, parse_term(text)) for kind, text in reasons]
-    return Clash(
+    return Conflict(
         {term: kind == "holds" for kind, term in terms if kind != "clause"},
         tuple(term for kind, term in terms if kind == "clause"),
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from logic.boxes import TOLERANCE, distance, walls_touched
+from logic.boxes import BACK, TOLERANCE, distance, walls_touched
 from logic.house import Piece, Room
 
 Sizes = tuple[float, float, float, float]
@@ -26,7 +26,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     basic: tuple[str, ...] = ()
     """Room types: from two rooms on two rooms are of these, from ``len(basic)`` on one is of each."""
     a_side: int | None = None
-    """From four rooms on at most one of so many, and one more, are on one side of the main room."""
+    """From four rooms on at most ``rooms // a_side + 1`` of them are on one side of the main room."""
     rooms: dict[str, Sizes] = {}
     """Of each room type: its width runs along the wall with its door."""
     pieces: dict[str, Sizes] = {}
@@ -56,7 +56,7 @@ PROMISES = msgspec.json.decode(Path(__file__).with_suffix(".json").read_bytes(),
 """Those of the shipped grammars. Other grammars promise nothing more."""
 
 
-def kept_sizes(room: Room, side: str | None, names: list[str], promises: Promises) -> Iterator[str]:
+def size_violations(room: Room, side: str | None, names: list[str], promises: Promises) -> Iterator[str]:
     """Sizes out of their bounds: of the room, whose door is towards that side, and of its pieces."""
     along_x = side in {"north", "south"}
     if room.type in promises.rooms:
@@ -85,7 +85,7 @@ def _out_of(name: str, length: float, depth: float, sizes: Sizes) -> Iterator[st
             yield f"{name} is {value:.3f} m {what} ({least:.3f} to {most:.3f})"
 
 
-def kept_counts(room: Room, promises: Promises) -> Iterator[str]:
+def count_violations(room: Room, promises: Promises) -> Iterator[str]:
     """Pieces and companions out of their numbers."""
     yield from _counted("it", room.children, promises.counts.get(room.type, {}))
     for piece in room.children:
@@ -101,10 +101,6 @@ def _counted(owner: str, pieces: tuple[Piece, ...], wanted: dict[str, tuple[int,
             yield f"{owner} has {found[type_]} {type_} ({least} to {most})"
 
 
-BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
-"""The wall behind a piece that faces so: see ``logic.boxes.WALLS``."""
-
-
 def is_turned(piece: Piece, room: Room) -> bool:
     """Whether a piece stands at a wall with its side, its back not to a wall or to one that ends it."""
     walls = walls_touched(piece, room)
@@ -112,7 +108,7 @@ def is_turned(piece: Piece, room: Room) -> bool:
     return bool(side)
 
 
-def kept_together(room: Room, names: list[str], promises: Promises) -> Iterator[str]:
+def arrangement_violations(room: Room, names: list[str], promises: Promises) -> Iterator[str]:
     """How pieces stand to each other: those that meet round corners, and turned ones with a free foot."""
     tops = [(piece, name) for piece, name in zip(room.pieces, names, strict=True) if piece in room.children]
     for type_ in promises.meet:

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 from logic.errors import RequestError
-from logic.keep import Kept, from_records
+from logic.fixed import FixedRoom, from_records
 from logic.spelling import closest
 
 Range = tuple[int, int | None]
@@ -16,7 +16,9 @@ Range = tuple[int, int | None]
 Count = int | tuple[int, int | None]
 """An exact number, or a range."""
 
+MOST_ROOMS = 128
 MOST = 2**31 - 1
+"""The greatest number of clingo: no bound."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,8 @@ class Request:
     types: Mapping[str, Range] = field(default_factory=dict)
     furniture: Mapping[str, Range] = field(default_factory=dict)
     cell: float = 0.0
-    keep: tuple[Kept, ...] = ()
-    """Rooms of another house that stay where they are, clockwise."""
+    fixed: tuple[FixedRoom, ...] = ()
+    """Rooms of another house, clockwise."""
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
@@ -53,27 +55,27 @@ class Request:
             record["furniture"] = _counts(self.furniture)
         if self.cell:
             record["cell"] = self.cell
-        if self.keep:
-            record["keep"] = [msgspec.to_builtins(kept.room) for kept in self.keep]
+        if self.fixed:
+            record["keep"] = [msgspec.to_builtins(fixed.room) for fixed in self.fixed]
         return record
 
-    def wishes(self, type_: str) -> list[tuple[str, str, Range]]:
-        """What a room of this type must have: for each wish its name, the piece, and how many."""
-        wishes = []
+    def furniture_of(self, type_: str) -> list[tuple[str, str, Range]]:
+        """What a room of this type must have: each count by its name, the piece, and how many."""
+        found = []
         for name, wanted in sorted(self.furniture.items()):
             of, _, piece = name.rpartition(".")
             if of in {"", type_}:
-                wishes.append((name, piece, wanted))
-        return wishes
+                found.append((name, piece, wanted))
+        return found
 
-    def wants(self, type_: str) -> dict[str, Range]:
-        """How many pieces of each kind a room of this type must have, by all wishes together."""
-        wants: dict[str, Range] = {}
-        for _, piece, (least, most) in self.wishes(type_):
-            a, b = wants.get(piece, (0, None))
+    def pieces_of(self, type_: str) -> dict[str, Range]:
+        """How many pieces of each kind a room of this type must have, by all counts together."""
+        pieces: dict[str, Range] = {}
+        for _, piece, (least, most) in self.furniture_of(type_):
+            a, b = pieces.get(piece, (0, None))
             bounds = [bound for bound in (b, most) if bound is not None]
-            wants[piece] = max(a, least), min(bounds, default=None)
-        return wants
+            pieces[piece] = max(a, least), min(bounds, default=None)
+        return pieces
 
     def __str__(self) -> str:
         """In words, as in ``3 rooms, 2 of type bedroom``."""
@@ -84,8 +86,8 @@ class Request:
             of, _, piece = name.rpartition(".")
             pieces.append(f"{in_words(wanted)} of {piece} in each {of or 'room for it'}")
         grid = [f"all on a grid of {self.cell:g} m"] if self.cell else []
-        kept = [f"{kept.room.type} kept on the {kept.side} side" for kept in self.keep]
-        return ", ".join([rooms, *types, *pieces, *grid, *kept])
+        fixed = [f"{each.room.type} fixed on the {each.side} side" for each in self.fixed]
+        return ", ".join([rooms, *types, *pieces, *grid, *fixed])
 
 
 def as_range(name: str, count: Any) -> Range:

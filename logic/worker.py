@@ -14,6 +14,8 @@ import threading
 import traceback
 from typing import TextIO
 
+import msgspec
+
 from logic.errors import LimitReached, VitruviusError, to_record
 
 MEMORY = 4 << 30
@@ -38,13 +40,13 @@ def main() -> None:
             if "lint" in request:
                 from logic.linter import findings
 
-                answer = {"findings": findings(find(request["grammar"]))}
+                answer = {"findings": msgspec.to_builtins(findings(find(request["grammar"])))}
             elif builder is None:
                 builder = Builder(find(request["grammar"]), request["cell"])
                 answer = {"versions": builder.versions}
             elif "count" in request:
                 wanted = Request.read(request["request"])
-                answer = {"counts": list(builder.counts(wanted, request["count"]))}
+                answer = {"counts": list(builder.programs.counts(wanted, request["count"]))}
             else:
                 wanted = Request.read(request["request"])
                 house = builder.house(wanted, request["seed"], request["index"], request["inferences"])

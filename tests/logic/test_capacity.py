@@ -9,7 +9,7 @@ from clingo import Function, Number, Symbol
 from logic.builder import Builder
 from logic.grammar import find
 from logic.layout import CORE, Program
-from logic.placement import Layout, Refuted, RoomLayout
+from logic.placement import Infeasible, Layout, RoomLayout
 
 WIDE = [Number(mm) for mm in (1, 99999, 1, 99999)]
 
@@ -30,8 +30,8 @@ def shown(program: Program) -> list[Symbol]:
 
 
 @pytest.mark.parametrize("kind", ["bathroom", "bedroom", "hall", "kitchen"])
-def test_what_capacity_refuses_has_no_places(builder: Builder, kind: str) -> None:
-    strict = builder._furnishing(kind)
+def test_furniture_that_the_capacity_rules_refuse_has_no_places(builder: Builder, kind: str) -> None:
+    strict = builder.programs.furniture(kind)
     pieces = {
         str(symbol.arguments[1]) for symbol in strict.atoms("may", 4) if str(symbol.arguments[0]) == kind
     }
@@ -53,14 +53,14 @@ def test_what_capacity_refuses_has_no_places(builder: Builder, kind: str) -> Non
     verdicts = {True: 0, False: 0}
     for seed in range(250):
         rng = np.random.default_rng(seed)
-        furniture = lax.draw(rng)
+        furniture = lax.sample(rng)
         assert furniture
         others = [atom for atom in shown(strict) if atom not in furniture]
         allowed = set(furniture) <= set(shown(strict)) and strict.possible(furniture, without=others)
         verdicts[allowed] += 1
         if not allowed:
             room = RoomLayout(0, Function(kind), Function("north"), furniture)
-            with pytest.raises(Refuted):
+            with pytest.raises(Infeasible):
                 builder.place(Layout([room], []), rng, 10**8)
     assert verdicts[True]
     assert verdicts[False] or kind == "kitchen", "both; but kitchens are spacious"

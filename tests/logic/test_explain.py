@@ -14,7 +14,7 @@ from agent.cli import main
 from logic import House, Unsatisfiable, generate
 from logic.errors import Reason
 from logic.grammar import SHIPPED
-from tests.logic.clashes import CASES
+from tests.logic.conflicts import CASES
 
 Case = tuple[Path, dict[str, Any], list[str], Unsatisfiable]
 
@@ -55,17 +55,17 @@ def proof(folder: Path, asked: dict) -> Unsatisfiable:
     return caught.value
 
 
-def test_what_clashes_is_named_by_its_place(case: Case) -> None:
+def test_a_conflict_names_every_statement_by_its_place(case: Case) -> None:
     _, _, expected, found = case
-    told = [f"{Path(r.file).name}: {r.text}" if r.file else r.text for r in found.reasons]
-    assert sorted(told) == sorted(expected)
+    named = [f"{Path(r.file).name}: {r.text}" if r.file else r.text for r in found.reasons]
+    assert sorted(named) == sorted(expected)
     for reason in found.reasons:
         if reason.file and reason.line and reason.column:
             line = Path(reason.file).read_text().split("\n")[reason.line - 1]
             assert line[reason.column - 1 :].startswith(reason.text.split()[0][:8])
 
 
-def test_without_any_one_of_them_there_is_a_house(case: Case) -> None:
+def test_without_any_one_statement_of_a_conflict_there_is_a_house(case: Case) -> None:
     """Each of the reasons, really taken away: a rule or a choice left out, a fact or a clause made laxer."""
     folder, asked, _, found = case
     for reason in found.reasons:
@@ -104,7 +104,7 @@ def test_another_number_of_rooms_is_advised() -> None:
     assert found.advice == "There is a house with --rooms 2, or without --type kitchen=0."
 
 
-def test_advice_is_of_houses_that_exist() -> None:
+def test_what_is_advised_has_a_house() -> None:
     """Two rooms need one that cannot be furnished, though not a kitchen; one room does not."""
     asked = {"rooms": 3, "types": {"kitchen": 0}, "furniture": {"bedroom.bed": 0, "bathroom.toilet": 0}}
     found = proof(SHIPPED / "family", asked)
@@ -113,7 +113,7 @@ def test_advice_is_of_houses_that_exist() -> None:
     assert not is_possible(SHIPPED / "family", asked | {"rooms": 2})
 
 
-def test_what_only_whole_cells_refute_is_named(tmp_path: Path) -> None:
+def test_a_conflict_that_only_a_grid_makes_is_named(tmp_path: Path) -> None:
     """A desk as long as half of its wall does not fill it, but it may fill one of the same length range."""
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", folder)
@@ -132,12 +132,12 @@ def test_what_only_whole_cells_refute_is_named(tmp_path: Path) -> None:
         with pytest.raises(Unsatisfiable) as caught:
             next(generate(rooms=1, types={"kitchen": 1}, grammar=folder, cell=cell))
         assert caught.value.unfurnishable == ("kitchen",)
-        told = "".join(reason.text for reason in caught.value.reasons)
-        assert all(word in told for word in ("--type kitchen=1", "busy(S)", "joined(desk,K)", "0.5*Wall"))
+        text = "".join(reason.text for reason in caught.value.reasons)
+        assert all(word in text for word in ("--type kitchen=1", "busy(S)", "joined(desk,K)", "0.5*Wall"))
 
 
 @pytest.fixture
-def told(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
+def explained(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
     def run(*arguments: str) -> tuple[int, str]:
         with pytest.raises(SystemExit) as end:
             main(list(arguments))
@@ -146,15 +146,15 @@ def told(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
     return run
 
 
-def test_explain_tells_in_words_and_in_json(told: Callable[..., tuple[int, str]]) -> None:
-    code, words = told("explain", "--rooms", "3", "--type", "bathroom=9")
+def test_explain_answers_in_words_or_in_json(explained: Callable[..., tuple[int, str]]) -> None:
+    code, words = explained("explain", "--rooms", "3", "--type", "bathroom=9")
     assert (code, words.count("\n")) == (0, 4)
     assert "--type bathroom=9" in words
-    code, record = told("explain", "--rooms", "3", "--type", "kitchen=0", "--json")
+    code, record = explained("explain", "--rooms", "3", "--type", "kitchen=0", "--json")
     assert code == 0
     assert [reason["line"] for reason in json.loads(record)["reasons"]] == [None, 4, 10, None]
 
 
-def test_explain_says_that_there_are_houses(told: Callable[..., tuple[int, str]]) -> None:
-    code, words = told("explain", "--rooms", "3", "--type", "bathroom=1..2", "--piece", "bed=1")
+def test_explain_says_so_where_there_are_houses(explained: Callable[..., tuple[int, str]]) -> None:
+    code, words = explained("explain", "--rooms", "3", "--type", "bathroom=1..2", "--piece", "bed=1")
     assert (code, words) == (1, "There are such houses: vitruvius generate\n")

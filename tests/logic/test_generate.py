@@ -89,8 +89,8 @@ def test_types_are_exact_counts() -> None:
 
 
 def test_types_and_furniture_keep_their_ranges() -> None:
-    wishes = {"bed": 1, "bedroom.wardrobe": (1, None), "shower": (0, 0)}
-    houses = list(generate(rooms=7, types={"bedroom": (2, 3), "hall": (1, None)}, furniture=wishes, count=5))
+    asked = {"bed": 1, "bedroom.wardrobe": (1, None), "shower": (0, 0)}
+    houses = list(generate(rooms=7, types={"bedroom": (2, 3), "hall": (1, None)}, furniture=asked, count=5))
     for house in houses:
         types = [room.type for room in house.rooms]
         assert types.count("bedroom") in {2, 3}
@@ -172,7 +172,7 @@ def test_too_many_of_a_type_is_proved_impossible() -> None:
 
 
 def test_a_room_too_small_for_its_furniture_is_proved_impossible(edited: Edit) -> None:
-    """No bed of 1.9 m and no passage fit into 2 m: stage 2 refutes every layout, which stage 1 learns."""
+    """No bed of 1.9 m and no passage fit into 2 m: stage 2 proves it, and stage 1 learns."""
     large = "room_size(bedroom,  W, D) :- { W >= 3.2, W =< 5.2, D >= 3.2, D =< 5.2 }."
     folder = edited("sizes.pl", large, "room_size(bedroom, 2.0, 2.0).")
     with pytest.raises(Unsatisfiable) as caught:

@@ -88,7 +88,7 @@ def named(mutant: tuple[str, int, int, str]) -> str:
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=named)
 def test_no_rule_of_the_family_is_dead(mutant: tuple[str, int, int, str], tmp_path: Path) -> None:
-    """Changed in one place, the grammar makes houses that the check, told that they are family's, refuses."""
+    """Changed in one place, the grammar makes houses that the check by family's promises refuses."""
     folder = mutated(mutant, tmp_path / "family")
     for house in sample(folder):
         if check(house):

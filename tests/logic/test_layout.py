@@ -1,4 +1,4 @@
-"""Stage 1: what the rules allow, and that layouts are drawn by weight and for their random numbers alone."""
+"""Stage 1: what the rules allow; layouts are sampled by weight, by their random numbers alone."""
 
 from collections import Counter
 from itertools import product
@@ -12,7 +12,7 @@ from scipy.stats import chisquare
 from logic import GrammarError
 from logic.grammar import find
 from logic.layout import Program
-from logic.proof import wishes_for
+from logic.terms import granted, parts, requirements
 
 FAMILY = find("family")
 CHOICE = """
@@ -32,26 +32,25 @@ def program(folder: Path, text: str) -> Program:
 
 
 def house(rooms: int, **types: int) -> tuple[Program, list[Symbol]]:
-    wishes = wishes_for("among", {name: (count, count) for name, count in types.items()}).values()
-    parts = [("house", []), *((wish.name, wish.arguments) for wish in wishes)]
-    made = Program(FAMILY.asp, {"rooms": rooms}, parts)
-    return made, [Function("granted", [wish]) for wish in wishes]
+    required = requirements("among", {name: (count, count) for name, count in types.items()})
+    made = Program(FAMILY.asp, {"rooms": rooms}, [("house", []), *parts(required)])
+    return made, [granted(each) for each in required]
 
 
-def draws(made: Program, count: int) -> list[tuple[str, ...]]:
-    found = (made.draw(np.random.default_rng([7, i])) for i in range(count))
+def samples(made: Program, count: int) -> list[tuple[str, ...]]:
+    found = (made.sample(np.random.default_rng([7, i])) for i in range(count))
     return [tuple(map(str, layout or ())) for layout in found]
 
 
 def test_a_layout_picks_as_many_values_as_each_variable_wants(tmp_path: Path) -> None:
-    for layout in draws(program(tmp_path, CHOICE), 50):
+    for layout in samples(program(tmp_path, CHOICE), 50):
         picks = Counter(atom.split("(")[1].split(",")[0] for atom in layout if atom.startswith("pick"))
         assert (picks["colour"], picks["size"], picks["hand"]) == (1, 1, 2)
 
 
-def test_every_allowed_layout_is_drawn_and_no_other(tmp_path: Path) -> None:
+def test_every_layout_that_the_rules_allow_is_sampled_and_no_other(tmp_path: Path) -> None:
     found = {
-        (atom("colour", layout), atom("size", layout)) for layout in draws(program(tmp_path, CHOICE), 300)
+        (atom("colour", layout), atom("size", layout)) for layout in samples(program(tmp_path, CHOICE), 300)
     }
     assert found == set(product(["red", "blue", "green"], ["small", "large"])) - {("red", "large")}
 
@@ -60,29 +59,29 @@ def atom(name: str, layout: tuple[str, ...]) -> str:
     return next(text.split(",")[1].rstrip(")") for text in layout if text.startswith(f"pick({name},"))
 
 
-def test_values_are_drawn_by_their_weights(tmp_path: Path) -> None:
+def test_values_are_sampled_in_proportion_to_their_weights(tmp_path: Path) -> None:
     free = CHOICE.replace(":- pick(colour,red), pick(size,large).", "")
-    seen = Counter(atom("colour", layout) for layout in draws(program(tmp_path, free), 2000))
+    seen = Counter(atom("colour", layout) for layout in samples(program(tmp_path, free), 2000))
     assert chisquare([seen["red"], seen["blue"], seen["green"]], [500, 500, 1000]).pvalue > 1e-3
 
 
-def test_a_draw_depends_on_its_random_numbers_alone() -> None:
-    """Not on the solver's past: neither on earlier draws nor on the nogoods of other houses."""
+def test_a_sampled_layout_depends_on_its_random_numbers_alone() -> None:
+    """Not on the solver's past: neither on earlier samples nor on the nogoods of other houses."""
     fresh, _ = house(6)
     used, _ = house(6)
-    first = used.draw(np.random.default_rng(0))
+    first = used.sample(np.random.default_rng(0))
     assert first
     for seed in range(40):
         guard = used.guard()
-        used.refute(guard, dict.fromkeys(first, True))
-        assert used.draw(np.random.default_rng(seed), guard=guard)
+        used.exclude(guard, dict.fromkeys(first, True))
+        assert used.sample(np.random.default_rng(seed), guard=guard)
         used.forget(guard)
     for seed in range(5):
-        assert used.draw(np.random.default_rng(seed)) == fresh.draw(np.random.default_rng(seed))
+        assert used.sample(np.random.default_rng(seed)) == fresh.sample(np.random.default_rng(seed))
 
 
-def test_what_is_refuted_is_excluded_and_nothing_else(tmp_path: Path) -> None:
-    """A clash says what is not there too: with one piece more, a layout may well have a solution."""
+def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> None:
+    """A conflict says what is not there too: with one piece more, a layout may well have a solution."""
     file = tmp_path / "coins.lp"
     file.write_text("""
         #program coins.
@@ -94,30 +93,30 @@ def test_what_is_refuted_is_excluded_and_nothing_else(tmp_path: Path) -> None:
     made = Program([file], {}, [("coins", [])])
     one, both = [[Function("heads", [Number(c)]) for c in range(1, n + 1)] for n in (1, 2)]
     guard = made.guard()
-    made.refute(guard, {one[0]: True, both[1]: False})
+    made.exclude(guard, {one[0]: True, both[1]: False})
     for seed in range(8):
-        assert made.draw(np.random.default_rng(seed), guard=guard) == both
-    made.refute(guard, {both[1]: True, Function("never"): False})
-    assert made.draw(np.random.default_rng(0), guard=guard) is None
+        assert made.sample(np.random.default_rng(seed), guard=guard) == both
+    made.exclude(guard, {both[1]: True, Function("never"): False})
+    assert made.sample(np.random.default_rng(0), guard=guard) is None
     made.forget(guard)
-    assert {str(made.draw(np.random.default_rng(seed))) for seed in range(20)} == {str(one), str(both)}
+    assert {str(made.sample(np.random.default_rng(seed))) for seed in range(20)} == {str(one), str(both)}
 
 
-def test_the_family_s_houses_of_four_rooms_are_all_drawn_alike() -> None:
+def test_all_layouts_of_four_rooms_in_the_family_grammar_are_about_equally_likely() -> None:
     """4,440 layouts of four rooms: 60 orders of types, the sides, and who stands in each corner."""
-    seen = Counter(draws(house(4)[0], 6000))
+    seen = Counter(samples(house(4)[0], 6000))
     shares = np.array(list(seen.values())) / 6000
-    # 6000 uniform draws from 4,440 layouts have this entropy, in the mean: the draw comes close.
+    # 6000 uniform samples of 4,440 layouts have this entropy, in the mean: ours come close.
     uniform = np.unique(np.random.default_rng(0).integers(4440, size=6000), return_counts=True)[1] / 6000
     entropy, best = (-(p * np.log(p)).sum() for p in (shares, uniform))
     assert entropy > 0.95 * best
 
 
 @pytest.mark.parametrize("rooms", [1, 2, 3, 7, 16])
-def test_the_family_s_room_types_keep_the_paper_s_promise(rooms: int) -> None:
+def test_room_types_of_the_family_grammar_are_as_the_paper_demands(rooms: int) -> None:
     made, _ = house(rooms)
     for seed in range(20):
-        atoms = made.draw(np.random.default_rng(seed)) or []
+        atoms = made.sample(np.random.default_rng(seed)) or []
         types = [str(a.arguments[1]) for a in atoms if a.name == "room"]
         sides = [str(a.arguments[1]) for a in atoms if a.name == "side"]
         basic = [t for t in types if t in {"bedroom", "bathroom", "kitchen"}]
@@ -127,7 +126,7 @@ def test_the_family_s_room_types_keep_the_paper_s_promise(rooms: int) -> None:
         assert sides == sorted(sides, key=["north", "east", "south", "west"].index), "numbered clockwise"
 
 
-def test_wishes_are_possible_or_not() -> None:
+def test_a_requirement_is_possible_or_not_by_the_rules() -> None:
     made, (bathrooms, bedrooms) = house(4, bathroom=9, bedroom=1)
     assert made.possible([bedrooms])
     assert not made.possible([bathrooms])
@@ -135,7 +134,7 @@ def test_wishes_are_possible_or_not() -> None:
     assert not made.possible([bedrooms], without=rooms)
 
 
-def test_a_syntax_error_is_placed(tmp_path: Path) -> None:
+def test_a_syntax_error_is_reported_by_file_and_line(tmp_path: Path) -> None:
     with pytest.raises(GrammarError) as caught:
         program(tmp_path, "type(study).\ntype(library)) .\n")
     assert (caught.value.file, caught.value.line) == (str(tmp_path / "rules.lp"), 2)

@@ -17,7 +17,7 @@ def test_prolog(file: Path) -> None:
         timeout=60,
         check=False,
     )
-    # Choice points show as warnings: a relation of the rules that leaves one makes every draw slower.
+    # Choice points show as warnings: a relation of the rules that leaves one makes every house slower.
     assert done.returncode == 0, done.stderr
     assert "choicepoint" not in done.stderr
     assert "Warning" not in done.stderr, done.stderr

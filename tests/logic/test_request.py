@@ -1,4 +1,4 @@
-"""What a user may ask of a house: read strictly, granted exactly, kept in the house's provenance."""
+"""What a user may ask of a house: read strictly, granted exactly, recorded in the house's provenance."""
 
 from typing import Any
 
@@ -83,7 +83,7 @@ def test_companions_count_as_pieces() -> None:
         assert all(count <= 1 for count in counted(house, "bedroom", "bedside"))
 
 
-def test_a_wish_without_a_type_binds_in_every_room_that_may_have_the_piece() -> None:
+def test_a_count_without_a_room_type_binds_in_every_room_that_may_have_the_piece() -> None:
     for house in generate(rooms=6, types={"hall": (1, None)}, furniture={"chair": (2, None)}, count=4):
         chairs = [*counted(house, "kitchen", "chair"), *counted(house, "hall", "chair")]
         assert len(chairs) >= 2

@@ -1,4 +1,4 @@
-"""What is drawn is drawn fairly: gaps on their simplex, sizes in their range, layouts alike; and counted."""
+"""Sampling is fair: gaps on their simplex, sizes in their range, layouts alike; and layouts are counted."""
 
 import json
 from collections import Counter
@@ -18,7 +18,7 @@ from logic.grammar import find
 from logic.layout import EVERY, Program
 
 ALPHA = 1e-3
-"""The seeds are fixed, so a test passes always or never: this is how rare a draw it may stand on."""
+"""The seeds are fixed, so a test passes always or never: this is how rare a sample it may rest on."""
 
 COINS = """
 #program coins.
@@ -57,7 +57,7 @@ def test_gaps_on_a_chain_are_uniform_on_their_simplex(builder: Builder, pieces: 
     assert held("", gaps).p > ALPHA
 
 
-def test_a_draw_between_the_ends_alone_would_be_found_out() -> None:
+def test_a_sampler_with_another_law_is_found_out() -> None:
     """The law that came to mind first, each start uniform in what is left, is not this one."""
     rng = np.random.default_rng(0)
     starts = rng.random(2000)
@@ -92,7 +92,7 @@ def test_on_a_grid_whole_gaps_come_from_the_whole_range(builder: Builder) -> Non
     drawn = "call(chain:draw_chain([block(S,1,[at_least(0)-[],at_most(4)-[]],[])],0),Seed,_)"
     each = f"findall(S,(member(Seed,{seeds}),{grid},{drawn},{real}),All)"
     goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
-    counted = Counter(map(int, builder._placer._json(goal)))
+    counted = Counter(map(int, builder.placer._json(goal)))
     assert sorted(counted) == [0, 1, 2, 3, 4]
     assert min(counted.values()) > 330
 
@@ -107,13 +107,13 @@ def coins(folder: Path, arguments: Iterable[str] = ()) -> Program:
 
 
 def test_a_sample_s_entropy_is_that_of_its_law() -> None:
-    """Corrected for its size: four draws a value of an even law are short by no more than 1 %."""
+    """Corrected for its size: four samples a value of an even law are short by no more than 1 %."""
     even = np.bincount(np.random.default_rng(0).integers(1000, size=4000))
     assert entropy(even) == pytest.approx(np.log(1000), rel=0.01)
     assert entropy([5, 0, 0]) == 0
 
 
-def test_rejection_draws_what_the_rules_accept_by_the_picks_own_law(tmp_path: Path) -> None:
+def test_rejection_sampling_gives_every_layout_that_the_rules_accept_equally_often(tmp_path: Path) -> None:
     found = by_rejection(coins(tmp_path), np.random.default_rng(0), 4000)
     assert set(found) == set(every_layout(coins(tmp_path, EVERY), 60) or ())
     assert found.total() == pytest.approx(4000 * 7 / 8, rel=0.03)
@@ -122,9 +122,9 @@ def test_rejection_draws_what_the_rules_accept_by_the_picks_own_law(tmp_path: Pa
 
 @pytest.mark.parametrize(("piece", "most"), [("bedroom", 2), ("hall", 2)])
 def test_a_room_has_as_often_few_pieces_as_many(builder: Builder, piece: str, most: int) -> None:
-    """There are far more layouts with many; but what is drawn evenly is each choice."""
-    program = builder._furnishing(piece, ())
-    layouts = [program.draw(np.random.default_rng([3, index])) or [] for index in range(300)]
+    """There are far more layouts with many; but what is sampled evenly is each choice."""
+    program = builder.programs.furniture(piece)
+    layouts = [program.sample(np.random.default_rng([3, index])) or [] for index in range(300)]
     for name in {str(atom.arguments[0]) for layout in layouts for atom in layout if atom.name == "on"}:
         counts = [sum(a.name == "on" and str(a.arguments[0]) == name for a in layout) for layout in layouts]
         values, seen = np.unique(counts, return_counts=True)
@@ -172,14 +172,14 @@ def test_the_layouts_of_four_rooms_are_as_many_as_combinatorics_says() -> None:
     assert [name for name, _, _ in furniture] == ["bathroom", "bedroom", "hall", "kitchen"]
 
 
-def test_what_cannot_be_counted_in_time_is_stated(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_count_that_runs_out_of_time_says_that_there_are_more(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="4"):
         main(["generate", "--rooms", "2", "--count-layouts", "--seconds", "0.2"])
     assert "bedroom: in 0.2 s, more than " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("subject", ["4 rooms", "5 rooms"])
-def test_the_published_layouts_are_drawn_often_and_evenly(subject: str) -> None:
+def test_the_published_layouts_were_sampled_often_and_evenly(subject: str) -> None:
     published = json.loads((Path(__file__).parents[2] / "docs/sampling.json").read_text())["layouts"][subject]
     assert published["draws"] >= 50 * published["layouts"]
     assert published["share"] >= 0.95

@@ -1,4 +1,4 @@
-"""Requests without a house: edits of the family grammar's files, what is asked for, and all that clashes."""
+"""Requests without a house: edits of family's files, what is asked for, and the whole conflict."""
 
 from typing import Any
 
@@ -126,7 +126,7 @@ CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
             "rooms.lp: :- rooms >= 4, side(_,S), #count{ R : side(R,S) } > rooms/3 + 1.",
         ],
     ),
-    "two wishes for one piece": (
+    "two counts of one piece": (
         {},
         {"rooms": 3, "furniture": {"bed": (2, None), "bedroom.bed": (0, 1)}},
         ["--rooms 3", BASIC, EACH, "--piece bed=2..", "--piece bedroom.bed=0..1"],
@@ -210,7 +210,7 @@ CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
         {"rooms": 3, "types": {"bathroom": 40}},
         ["--rooms 3", "--type bathroom=40"],
     ),
-    "a wish beside one that binds elsewhere": (
+    "a count beside one that binds elsewhere": (
         {},
         {"rooms": 3, "furniture": {"bed": 1, "toilet": 0}},
         ["--rooms 3", BASIC, EACH, TOILET, "--piece toilet=0"],

@@ -1,10 +1,10 @@
-"""Rooms of another house stay where they are, and the rest is generated anew around them."""
+"""Rooms of another house are fixed, and the rest is generated around them."""
 
 import msgspec
 import pytest
 
 from logic import House, RequestError, Unsatisfiable, check, generate
-from logic.keep import kept_rooms
+from logic.fixed import fixed_rooms
 
 
 @pytest.fixture(scope="module")
@@ -14,34 +14,36 @@ def house() -> House:
 
 @pytest.mark.parametrize("names", [("R0",), ("R1", "R3"), ("R0", "R2", "R4"), ("R0", "R1", "R2", "R3", "R4")])
 @pytest.mark.parametrize("rooms", [5, 6])
-def test_what_is_kept_stays_and_the_rest_is_new(house: House, names: tuple[str, ...], rooms: int) -> None:
-    kept = house.only(*names)
-    for made in generate(rooms=rooms, keep=kept, seed=9, count=3):
+def test_fixed_rooms_are_in_every_house_and_all_else_is_new(
+    house: House, names: tuple[str, ...], rooms: int
+) -> None:
+    fixed = house.only(*names)
+    for made in generate(rooms=rooms, keep=fixed, seed=9, count=3):
         assert check(made) == []
         assert len(made.rooms) == rooms
-        assert all(room in made.rooms for room in kept.rooms)
-        assert not any(room in made.rooms for room in house.rooms if room not in kept.rooms)
+        assert all(room in made.rooms for room in fixed.rooms)
+        assert not any(room in made.rooms for room in house.rooms if room not in fixed.rooms)
         assert made.floor != house.floor
 
 
-def test_a_house_with_kept_rooms_can_be_made_again(house: House) -> None:
+def test_a_house_with_fixed_rooms_can_be_made_again(house: House) -> None:
     made = list(generate(rooms=6, keep=house.only("R1"), seed=2, count=4, workers=2))
     assert list(generate(rooms=6, keep=house.only("R1"), seed=2, count=2, start=2)) == made[2:]
     assert House.from_dict(msgspec.json.decode(msgspec.json.encode(made[0].to_dict()))) == made[0]
 
 
-def test_kept_rooms_count_among_the_types(house: House) -> None:
-    kept = house.only("R0")
-    type_ = kept.rooms[0].type
-    (made,) = generate(rooms=4, keep=kept, types={type_: 1})
+def test_fixed_rooms_count_among_the_types(house: House) -> None:
+    fixed = house.only("R0")
+    type_ = fixed.rooms[0].type
+    (made,) = generate(rooms=4, keep=fixed, types={type_: 1})
     assert [room.type for room in made.rooms].count(type_) == 1
-    with pytest.raises(Unsatisfiable, match=f"{type_} kept on the"):
-        next(generate(rooms=4, keep=kept, types={type_: 0}))
+    with pytest.raises(Unsatisfiable, match=f"{type_} fixed on the"):
+        next(generate(rooms=4, keep=fixed, types={type_: 0}))
 
 
 def test_rooms_that_no_main_room_joins_are_proved_impossible(house: House) -> None:
     """Two rooms on one side, their walls with the doors half a metre apart: no straight wall holds both."""
-    one = kept_rooms(house)[0]
+    one = fixed_rooms(house)[0]
     along, away = ("x", "y") if one.side in {"north", "south"} else ("y", "x")
 
     def moved(rect):
@@ -55,7 +57,7 @@ def test_rooms_that_no_main_room_joins_are_proved_impossible(house: House) -> No
     assert sum("keep: the" in reason.text for reason in caught.value.reasons) == 2
 
 
-def test_what_cannot_be_kept_is_refused(house: House) -> None:
+def test_rooms_that_cannot_be_fixed_are_refused(house: House) -> None:
     with pytest.raises(ValueError, match="no room R7"):
         house.only("R7")
     with pytest.raises(RequestError, match="1 to 2"):
@@ -68,23 +70,23 @@ def test_what_cannot_be_kept_is_refused(house: House) -> None:
         next(generate(rooms=6, keep=house, grammar="clinic"))
 
 
-def test_rooms_are_counted_clockwise(house: House) -> None:
-    sides = [kept.side for kept in kept_rooms(house)]
+def test_fixed_rooms_are_counted_clockwise(house: House) -> None:
+    sides = [fixed.side for fixed in fixed_rooms(house)]
     assert sides == sorted(sides, key=["north", "east", "south", "west"].index)
-    assert [kept.room for kept in kept_rooms(house)] == list(house.rooms)
+    assert [fixed.room for fixed in fixed_rooms(house)] == list(house.rooms)
 
 
-def test_a_kept_room_need_not_have_what_others_cannot(house: House) -> None:
-    """Wishes of furniture bind rooms that are furnished anew: what is proved of those says nothing of it."""
-    kept = house.only(*(f"R{n}" for n, room in enumerate(house.rooms) if room.type == "bedroom"))
-    for made in generate(rooms=4 + len(kept.rooms), keep=kept, furniture={"bed": 0}, count=6):
-        assert [room for room in made.rooms if room.type == "bedroom"] == list(kept.rooms)
+def test_a_count_of_furniture_does_not_bind_fixed_rooms(house: House) -> None:
+    """It binds rooms that are yet to be furnished: what is proved of those says nothing of fixed rooms."""
+    fixed = house.only(*(f"R{n}" for n, room in enumerate(house.rooms) if room.type == "bedroom"))
+    for made in generate(rooms=4 + len(fixed.rooms), keep=fixed, furniture={"bed": 0}, count=6):
+        assert [room for room in made.rooms if room.type == "bedroom"] == list(fixed.rooms)
 
 
-def test_a_kept_room_is_named_where_it_clashes() -> None:
-    kept = next(generate(rooms=1, types={"hall": 1}))
+def test_a_fixed_room_is_named_where_it_is_part_of_a_conflict() -> None:
+    fixed = next(generate(rooms=1, types={"hall": 1}))
     with pytest.raises(Unsatisfiable) as caught:
-        next(generate(rooms=5, keep=kept, types={"hall": 0, "bedroom": (1, None)}))
-    wish, stay = (reason.text for reason in caught.value.reasons)
-    assert wish == "--type hall=0"
-    assert stay.startswith(f"keep: the hall at x {kept.rooms[0].x:.2f}")
+        next(generate(rooms=5, keep=fixed, types={"hall": 0, "bedroom": (1, None)}))
+    count, fixed_room = (reason.text for reason in caught.value.reasons)
+    assert count == "--type hall=0"
+    assert fixed_room.startswith(f"keep: the hall at x {fixed.rooms[0].x:.2f}")

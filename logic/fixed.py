@@ -1,4 +1,4 @@
-"""Rooms of another house that stay where they are, while the rest is generated anew around them."""
+"""Fixed rooms: rooms of another house around which the rest is generated."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ SIDES = ("north", "east", "south", "west")
 
 
 @dataclass(frozen=True)
-class Kept:
-    """A room that stays: on which side of the main room, and its measures as seen from there, clockwise.
+class FixedRoom:
+    """A fixed room: on which side of the main room, and its measures as seen from there, clockwise.
 
     Metres: ``width`` along the wall with the door, ``depth``, ``door`` from the room's start to the door's,
     ``along`` where it starts on that wall and ``wall`` where the wall is, in the house's own coordinates.
@@ -30,19 +30,19 @@ class Kept:
     wall: float
 
 
-def kept_rooms(house: House) -> list[Kept]:
-    """The rooms of a house that is to be kept, clockwise from the north-west corner.
+def fixed_rooms(house: House) -> list[FixedRoom]:
+    """All rooms of a house as fixed rooms, clockwise from the north-west corner.
 
     Raises ``RequestError`` where its format is not ours or a door is on no wall of its room.
     """
     if house.format != FORMAT:
-        raise RequestError("keep: rooms of the original's houses overlap the main room: they cannot be kept")
-    kept = [_kept(room, f"R{index}") for index, room in enumerate(house.rooms)]
+        raise RequestError("keep: rooms of the original's houses overlap the main room: they cannot be fixed")
+    fixed = [_fixed(room, f"R{index}") for index, room in enumerate(house.rooms)]
     clockwise = {"north": 1, "east": 1, "south": -1, "west": -1}
-    return sorted(kept, key=lambda room: (SIDES.index(room.side), clockwise[room.side] * room.along))
+    return sorted(fixed, key=lambda room: (SIDES.index(room.side), clockwise[room.side] * room.along))
 
 
-def _kept(room: Room, name: str) -> Kept:
+def _fixed(room: Room, name: str) -> FixedRoom:
     west, north, east, south = room.box
     door_west, door_north, door_east, door_south = room.door.box
     walls = [wall for index, wall in enumerate(WALLS) if is_on_wall(room.door, room, index)]
@@ -51,16 +51,16 @@ def _kept(room: Room, name: str) -> Kept:
     # A room whose door is in its south wall stands to the north.
     match walls[0]:
         case "south":
-            return Kept(room, "north", room.width, room.height, door_west - west, west, south)
+            return FixedRoom(room, "north", room.width, room.height, door_west - west, west, south)
         case "west":
-            return Kept(room, "east", room.height, room.width, door_north - north, north, west)
+            return FixedRoom(room, "east", room.height, room.width, door_north - north, north, west)
         case "north":
-            return Kept(room, "south", room.width, room.height, east - door_east, east, north)
+            return FixedRoom(room, "south", room.width, room.height, east - door_east, east, north)
         case _:
-            return Kept(room, "west", room.height, room.width, south - door_south, south, east)
+            return FixedRoom(room, "west", room.height, room.width, south - door_south, south, east)
 
 
-def from_records(records: Sequence[dict[str, Any]]) -> list[Kept]:
-    """Kept rooms from their JSON form, clockwise."""
+def from_records(records: Sequence[dict[str, Any]]) -> list[FixedRoom]:
+    """Fixed rooms from their JSON form, clockwise."""
     rooms = tuple(msgspec.convert(record, Room) for record in records)
-    return kept_rooms(House(rooms[0], rooms)) if rooms else []
+    return fixed_rooms(House(rooms[0], rooms)) if rooms else []

@@ -1,0 +1,80 @@
+"""The programs of stage 1 for one grammar: the rooms of a house, and the furniture of a room of each type."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+
+from clingo import Symbol
+
+from logic.grammar import Grammar
+from logic.layout import EVERY, Program
+from logic.messages import placed_error
+from logic.request import Request
+from logic.terms import Lengths, granted, parts, requirements, room_requirements
+
+
+class Programs:
+    """Grounds each program once and keeps it."""
+
+    def __init__(self, grammar: Grammar, furniture: Mapping[str, Iterable[str]], lengths: Lengths) -> None:
+        """Know a grammar's files, the pieces of each of its room types, and their lengths."""
+        self._grammar, self._furniture, self._lengths = grammar, furniture, lengths
+
+    @cache  # noqa: B019 (the programs live as long as their process)
+    def rooms(
+        self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
+    ) -> Program:
+        """The program of a house's rooms, with these requirements and arguments for clingo."""
+        return Program(
+            self._grammar.asp, {"rooms": rooms}, [("house", []), *parts(required)], arguments=arguments
+        )
+
+    @cache  # noqa: B019
+    def furniture(
+        self, type_: str, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
+    ) -> Program:
+        """The program of a room's furniture, with the extremes of its lengths as facts."""
+        facts = [fact for fact, _ in self._lengths[type_]]
+        return Program(
+            self._grammar.asp,
+            {"this_room": type_},
+            [("room", []), *parts(facts), *parts(required)],
+            arguments=arguments,
+        )
+
+    def rooms_for(self, request: Request, arguments: tuple[str, ...] = ()) -> tuple[Program, list[Symbol]]:
+        """The program of a request's rooms, and what to assume in it."""
+        required = room_requirements(request)
+        return self.rooms(request.rooms, tuple(required), arguments), [granted(each) for each in required]
+
+    def furniture_for(
+        self, type_: str, request: Request, arguments: tuple[str, ...] = ()
+    ) -> tuple[Program, list[Symbol]]:
+        """The program that furnishes a room of this type for a request, and what to assume in it."""
+        required = requirements(
+            "has",
+            {name: n for name, n in request.pieces_of(type_).items() if name in self._furniture[type_]},
+        )
+        return self.furniture(type_, tuple(required), arguments), [granted(each) for each in required]
+
+    def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool]]:
+        """How many layouts there are: of the rooms, and of the furniture of each type of room.
+
+        A name, the number, and whether it is all of them: False where the seconds for each ran out.
+        """
+        program, assumed = self.rooms_for(request, EVERY)
+        yield (str(request), *program.count(assumed, seconds))
+        for type_ in sorted(self._furniture):
+            program, assumed = self.furniture_for(type_, request, EVERY)
+            yield (type_, *program.count(assumed, seconds))
+
+    def refuse_remarks(self) -> None:
+        """Raise ``GrammarError`` for what clingo only remarks on, and passes over, in the grammar's files.
+
+        That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
+        """
+        own = set(map(str, self._grammar.asp))
+        for program in (self.rooms(1), *(self.furniture(type_) for type_ in sorted(self._furniture))):
+            for remark in program.remarks:
+                error = placed_error(remark)
+                if str(error.file) in own and "does not occur in any rule head" not in remark:
+                    raise error

@@ -1,0 +1,73 @@
+"""What enters stage 1 beside the rules, as ASP terms: a request's requirements and a grammar's lengths."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import ceil, floor
+from typing import Any
+
+from clingo import Function, Number, Symbol
+
+from logic.fixed import FixedRoom
+from logic.layout import Part
+from logic.request import MOST, Range, Request
+
+Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
+"""For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
+
+
+def requirements(kind: str, ranges: Mapping[str, Range]) -> list[Symbol]:
+    """The requirements ``among`` (room types) or ``has`` (pieces), by name: see ``rules/request.lp``."""
+    return [
+        Function(kind, [Function(name), Number(least), Number(MOST if most is None else most)])
+        for name, (least, most) in sorted(ranges.items())
+    ]
+
+
+def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
+    """The requirement ``fixed`` of each fixed room."""
+    return [
+        Function("fixed", [Number(number), Function(fixed.room.type), Function(fixed.side)])
+        for number, fixed in enumerate(rooms)
+    ]
+
+
+def room_requirements(request: Request) -> list[Symbol]:
+    """All that a request requires of the rooms of a house."""
+    return [*requirements("among", request.types), *fixed_requirements(request.fixed)]
+
+
+def granted(requirement: Symbol) -> Symbol:
+    """The atom to assume where a requirement is to hold."""
+    return Function("granted", [requirement])
+
+
+def parts(terms: Iterable[Symbol]) -> list[Part]:
+    """The parts of the rules that these terms name, with their arguments."""
+    return [(term.name, term.arguments) for term in terms]
+
+
+def to_furnish(type_: str, rooms: int) -> list[Symbol]:
+    """The atoms of which one holds where some room is of this type and is to be furnished."""
+    return [Function("bare", [Number(number), Function(type_)]) for number in range(rooms)]
+
+
+def length_facts(lengths: Mapping[str, Any]) -> Lengths:
+    """The lengths (see ``logic.placement.Placer.lengths``) in whole millimetres, by room type."""
+    named = [
+        (Function("length", [Function(name), Number(floor(1000 * m))]), Function("length", [Function(name)]))
+        for name, m in lengths["lengths"].items()
+    ]
+    facts = {}
+    for type_, extremes in lengths["rooms"].items():
+        kind = Function(type_)
+        reach = Function("reach", [kind, *_millimetres(extremes)])
+        facts[type_] = [*named, (reach, Function("size", [kind]))]
+        for piece, each in lengths["pieces"][type_].items():
+            extent = Function("extent", [Function(piece), *_millimetres(each)])
+            facts[type_].append((extent, Function("size", [kind, Function(piece)])))
+    return facts
+
+
+def _millimetres(extremes: Sequence[float]) -> list[Symbol]:
+    """Least and greatest lengths in turn, as whole millimetres that exclude none of them."""
+    bounds = [floor, ceil] * (len(extremes) // 2)
+    return [Number(bound(1000 * metres)) for bound, metres in zip(bounds, extremes, strict=True)]
