@@ -1,11 +1,11 @@
-:- module(systems, [stated/2, decided/1, drawn/2]).
+:- module(systems, [stated/2, decided/1, sampled/2]).
 
 /** <module> The linear systems of houses' rooms, every size unknown, kept so that their solution alone is timed */
 
 :- use_module(library(apply)).
-:- use_module('../logic/rules/draw').
 :- use_module('../logic/rules/furnish').
 :- use_module('../logic/rules/linear').
+:- use_module('../logic/rules/sample').
 
 %   system(?House, ?System): constraints as in linear.pl, of one room.
 
@@ -20,7 +20,7 @@ stated(House, Rooms) :-
     maplist(state(House), Rooms).
 
 state(House, room(Type,Layout)) :-
-    furnish:whole_system(Type, Layout, _, System),
+    whole_system(Type, Layout, _, System),
     assertz(system(House, System)).
 
 %!  decided(+House) is semidet.
@@ -29,16 +29,13 @@ state(House, room(Type,Layout)) :-
 
 decided(House) :- forall(system(House, System), posted(System)).
 
-%!  drawn(+House, +Seed) is semidet.
+%!  sampled(+House, +Seed) is semidet.
 %
-%   Every unknown of each system is drawn, one by one, in what those before leave it.
+%   Every unknown of each system is sampled, one by one, in what those before leave it.
 
-drawn(House, Seed) :- forall(system(House, System), solution(System, Seed)).
+sampled(House, Seed) :- forall(system(House, System), solution(System, Seed)).
 
 solution(System, Seed) :-
     posted(System),
     term_variables(System, Unknowns),
-    drawn_each(Unknowns, Seed, _).
-
-drawn_each([])     --> [].
-drawn_each([X|Xs]) --> uniform(X), drawn_each(Xs).
+    all_projections_sample(Unknowns, Seed, _).

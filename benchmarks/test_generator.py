@@ -240,7 +240,7 @@ def test_decide_with_highs_at_once(
 @pytest.mark.usefixtures("systems")
 def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def draw(turn: int) -> None:
-        builder.placer._ask(f"systems:drawn({turn % HOUSES},{turn})")
+        builder.placer._ask(f"systems:sampled({turn % HOUSES},{turn})")
 
     measure(benchmark, builder, rooms, draw, panel=SOLVERS)
 
