@@ -87,9 +87,7 @@ def named(mutant: tuple[str, int, int, str]) -> str:
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=named)
-def test_every_rule_of_the_family_grammar_changes_what_is_made(
-    mutant: tuple[str, int, int, str], tmp_path: Path
-) -> None:
+def test_every_rule_of_the_family_grammar_matters(mutant: tuple[str, int, int, str], tmp_path: Path) -> None:
     """Changed in one place, the grammar makes houses that the check by family's promises refuses."""
     folder = mutated(mutant, tmp_path / "family")
     for house in sample(folder):
