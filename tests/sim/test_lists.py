@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from sim.continuous.pack import CELL
+from sim.continuous.layout import CELL
 from tests import worlds
 from tests.reference import Boxes, sights, stopped
 
