@@ -6,7 +6,7 @@ steps it made and not on their order, and poses can be counted: ``origin`` (x, y
 from east. Rewards, resets, targets and random numbers belong to the world.
 
 A backend is made once for a configuration and holds no house: those are in banks, whose arrays its functions
-are given. So banks come and go, and nothing is compiled anew.
+are given. So another bank needs no compilation.
 """
 
 from collections.abc import Sequence

@@ -12,7 +12,7 @@ from sim.runtime import ti
 from sim.survey import DIAGONAL, STRAIGHT
 
 FAR = 1 << 15
-"""More actions than any way takes."""
+"""More actions than any path takes."""
 
 UNKNOWN, NOWHERE = -1, -2
 """In place of a distance: no search has come to this pose; the body cannot be there."""
@@ -20,7 +20,7 @@ UNKNOWN, NOWHERE = -1, -2
 HEAD, TAIL, COLUMN, ROW, COLUMNS, ROWS = range(6)
 """Of a search: its queue's ends, the lattice's first place (i, j), its columns and rows with a border."""
 
-Ways, Steps = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.i16, 1)
+Moves, Steps = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.i16, 1)
 Notes = ti.types.ndarray(ti.types.vector(6, ti.i32), 1)
 Goals = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
@@ -32,20 +32,20 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @ti.kernel
     def learn(
-        ways: Ways, distance: Steps, notes: Notes, goals: Goals,
+        moves: Moves, distance: Steps, notes: Notes, goals: Goals,
         s: ti.i32, i: ti.i32, j: ti.i32, survey: ti.types.ndarray(ti.u16, 2),
     ):  # fmt: skip
         """Take in a survey, with a border where no body can be, and forget what the search found."""
         columns, rows = survey.shape[0] + 2, survey.shape[1] + 2
         notes[s] = ti.Vector([0, 0, i - 1, j - 1, columns, rows])
         goals[s] = ti.Vector([ti.math.nan, ti.math.nan])
-        base = s * (ways.shape[0] // notes.shape[0])
+        base = s * (moves.shape[0] // notes.shape[0])
         for column, row in ti.ndrange(columns, rows):
             open_ = ti.u16(0)
             if 0 < column < columns - 1 and 0 < row < rows - 1:
                 open_ = survey[column - 1, row - 1]
             place = base + column * rows + row
-            ways[place] = open_
+            moves[place] = open_
             for heading in ti.static(range(8)):
                 bit = ti.static(DIAGONAL if heading % 2 else STRAIGHT)
                 stands = (ti.cast(open_, ti.i32) & bit) != 0
@@ -53,18 +53,18 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @ti.kernel
     def act(
-        ways: Ways, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
+        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
         reals: Reals, wholes: Wholes, answer: ti.types.ndarray(ti.i64, 1),
     ):  # fmt: skip
-        """The first action of a shortest way; ``NOWHERE`` if there is none."""
+        """The first action of a shortest path; ``NOWHERE`` if there is none."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
             state = loaded(reals, wholes, first[0] + s)
-            answer[s] = search.choose(ways, distance, queue, notes, goals, s, state)
+            answer[s] = search.choose(moves, distance, queue, notes, goals, s, state)
 
     @ti.kernel
     def follow(
-        ways: Ways, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
+        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
         numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes, answer: ti.types.ndarray(ti.i64, 1),
     ):  # fmt: skip
         """The same, and go there; ``UNKNOWN`` where the action before this one picked the target up."""
@@ -74,7 +74,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             state, action = loaded(reals, wholes, e), UNKNOWN
             # What has been picked up is not marked otherwise, as nothing else is stepped meanwhile.
             if state.over != UNKNOWN:
-                action = search.choose(ways, distance, queue, notes, goals, s, state)
+                action = search.choose(moves, distance, queue, notes, goals, s, state)
                 if action >= 0:
                     state.cell, _ = episodes.backend.move(
                         numbers, indices, state.house, state.origin, state.cell, action
@@ -86,7 +86,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
     @ti.kernel
     def play(
-        ways: Ways, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
+        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
         numbers: Numbers, indices: Indices, places: Indices, reals: Reals, wholes: Wholes,
         answer: ti.types.ndarray(ti.i64, 1),
     ):  # fmt: skip
@@ -96,7 +96,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             e = first[0] + s
             state, count = loaded(reals, wholes, e), 0
             while not state.over:
-                action = ti.max(0, search.choose(ways, distance, queue, notes, goals, s, state))
+                action = ti.max(0, search.choose(moves, distance, queue, notes, goals, s, state))
                 state, picked, _, _, _ = episodes.advance(numbers, indices, places, state, action)
                 count += picked
             store(reals, wholes, e, state)
@@ -122,7 +122,7 @@ class Search:
     @ti.func
     def choose(
         self,
-        ways: ti.template(),
+        moves: ti.template(),
         distance: ti.template(),
         queue: ti.template(),
         notes: ti.template(),
@@ -133,18 +133,18 @@ class Search:
         """Search until a pose that an action leads to is known to lead to the target; say which action."""
         if not (goals[s] == state.target).all():  # NaN, at first, equals nothing
             goals[s] = state.target
-            self.begin(ways, distance, queue, notes, s, state)
+            self.begin(moves, distance, queue, notes, s, state)
         note = notes[s]
-        base, rows = s * (ways.shape[0] // notes.shape[0]), note[ROWS]
+        base, rows = s * (moves.shape[0] // notes.shape[0]), note[ROWS]
         column, row, heading = state.cell[0] - note[COLUMN], state.cell[1] - note[ROW], state.cell[2]
         action = NOWHERE
         if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
             place = base + column * rows + row
-            way = self.headings[heading]
-            # Forward first: of two shortest ways the straighter. A pose that cannot be is never found.
+            forward = self.headings[heading]
+            # Forward first: of two shortest paths the straighter. A pose that cannot be is never found.
             options = ti.Vector([8 * place + (heading + 1 & 7), 8 * place + (heading + 7 & 7), -1])
-            if ways[place] >> heading & 1:
-                options[2] = 8 * (place + way[0] * rows + way[1]) + heading
+            if moves[place] >> heading & 1:
+                options[2] = 8 * (place + forward[0] * rows + forward[1]) + heading
             head, tail, nearest, searching = note[HEAD], note[TAIL], FAR, True
             while searching:
                 # Poses are found in order of distance: the first of the next poses to be found is the best.
@@ -156,7 +156,7 @@ class Search:
                             nearest, action = known, option
                 searching = nearest == FAR and head < tail
                 if searching:
-                    tail = self.expand(ways, distance, queue, 8 * base, head, tail, rows)
+                    tail = self.expand(moves, distance, queue, 8 * base, head, tail, rows)
                     head += 1
             note[HEAD], note[TAIL] = head, tail
             notes[s] = note  # whole, as it is read: what Taichi caches in a loop is so the same
@@ -165,7 +165,7 @@ class Search:
     @ti.func
     def begin(
         self,
-        ways: ti.template(),
+        moves: ti.template(),
         distance: ti.template(),
         queue: ti.template(),
         notes: ti.template(),
@@ -177,7 +177,7 @@ class Search:
         Where a body is larger on the diagonal, only poses where it can turn: it could not leave others.
         """
         note, anyhow = notes[s], ti.static(STRAIGHT | DIAGONAL)
-        base, rows = s * (ways.shape[0] // notes.shape[0]), note[ROWS]
+        base, rows = s * (moves.shape[0] // notes.shape[0]), note[ROWS]
         for k in range(8 * base, 8 * base + note[TAIL]):
             distance[queue[k]] = ti.cast(UNKNOWN, ti.i16)
         middle = ti.cast(ti.floor((state.target - state.origin) / ti.static(self.step)), ti.i32)
@@ -187,7 +187,7 @@ class Search:
                 column, row = i - note[COLUMN], j - note[ROW]
                 if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
                     place = base + column * rows + row
-                    if ti.cast(ways[place], ti.i32) & anyhow == anyhow:
+                    if ti.cast(moves[place], ti.i32) & anyhow == anyhow:
                         for heading in range(8):
                             cell = ti.Vector([i, j, heading])
                             if self.episodes.overlaps(state.origin, cell, state.target):
@@ -197,7 +197,7 @@ class Search:
 
     @ti.func
     def expand(
-        self, ways: ti.template(), distance: ti.template(), queue: ti.template(), base, head, tail, rows
+        self, moves: ti.template(), distance: ti.template(), queue: ti.template(), base, head, tail, rows
     ):
         """Take the next pose from the queue and find those that one action leads from to it."""
         pose = queue[base + head]
@@ -205,9 +205,9 @@ class Search:
         further = ti.cast(distance[pose], ti.i32) + 1
         tail = self.found(distance, queue, base, tail, 8 * place + (heading + 1 & 7), further)
         tail = self.found(distance, queue, base, tail, 8 * place + (heading + 7 & 7), further)
-        way = self.headings[heading]
-        place -= way[0] * rows + way[1]
-        if ways[place] >> heading & 1:
+        forward = self.headings[heading]
+        place -= forward[0] * rows + forward[1]
+        if moves[place] >> heading & 1:
             tail = self.found(distance, queue, base, tail, 8 * place + heading, further)
         return tail
 

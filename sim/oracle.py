@@ -24,7 +24,7 @@ AT_ONCE = 64
 
 
 class Oracle:
-    """Shortest ways for the E environments of a ``HouseVectorEnv``, from wherever their bodies are.
+    """Shortest paths for the E environments of a ``HouseVectorEnv``, from wherever their bodies are.
 
     It keeps a search for each environment that it is asked about: 50 bytes a place of the largest house's
     lattice, some 2 MB.
@@ -36,15 +36,15 @@ class Oracle:
         self._searches: _Searches | None = None
 
     def act(self) -> np.ndarray:
-        """The first action (E,) int64 of a shortest way from each environment's pose to its target.
+        """The first action (E,) int64 of a shortest path from each environment's pose to its target.
 
-        Where no way leads there, 0. After an episode's end the action means nothing: ``step`` ignores it.
+        Where no path leads there, 0. After an episode's end the action means nothing: ``step`` ignores it.
         """
         return np.maximum(self._all().ask("act"), 0)
 
     def paths(self) -> list[np.ndarray | None]:
-        """Each environment's shortest way from its pose to its target: actions (n,) int64, of which the last
-        picks it up, or ``None`` where no way leads there. Nothing is stepped.
+        """Each environment's shortest path from its pose to its target: actions (n,) int64, of which the last
+        picks it up, or ``None`` where no path leads there. Nothing is stepped.
         """
         searches, state, plans = self._all(), self.world.state, []
         while not plans or (plans[-1] >= 0).any():
@@ -55,7 +55,7 @@ class Oracle:
         return [None if none else actions[actions >= 0] for none, actions in zip(lost, plan, strict=True)]
 
     def play(self) -> np.ndarray:
-        """Play the episodes that run to their ends, and count the targets (E,) int32 on the way.
+        """Play the episodes that run to their ends, and count the targets (E,) int32 that they pick up.
 
         Nothing is seen meanwhile: reset the environments before you step them again.
         """
@@ -78,7 +78,7 @@ def shortest_path(
     house: House, pose: Sequence[float], target: Sequence[float], **arguments: Any
 ) -> np.ndarray | None:
     """The fewest actions (n,) int64 from a pose (x, y, heading: metres, radians) to picking up a target at
-    (x, y), or ``None`` where no way leads there. ``len`` of it is their number.
+    (x, y), or ``None`` where no path leads there. ``len`` of it is their number.
 
     ``arguments``: ``preset`` and ``backend``, as for ``HouseVectorEnv``. To ask about many poses or targets
     in a house give them to the environments of one, and ask ``Oracle(envs).paths()``: that packs the house
@@ -114,7 +114,7 @@ class _Searches:
         if 8 * places >= 1 << 31:
             raise ValueError(f"{count} searches at once are too many in houses of {columns} x {rows} places")
         self.arrays = {
-            "ways": Array(ti.u16, places),
+            "moves": Array(ti.u16, places),
             "distance": Array(ti.i16, 8 * places),
             "queue": Array(ti.i32, 8 * places),
             "notes": Array(ti.i32, count, 6),
@@ -141,10 +141,10 @@ class _Searches:
         if new:
             lattices = [world.backend.lattice(world.bank.geometries[house[s]], origin[s]) for s in new]
             surveys = survey(world.backend, world.bank, house[new].tolist(), lattices)
-            names = ("ways", "distance", "notes", "goals")
+            names = ("moves", "distance", "notes", "goals")
             arrays = [self.arrays[name].ndarray for name in names]
             for s, lattice, table in zip(new, lattices, surveys, strict=True):
-                self.kernels["learn"](*arrays, s, *lattice.first, table.ways)
+                self.kernels["learn"](*arrays, s, *lattice.first, table.moves)
         self.house[:count], self.origin[:count] = house, origin
         return self
 

@@ -1,10 +1,10 @@
 """A searcher that knows the house but not where its target is: about the best that memory and search can do.
 
-It keeps the exact posterior over the target's places. Targets are drawn alike from all of them, so it is
+It keeps the exact posterior over the target's places. Targets are sampled alike from all of them, so it is
 uniform over those that are left: not near the last target, and nowhere that it has looked since. It goes,
-by a shortest way, to where a look would show most of that for each step that it costs, thinks again every
-few steps, and once a ray has met the target it goes and picks it up. What lies between an agent and the
-searcher is learning; what lies between the searcher and the oracle, nobody can know.
+by a shortest path, to where a look would show most of that for each step that it costs, plans again every
+few steps, and once a ray has met the target it goes and picks it up. The difference between an agent and the
+searcher can be learnt; the difference between the searcher and the oracle cannot.
 """
 
 from functools import cache
@@ -19,12 +19,12 @@ from sim.survey import survey
 from sim.vector import HouseVectorEnv
 from sim.view_planner import (
     LINES,
+    PLACE,
     REPLAN,
     SAMPLE,
     SAMPLED,
     SPOT,
     VIEW,
-    WAY,
     Rows,
     ViewPlanner,
 )
@@ -35,7 +35,7 @@ VIEWS, SAMPLES = 0.57, 0.29
 judges a look, about: whole numbers of steps. The posterior itself is of all places."""
 
 AT_ONCE = 32
-"""Environments that think at a time: it bounds the memory of their searches for ways."""
+"""Environments that plan at a time: it bounds the memory of their searches for paths."""
 
 EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
 """Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
@@ -46,20 +46,20 @@ Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
 
 class Searcher:
-    """Actions for the E environments of a ``HouseVectorEnv``, whose episodes begin where it draws them.
+    """Actions for the E environments of a ``HouseVectorEnv``, whose episodes begin at sampled starts.
 
     Only on the CPU; the bank must stay as it is. It takes 0.3 MB and 30 ms a house to prepare.
     """
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """Learn the houses: ways, and what each look would show."""
+        """Survey the houses, and find what a look from each viewpoint would show."""
         self.world: World = envs.unwrapped.world
         world, count = self.world, self.world.num_envs
         spots = [here.targets for here in world.places]
         pitch = in_steps(VIEWS, world)
         samples = [thinned(each, in_steps(SAMPLES, world)) for each in spots]
         tables = survey(world.backend, world.bank, list(range(len(spots))), world.lattices)
-        shapes = np.array([table.ways.shape for table in tables])
+        shapes = np.array([table.moves.shape for table in tables])
         words = -(-max(map(len, samples)) // WORD)
         views = 8 * np.prod(-(-shapes // pitch), axis=1)
         rows = np.column_stack(
@@ -77,7 +77,7 @@ class Searcher:
             "samples": Array.of(np.concatenate(samples).astype(np.int32)),
             "rows": Array(ti.i32, len(rows), 8),
             "origins": Array.of(origins_of(world)),
-            "ways": Array.of(np.concatenate([table.ways.ravel() for table in tables])),
+            "moves": Array.of(np.concatenate([table.moves.ravel() for table in tables])),
             "shown": Array(ti.u64, int(views.sum()) * words),
             "left": Array(ti.u64, count * -(-max(map(len, spots)) // WORD)),
             "sampled": Array(ti.u64, slots * words),
@@ -112,12 +112,12 @@ def _starts(counts: Any) -> np.ndarray:
 @cache
 def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     looks = Looks(episodes)
-    think = ViewPlanner(looks, pitch)
+    planner = ViewPlanner(looks, pitch)
 
     @ti.kernel
     def prepare(
         numbers: Numbers, indices: Indices, rows: Rows, spots: Indices, samples: Indices, origins: Numbers,
-        ways: Counts, shown: Words, sampled: Words, answer: ti.types.ndarray(ti.i64, 1), queue: Indices,
+        moves: Counts, shown: Words, sampled: Words, answer: ti.types.ndarray(ti.i64, 1), queue: Indices,
     ):  # fmt: skip
         """Look from every view of every house at its samples."""
         slots = ti.min(ti.static(AT_ONCE), answer.shape[0])
@@ -132,7 +132,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
             i, j = here // across * ti.static(pitch), here % across * ti.static(pitch)
             corner = ti.Vector([origins[2 * house], origins[2 * house + 1]])
             for heading in range(8):
-                if ti.cast(ways[row[WAY] + i * row[LINES] + j], ti.i32) >> (8 + heading % 2) & 1:
+                if ti.cast(moves[row[PLACE] + i * row[LINES] + j], ti.i32) >> (8 + heading % 2) & 1:
                     cell = ti.Vector([i, j, heading])
                     distance = looks.distances(numbers, indices, house, corner, cell)
                     window = looks.window(distance, corner, corner, cell)
@@ -147,11 +147,11 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     @ti.kernel
     def act(
         numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes, rows: Rows, spots: Indices,
-        samples: Indices, origins: Numbers, ways: Counts, shown: Words, left: Words, sampled: Words,
+        samples: Indices, origins: Numbers, moves: Counts, shown: Words, left: Words, sampled: Words,
         distance: Counts, queue: Indices, notes: Notes, last: Points, plan: Bytes,
         answer: ti.types.ndarray(ti.i64, 1),
     ):  # fmt: skip
-        """Look, strike out what is seen, think where the plan is at its end, and say its next action."""
+        """Look, strike out what is seen, plan again where a plan is at its end, and say the next action."""
         count = reals.shape[0]
         slots = ti.min(ti.static(AT_ONCE), count)
         ti.loop_config(block_dim=1)
@@ -164,17 +164,17 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                     near = ti.Vector([ti.math.nan, ti.math.nan])
                     if note[EPISODE] == state.episode:
                         near = last[e]
-                    think.anew(spots, origins, left, row, e, count, state, near)
+                    planner.restart(spots, origins, left, row, e, count, state, near)
                     note = ti.Vector([state.episode, state.found, 0, 0, 0])
                     last[e] = state.target
                 if not note[KNOWN]:
-                    known = think.look(numbers, indices, spots, origins, left, row, e, count, state)
+                    known = planner.look(numbers, indices, spots, origins, left, row, e, count, state)
                     if known:
                         note[KNOWN], note[LENGTH] = 1, 0
                 if note[DONE] >= note[LENGTH]:
                     note[DONE] = 0
-                    note[LENGTH] = think.plan(
-                        numbers, indices, rows, spots, samples, origins, ways, shown, left, sampled,
+                    note[LENGTH] = planner.plan(
+                        numbers, indices, rows, spots, samples, origins, moves, shown, left, sampled,
                         distance, queue, plan, row, e, slot, slots, count, state, note[KNOWN],
                     )  # fmt: skip
                 answer[e] = 0

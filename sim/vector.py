@@ -178,7 +178,7 @@ class HouseVectorEnv(VectorEnv):
 
     def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
         """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
-        Nothing is compiled anew.
+        Nothing is compiled for it.
 
         Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
         """

@@ -1,7 +1,7 @@
-"""How the searcher goes on: it looks, and plans the way to the viewpoint that gains most for what it costs.
+"""How the searcher goes on: it looks, and plans the path to the viewpoint that gains most for what it costs.
 
 The information gain of a viewpoint is how many places of the target that are left a look from there would
-show. Its cost is the length of a shortest way there, and a few steps more.
+show. Its cost is the length of a shortest path there, and a few steps more.
 """
 
 from sim.backend import TARGET
@@ -9,13 +9,13 @@ from sim.lookout import WORD, Looks, bit
 from sim.runtime import ti
 
 REPLAN = 48
-"""Steps until it thinks again: what it saw on its way may have made another way better."""
+"""Steps until it plans again: what it saw on its path may have made another one better."""
 
 HASTE = 4.0
-"""Steps added to a way's length when looks are compared: what a few steps cost is not all that they cost."""
+"""Steps added to a path's length when viewpoints are compared."""
 
 Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)
-SPOT, SPOTS, SAMPLE, SAMPLED, VIEW, WAY, COLUMNS, LINES = range(8)
+SPOT, SPOTS, SAMPLE, SAMPLED, VIEW, PLACE, COLUMNS, LINES = range(8)
 """Of a house: its first spot and their number, its samples, its first view; its lattice's first place,
 columns and rows."""
 
@@ -25,15 +25,15 @@ class ViewPlanner:
     """What one environment's searcher does, as functions of the arrays."""
 
     def __init__(self, looks: Looks, pitch: int) -> None:
-        """Think about bodies that look so, at places so many steps apart."""
+        """Plan for bodies with these looks; viewpoints are ``pitch`` steps apart."""
         self.pitch = pitch
         self.looks, self.episodes, self.headings = looks, looks.episodes, looks.episodes.body.headings
 
     @ti.func
-    def anew(
+    def restart(
         self, spots: ti.template(), origins: ti.template(), left: ti.template(), row, e, count, state, near
     ):
-        """A new target: it may be anywhere but where the world does not draw one so near to the last."""
+        """A new target: it may be anywhere but too near to the last one, where none is sampled."""
         words, some = left.shape[0] // count, 0
         corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
         self.fill(left, row, e, words)
@@ -49,7 +49,7 @@ class ViewPlanner:
 
     @ti.func
     def fill(self, left: ti.template(), row, e, words):
-        """Anywhere at all."""
+        """The target may be anywhere."""
         for word in range(words):
             left[e * words + word] = 0
         for k in range(row[SPOTS]):
@@ -88,12 +88,12 @@ class ViewPlanner:
     @ti.func
     def plan(
         self, numbers: ti.template(), indices: ti.template(), rows: ti.template(), spots: ti.template(),
-        samples: ti.template(), origins: ti.template(), ways: ti.template(), shown: ti.template(),
+        samples: ti.template(), origins: ti.template(), moves: ti.template(), shown: ti.template(),
         left: ti.template(), sampled: ti.template(), distance: ti.template(), queue: ti.template(),
         plan: ti.template(), row, e, slot, slots, count, state, known,
     ):  # fmt: skip
-        """Search for ways from here to all poses, nearest first, until no pose further away can be better;
-        note the first actions of the way to the best. How many.
+        """Search for paths from here to all poses, nearest first, until no pose further away can be better;
+        note the first actions of the path to the best. How many.
         """
         words, finer = sampled.shape[0] // slots, left.shape[0] // count
         base = slot * (queue.shape[0] // slots)
@@ -137,20 +137,20 @@ class ViewPlanner:
                 if gain / cost > best:
                     goal, best = pose, gain / cost
             if searching:
-                ways_here = ti.cast(ways[row[WAY] + place], ti.i32)
+                moves_here = ti.cast(moves[row[PLACE] + place], ti.i32)
                 for turn in ti.static((1, 7)):
                     other = heading + turn & 7
-                    if ways_here >> (8 + other % 2) & 1:
+                    if moves_here >> (8 + other % 2) & 1:
                         tail = self.found(distance, queue, base, tail, 8 * place + other, away + 1)
-                if ways_here >> heading & 1:
-                    way = self.headings[heading]
-                    ahead = 8 * (place + way[0] * row[LINES] + way[1]) + heading
+                if moves_here >> heading & 1:
+                    forward = self.headings[heading]
+                    ahead = 8 * (place + forward[0] * row[LINES] + forward[1]) + heading
                     tail = self.found(distance, queue, base, tail, ahead, away + 1)
         if goal < 0 and not known:
             goal = self.nearest(spots, left, distance, row, e, base, finer)
         length = 0
         if goal >= 0:
-            length = self.trace(ways, distance, plan, row, e, base, goal)
+            length = self.trace(moves, distance, plan, row, e, base, goal)
         for k in range(base, base + tail):
             distance[base + queue[k]] = ti.u16(0)
         return length
@@ -196,25 +196,25 @@ class ViewPlanner:
                     if 0 < away < nearest:
                         goal, nearest = 8 * place + heading, away
         if not some:
-            # A target that rounding hid: look for it anew.
+            # A target that rounding hid: look for it again.
             self.fill(left, row, e, words)
         return goal
 
     @ti.func
-    def trace(self, ways: ti.template(), distance: ti.template(), plan: ti.template(), row, e, base, goal):
-        """Go back from a goal to here and write the first actions of the way; how many."""
+    def trace(self, moves: ti.template(), distance: ti.template(), plan: ti.template(), row, e, base, goal):
+        """Go back from a goal to here and write the first actions of the path; how many."""
         pose = goal
         away = ti.cast(distance[base + pose], ti.i32) - 1
         length = ti.min(away, ti.static(REPLAN))
         while away > 0:
             place, heading = pose >> 3, pose & 7
-            way = self.headings[heading]
-            i, j = place // row[LINES] - way[0], place % row[LINES] - way[1]
+            forward = self.headings[heading]
+            i, j = place // row[LINES] - forward[0], place % row[LINES] - forward[1]
             before, action = -1, 0
             if 0 <= i < row[COLUMNS] and 0 <= j < row[LINES]:
                 back = i * row[LINES] + j
                 if (
-                    ti.cast(ways[row[WAY] + back], ti.i32) >> heading & 1
+                    ti.cast(moves[row[PLACE] + back], ti.i32) >> heading & 1
                     and distance[base + 8 * back + heading] == away
                 ):
                     before, action = 8 * back + heading, 2
