@@ -1,4 +1,4 @@
-"""Tasks: where their targets lie, when they end, which targets are to come; covering a house, counted by hand."""
+"""Tasks: where their targets lie, when they end, which targets come next; covering a house, by hand."""
 
 import json
 from dataclasses import dataclass
