@@ -80,7 +80,7 @@ class World:
         self.launches: dict[str, Launch] = {}
 
     def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
-        """Take in another bank, and another task if ``targets`` names one; nothing is compiled. No house is
+        """Load another bank, and another task if ``targets`` names one; nothing is compiled. No house is
         assigned then. Reset all environments before they are stepped again.
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.

@@ -90,6 +90,19 @@ def test_step_torch_returns_the_same_as_step_without_copies(envs):
         before = out[0].data_ptr()
 
 
+def test_launch_runs_the_step_and_info_is_what_step_returned():
+    (one, other), plan = (HouseVectorEnv(HOUSES, num_envs=COUNT) for _ in range(2)), PLAN[:20]
+    for envs in (one, other):
+        envs.reset(seed=0)
+    for actions in plan:
+        info = one.step(actions)[4]
+        other.launch(actions)
+    for name, value in one.state.items():
+        np.testing.assert_array_equal(other.state[name], value)
+    for name, value in info.items():
+        np.testing.assert_array_equal(one.info()[name], value)
+
+
 def test_options_give_each_environment_its_house_pose_and_target(envs):
     house = np.array([0, 1, 2, 0, 1])
     _, drawn = envs.reset(seed=4, options={"house": house})
