@@ -12,7 +12,7 @@ PIXEL = FOOT / 8.5
 
 @dataclass(frozen=True)
 class Config:
-    """The configuration of environments. The defaults are the paper's lengths; ``PAPER`` has its quirks too."""
+    """What environments are like. The defaults are the paper's lengths; ``PAPER`` has its quirks too."""
 
     body: tuple[float, float] = (8 * PIXEL, 8 * PIXEL)
     """Side of the axis-aligned square body, metres: at the headings along an axis, and on a diagonal."""
