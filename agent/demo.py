@@ -18,8 +18,8 @@ from agent.config import PRESETS, TargetMode
 from agent.evaluation.film import record
 from agent.evaluation.plots import learning_curve
 from agent.evaluation.protocol import measure
-from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
-from agent.evaluation.tables import score_table
+from agent.evaluation.result import HUMAN_RATIO, Result
+from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learner import Progress
 from agent.progress import Report, progress
 from agent.runs import run
@@ -49,7 +49,7 @@ AGENT, RELEASED = "agent", "pqn-map"
 """The agent of this run, and the one that comes with the project and keeps a map."""
 
 BASELINES = ("random + avoidance", "script", "explorer", "oracle")
-"""What stands beside them."""
+"""What is measured with them."""
 
 FILES = (
     "houses.jsonl",
@@ -74,17 +74,6 @@ SECONDARY_ROOMS = (
     "planner's advice, which changes nothing yet. In the benchmark's 256 houses the ratio is 0.66 with it "
     "and 0.66 without it."
 )
-
-COLUMNS = (
-    "Targets: picked up in an episode of 1500 steps. Ratio: to the oracle's targets in the same house; the "
-    "oracle knows the house and the target and takes the shortest way. Both are interquartile means, with "
-    "95 % intervals over houses. Success: the share of episodes with a first target within "
-    f"{SUCCESS_STEPS} steps. SPL: that times the shortest way's length over the way taken. The last column: "
-    "the share of houses with more targets than the human. Random + avoidance is the paper's random walk. "
-    "All rows but the last meet the same starts and targets; the last is the paper's human in the paper's "
-    "own house, which is none of these, with the whole map in sight."
-)
-"""What the columns and rows of both tables mean."""
 
 
 def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
@@ -115,7 +104,7 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     console = Console()
     for part, words in ((main, MAIN_ROOM), (secondary, SECONDARY_ROOMS)):
         console.print("", Markdown(words), score_table(part.result).terminal())
-    console.print(gain(secondary.result), "", COLUMNS, "", sep="\n")
+    console.print(gain(secondary.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, "training")), sep="\n")
     return _verdict(main.result)
 
@@ -221,7 +210,7 @@ def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: fl
         gain(secondary.result),
         secondary.film(),
         "![An episode in secondary rooms](episode-secondary.gif)",
-        f"**Columns.** {COLUMNS}",
+        f"**Columns.** {SCORE_NOTE}",
         "Some of the held-out houses:",
         "![Plans](plans.png)",
         "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), "

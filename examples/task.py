@@ -49,7 +49,7 @@ class Task:
     """Environment steps to learn from."""
 
     environments: int = 64
-    """Worlds stepped at once."""
+    """Environments stepped at once."""
 
     avoid: bool = False
     """Put our avoidance layer over the agent: a step into something becomes a turn."""
@@ -60,8 +60,8 @@ class Task:
     out: Path | None = None
     """File for all figures, and each house's, as JSON: vitruvius evaluate --scores FILE shows them."""
 
-    def worlds(self) -> VectorEnv:
-        """The worlds to learn in. They begin the next episode in the step that ends one."""
+    def make_envs(self) -> VectorEnv:
+        """The environments to learn in. They begin the next episode in the step that ends one."""
         banks.require_training(load(self.houses), self.houses)
         envs = gymnasium.make_vec(
             "sim:Vitruvius/House-v0",
@@ -96,16 +96,16 @@ class Task:
 
 
 class Avoiding(VectorWrapper):
-    """Worlds under our avoidance layer: an agent's step into something becomes a turn to the left."""
+    """Environments under our avoidance layer: an agent's step into something becomes a turn to the left."""
 
     def __init__(self, env: VectorEnv) -> None:
-        """Guard the worlds' body as its rays tell."""
+        """Guard the body by what its rays show."""
         super().__init__(env)
         self.autoreset_mode: AutoresetMode = env.metadata["autoreset_mode"]  # TorchRL asks for it
         self.shield = shield(env.unwrapped)  # pyright: ignore[reportArgumentType]
 
     def reset(self, **kwargs: Any) -> tuple[Any, dict[str, Any]]:
-        """As the worlds do."""
+        """As the environments do."""
         seen, info = self.env.reset(**kwargs)
         self.allowed = self.allows(seen, info)
         return seen, info
@@ -126,7 +126,7 @@ class Agent:
     """A function from observations to preferences as a ``Policy``, by itself or under avoidance."""
 
     def __init__(self, act: Callable[[Tensor], Tensor], envs: Any = None) -> None:
-        """Avoid what the body of the worlds meets, if they are given."""
+        """Act under the avoidance layer for the body of ``envs``, if they are given."""
         self.act, self.avoidance, self.interventions = act, shield(envs) if envs else None, 0
 
     def begin(self, environments: int) -> None:

@@ -97,7 +97,7 @@ def test_an_examples_scores_are_a_row_of_evaluates_tables(houses, tmp_path, caps
 
 def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bump(houses):
     task = example("task")
-    free, avoiding = (task.Task(houses, environments=4, avoid=avoid).worlds() for avoid in (False, True))
+    free, avoiding = (task.Task(houses, environments=4, avoid=avoid).make_envs() for avoid in (False, True))
     assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
     check_vector_env(avoiding, steps=1600, skip=["close"])
     bumps = []
@@ -112,7 +112,7 @@ def test_nobody_learns_in_the_benchmark_bank(tmp_path):
     file = tmp_path / "houses.jsonl"
     save(benchmark()[:1], file)
     with pytest.raises(HouseFileError, match="kept for measuring"):
-        example("task").Task(file).worlds()
+        example("task").Task(file).make_envs()
 
 
 @pytest.mark.parametrize("name", LIBRARIES)

@@ -13,15 +13,21 @@ WHERE = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all 
 HUMAN_NAME = "human, another house"
 """The paper's human, who never played in the houses of a table."""
 
+SCORE_NOTE = (
+    "All policies meet the same starts and targets. Targets: picked up in an episode of 1500 steps. Ratio: "
+    "to the oracle's in the same house; the oracle knows the house and the target and takes the shortest "
+    "way. Both are interquartile means, with 95 % intervals over training runs and houses. Success: the "
+    f"share of episodes with a first target within {SUCCESS_STEPS} steps. SPL: that times the shortest "
+    "way's length over the way taken. Last column: the share of houses with more targets than the paper's "
+    "human, who played in the paper's own house, which is none of these, with the whole map in sight. "
+    "Random + avoidance is the paper's random walk; the explorer is the planner without a network."
+)
+"""What the columns and rows of ``score_table`` mean."""
+
 NOTE = (
-    "Targets: picked up in an episode of 1500 steps. Ratio: to the oracle's in the same house. Both are "
-    "interquartile means, with 95 % intervals over training runs and houses. Success: the first target "
-    f"within {SUCCESS_STEPS} steps. SPL: that times the shortest way's length over the way taken. Seen: the "
-    "share of the places where targets may lie that it had looked at by that step. Rooms: the share of the "
-    "secondary rooms that it was in. Blocked moves, and actions that the avoidance layer overruled: per 1000 "
-    "steps. The explorer is the planner without a network; the searcher knows the house but not the target, "
-    "the oracle both. The paper's human played in the paper's own house, which is none of these, with the "
-    "whole map in sight."
+    f"{SCORE_NOTE} The searcher knows the house, but not where the target is. Seen: the share of the places "
+    "where targets may lie that it had looked at by that step. Rooms: the share of the secondary rooms that "
+    "it was in. Blocked moves, and actions that the avoidance layer overruled: per 1000 steps."
 )
 """What the columns and rows of all tables mean."""
 

@@ -7,9 +7,11 @@ import pytest
 import torch
 
 from agent.avoidance import FORWARD
+from agent.build import network_of
+from agent.config import PQNConfig
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
-from agent.policies import RandomPolicy
+from agent.policies import QPolicy, RandomPolicy
 from agent.world import make_worlds
 from sim import HouseVectorEnv
 from sim.lookout import Lookout
@@ -84,11 +86,19 @@ def test_scores_are_a_function_of_the_seed(envs):
     assert one.targets.tolist() != other.targets.tolist()
 
 
-def test_interventions_are_the_actions_that_the_avoidance_layer_changed(envs):
+def random_policy(layer):
+    return RandomPolicy(layer, torch.Generator().manual_seed(0))
+
+
+def untrained_policy(layer):
+    return QPolicy(network_of(PQNConfig()), layer, torch.Generator().manual_seed(0))
+
+
+@pytest.mark.parametrize("make", [random_policy, untrained_policy])
+def test_interventions_are_the_actions_that_the_avoidance_layer_changed(make, envs):
     free = torch.ones(ENVIRONMENTS, 3).bool()
     left = free & torch.tensor([True, False, False])
     for allowed, least, most in ((free, 0, 0), (left, 1, ENVIRONMENTS * 1500 - 1)):
-        policy = RandomPolicy(lambda observation, blocked, a=allowed: a, torch.Generator().manual_seed(0))
-        scores = play(envs, policy, seed=0)
+        scores = play(envs, make(lambda observation, blocked, allowed=allowed: allowed), seed=0)
         assert scores.steps == ENVIRONMENTS * 1500
         assert least <= scores.interventions <= most

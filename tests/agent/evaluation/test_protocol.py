@@ -11,7 +11,7 @@ from agent import checkpoint
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.config import PRESETS, TARGET_MODES, PQNConfig
-from agent.evaluation.baselines import BASELINES
+from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import SENSORS, Setting, measure
 from logic import RequestError, save
@@ -47,24 +47,28 @@ def test_a_short_evaluation_gives_the_figures_of_the_whole_one(measured):
         assert short.figures(name) == measured.figures(name)
 
 
-def test_evaluate_without_an_agent_measures_the_references(tmp_path, capsys):
-    save(HOUSES[:2], tmp_path / "houses.jsonl")
-    evaluate = Evaluate(houses=tmp_path / "houses.jsonl", targets=("main",), out=tmp_path / "out", json=True)
-    assert evaluate.run() == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert list(printed["targets"]) == ["main"]
-    assert len(printed["bank"]["hash"]) == 64
-    assert json.loads((tmp_path / "out/evaluation.json").read_text()) == printed
-    assert "| searcher |" in (tmp_path / "out/evaluation.md").read_text()
-    with Image.open(tmp_path / "out/evaluation.png") as image:
-        image.verify()
-
-
 def written(folder, config, name="pqn") -> Path:
     """A checkpoint of a network that has learnt nothing."""
     path = folder / f"{config.seed}-{config.steps}" / "agent.safetensors"
     checkpoint.save(Checkpoint(network_of(config), config, 0, name), path)
     return path
+
+
+def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_picture_and_json(
+    tmp_path, capsys
+):
+    save(HOUSES[:2], tmp_path / "houses.jsonl")
+    agent, out = written(tmp_path, PQNConfig()), tmp_path / "out"
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", targets=("main",), out=out, json=True).run() == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["agents"] == [str(agent)]
+    assert len(printed["bank"]["hash"]) == 64
+    assert list(printed["targets"]) == ["main"]
+    assert list(printed["targets"]["main"]["policies"]) == ["pqn", *REFERENCES]
+    assert json.loads((out / "evaluation.json").read_text()) == printed
+    assert "| searcher |" in (out / "evaluation.md").read_text()
+    with Image.open(out / "evaluation.png") as image:
+        image.verify()
 
 
 def test_checkpoints_that_differ_in_the_training_seed_alone_are_runs_of_one_agent(tmp_path):

@@ -28,9 +28,9 @@ def test_the_interval_holds_the_true_figure_about_19_times_in_20():
 
 
 def test_the_bootstrap_samples_houses_and_for_each_as_many_of_its_own_runs():
-    """The law of rliable's resamples with tasks drawn too: 2 runs of 2 houses give 4 x 4 houses and runs.
+    """The law of rliable's resamples with ``task_bootstrap``: 2 runs of 2 houses give 4 x 4 houses and runs.
 
-    Of equal houses a resample's mean is that of 4 draws from the 2 runs; of equal runs, of 2 houses.
+    Of equal houses a resample's mean is that of 4 samples of the 2 runs; of equal runs, of 2 houses.
     """
     runs = bootstrap(np.array([[0.0, 0.0], [1.0, 1.0]]), spread, resamples=20_000)
     assert runs.low == pytest.approx(np.sqrt(0.25 / 4), abs=0.005)
