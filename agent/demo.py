@@ -63,8 +63,9 @@ FILES = (
 """What the demo writes, beside the folder ``training``: see ``agent.runs``."""
 
 MAIN_ROOM = (
-    f"**Main room: learning.** `{AGENT}` began this run with random weights. It has learnt to go to targets "
-    "that its rays show, and keeps no map. The script and the explorer are written by hand and learn nothing."
+    f"**Main room: learning.** The network of `{AGENT}` began this run with random weights. It has learnt to "
+    "go to targets that its rays show; it keeps no map. The script and the explorer are written by hand and "
+    "learn nothing."
 )
 
 SECONDARY_ROOMS = (
@@ -104,7 +105,7 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     console = Console()
     for part, words in ((main, MAIN_ROOM), (secondary, SECONDARY_ROOMS)):
         console.print("", Markdown(words), score_table(part.result).terminal())
-    console.print(gain(secondary.result), "", SCORE_NOTE, "", sep="\n")
+    console.print("", gain(secondary.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, "training")), sep="\n")
     return _verdict(main.result)
 
@@ -146,7 +147,7 @@ class Part:
 def gain(result: Result) -> str:
     """What the released agent's network adds to the planner, in one line."""
     gain = result.difference(RELEASED, "explorer").signed(3)
-    return f"The network changes the ratio by {gain}: {RELEASED} less explorer, paired by house."
+    return f"Ratio of {RELEASED} less explorer, paired by house: {gain}"
 
 
 def _measured(
@@ -194,23 +195,23 @@ def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: fl
     """The report, in Markdown."""
     paragraphs = (
         "# An agent in houses that it has never seen",
+        MAIN_ROOM,
+        SECONDARY_ROOMS,
+        f"{gain(secondary.result)}.",
         f"From the rules of `family`, {TRAINING} houses of {ROOMS[0]} to {ROOMS[-1]} rooms were made to "
         f"learn in, and {HELD_OUT} by another seed to be measured in. "
         "All passed the independent check; no two are the same. "
         f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
         f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
         f"All of it took {seconds:.0f} s.",
-        MAIN_ROOM,
         score_table(main.result).markdown(),
         "![Learning curve](learning-curve.png)",
         main.film(),
         "![An episode](episode.gif)",
-        SECONDARY_ROOMS,
         score_table(secondary.result).markdown(),
-        gain(secondary.result),
         secondary.film(),
         "![An episode in secondary rooms](episode-secondary.gif)",
-        f"**Columns.** {SCORE_NOTE}",
+        SCORE_NOTE,
         "Some of the held-out houses:",
         "![Plans](plans.png)",
         "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), "

@@ -46,7 +46,7 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
 
 def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
-    main, secondary = page.split("**Secondary rooms: planning.**")
+    main, secondary = page.split("**Targets in secondary rooms, 2 houses**")
     for agent, part in (("agent", main), ("pqn-map", secondary)):
         for name in (agent, "random + avoidance", "script", "explorer", "oracle", "human, another house"):
             assert f"| {name} |" in part
@@ -61,7 +61,7 @@ def test_report_and_terminal_say_that_behind_doors_a_planner_searches_and_the_ne
         words = " ".join(shown.split())
         assert "the search is done by a next-best-view planner over an occupancy map" in words
         assert "a residual over the planner's advice, which changes nothing yet" in words
-        assert "pqn-map less explorer, paired by house" in words
+        assert "Ratio of pqn-map less explorer, paired by house: " in words
         assert "the paper's own house, which is none of these" in words
 
 
@@ -101,7 +101,7 @@ def test_the_hash_is_of_the_shape_alone():
 
 def test_the_networks_gain_is_the_paired_difference_to_the_planner():
     both = result(others={"pqn-map": scores([5, 8]), "explorer": scores([6, 10])})
-    assert gain(both).startswith("The network changes the ratio by -0.100 [-0.100, -0.100]: pqn-map less")
+    assert gain(both) == "Ratio of pqn-map less explorer, paired by house: -0.100 [-0.100, -0.100]"
 
 
 @pytest.mark.parametrize(("targets", "code"), [(9.0, 0), (4.8, 1), (1.0, 1)])
