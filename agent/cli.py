@@ -10,8 +10,9 @@ from typing import Any
 import tyro
 
 from agent.bench import Bench
-from agent.commands import Demo, Evaluate, Export, Record, Train
+from agent.commands import Export, Train
 from agent.config import PQNConfig
+from agent.evaluation.commands import Demo, Evaluate, Record
 from logic.commands import Check, Draw, Explain, Generate, Lint, say
 from logic.errors import VitruviusError
 

@@ -21,11 +21,12 @@ from typing import Any
 import tyro
 
 from agent.banks import HASH, bank_hash
-from agent.protocol import MODES
+from agent.config import TARGET_MODES
+from agent.evaluation import scores
 from agent.results.agent_plots import pictures
 from agent.results.agents import agents_page
 from agent.results.series import machine
-from agent.results.study import Entry, Study, result_of
+from agent.results.study import Entry, Study
 from benchmarks.jobs import ROOT, Job, run_all, say
 from benchmarks.trials import CLI, ENTRIES, GUESTS, StudyFailed, Trial, Visit, told
 from logic import generate, load, save
@@ -80,9 +81,9 @@ class Agents:
         finished = [trial for trial in trials if trial.finished]
         if not finished:
             raise StudyFailed(f"{self.out}: no entry is finished, and guests stand beside one: train one too")
-        places = {mode: out / f"evaluation-{mode}" for mode in MODES}
-        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in MODES}
-        late = [mode for mode in MODES if not measured(places[mode], players[mode])]
+        places = {mode: out / f"evaluation-{mode}" for mode in TARGET_MODES}
+        players = {mode: [trial for trial in finished if trial.plays(mode)] for mode in TARGET_MODES}
+        late = [mode for mode in TARGET_MODES if not measured(places[mode], players[mode])]
         run_all([measuring(mode, players[mode], places[mode]) for mode in late], self.workers)
         if left := [places[mode] for mode in late if not measured(places[mode], players[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
@@ -99,12 +100,12 @@ class Agents:
         runs = [trial.record() for trial in trials if trial.begun]
         told = {run.entry for run in runs}
         files = {mode: place / "evaluation.json" for mode, place in places.items()}
-        records = {mode: json.loads(file.read_text()) for mode, file in files.items()}
-        results = {mode: result_of(record["targets"][mode], mode) for mode, record in records.items()}
+        records = {mode: scores.load(file) for mode, file in files.items()}
+        results = {mode: scores.result_of(record.targets[mode], mode) for mode, record in records.items()}
         came = [visit for visit in visits if visit.finished]
         for visit in came:
             results[visit.guest.targets] = visit.joined(results[visit.guest.targets])
-        test = records[MODES[0]]["bank"]
+        test = records[TARGET_MODES[0]].bank
         made = [*files.values(), *(visit.scores for visit in came)]
         made += [
             file for t in trials if t.begun for file in (t.folder.config, t.folder.agent) if file.exists()
@@ -121,7 +122,7 @@ class Agents:
             | {name: version(name) for name in ("torch", "taichi", "numpy")}
             | {"revision": revision()},
             learnt_in=f"1025 houses of `family`, 2 to 6 rooms, seeds 102 to 106 (hash `{BANK[:12]}`)",
-            measured_in=f"{test['file']}, {test['houses']} houses (hash `{test['hash'][:12]}`)",
+            measured_in=f"{test.file}, {test.houses} houses (hash `{test.hash[:12]}`)",
             entries=tuple(entry for entry in entries if entry.name in told),
             runs=tuple(runs),
             results=results,

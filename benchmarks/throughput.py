@@ -17,9 +17,11 @@ from statistics import median
 import tyro
 
 from agent.config import PRESETS, PQNConfig
+from agent.evaluation import scores
+from agent.evaluation.statistics import Estimate
+from agent.evaluation.tables import WHERE
 from agent.results.series import machine, table_rows
 from agent.runs import Folder
-from agent.scoreboard import WHERE
 from benchmarks.agents import bank, machine_info
 from benchmarks.jobs import say
 from benchmarks.trials import BUDGET, RATES, finished, require_same
@@ -139,12 +141,9 @@ class Throughput:
         rows = [series for series in table if series.preset == preset]
         agents = [str(folder.agent) for series in rows for folder in series.folders]
         _run([sys.executable, "-m", "agent.cli", "evaluate", *agents, "--targets", mode, "--out", str(out)])
-        players = json.loads((out / "evaluation.json").read_text())["targets"][mode]["players"]
-        figures = {series.name: players[series.name]["figures"]["ratio"] for series in rows}
-        return [
-            (name, f"{ratio['value']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}], {WHERE[mode]}")
-            for name, ratio in figures.items()
-        ]
+        policies = scores.load(out / "evaluation.json").targets[mode].policies
+        ratios = {series.name: Estimate(**policies[series.name].figures["ratio"]) for series in rows}
+        return [(name, f"{ratio.text()}, {WHERE[mode]}") for name, ratio in ratios.items()]
 
 
 def _run(command: list[str]) -> None:

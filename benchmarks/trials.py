@@ -12,9 +12,10 @@ import numpy as np
 from agent import checkpoint
 from agent.cli import parse
 from agent.config import PRESETS, differences
-from agent.evaluate import Score
-from agent.protocol import Result
-from agent.results.study import Entry, Guest, Run, result_of
+from agent.evaluation import scores
+from agent.evaluation.episodes import EpisodeScores
+from agent.evaluation.result import Result
+from agent.results.study import Entry, Guest, Run
 from agent.runs import Folder
 from benchmarks.jobs import ROOT, Job, failure, why
 from logic.errors import RequestError, VitruviusError
@@ -198,7 +199,8 @@ class Visit:
     @property
     def finished(self) -> bool:
         """Whether it has learnt from all of its steps, and played."""
-        return self.scores.exists() and json.loads(self.scores.read_text())["steps"] == self.guest.steps
+        steps = self.guest.steps
+        return self.scores.exists() and json.loads(self.scores.read_text())["training_steps"] == steps
 
     def training(self, houses: Path) -> Job:
         """What trains and measures it."""
@@ -217,17 +219,17 @@ class Visit:
 
     def joined(self, result: Result) -> Result:
         """The result of its targets with this run too. Raises ``StudyFailed`` where it played for others."""
-        record, mode, name = json.loads(self.scores.read_text()), self.guest.targets, self.guest.name
-        theirs = result_of(record["targets"][mode], mode) if mode in record["targets"] else None
-        if not theirs or name not in theirs.players or not np.array_equal(theirs.oracle, result.oracle):
+        file, mode, name = scores.load(self.scores), self.guest.targets, self.guest.name
+        theirs = scores.result_of(file.targets[mode], mode) if mode in file.targets else None
+        if not theirs or name not in theirs.policies or not np.array_equal(theirs.oracle, result.oracle):
             raise StudyFailed(f"{self.scores}: not of {name}, or not of these houses and targets. Remove it")
-        return with_score(result, theirs.players[name][0])
+        return with_run(result, name, theirs.policies[name][0])
 
 
-def with_score(result: Result, score: Score) -> Result:
-    """The result with another run of a player: of a new one, before all others, or of one that it has."""
-    runs = {score.player: (*result.players.get(score.player, ()), score)}
-    return replace(result, players=runs | result.players | runs)
+def with_run(result: Result, name: str, run: EpisodeScores) -> Result:
+    """The result with another run of a policy: of a new one, before all others, or of one that it has."""
+    runs = {name: (*result.policies.get(name, ()), run)}
+    return replace(result, policies=runs | result.policies | runs)
 
 
 def finished(folder: Folder, steps: int) -> bool:

@@ -7,9 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
-from agent.protocol import HUMAN, HUMAN_RATIO, Result
+from agent.evaluation.plots import COLOURS
+from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
+from agent.evaluation.tables import WHERE
 from agent.results.study import Entry, Study, by_seed, difference
-from agent.scoreboard import COLOURS, WHERE
 
 AGENTS = ("#1f5ea8", "#c0392b", "#4c9be8", "#7b5ea7", "#2d2d2d", "#8a6d3b")
 """Of agents, in the order of the study."""
@@ -48,7 +49,7 @@ def _scores(study: Study) -> Figure:
     columns = figure.subplots(1, len(study.results), sharey=True, squeeze=False)[0]
     for axes, (mode, result) in zip(columns, study.results.items(), strict=True):
         for place, name in enumerate(names):
-            if name in result.players:
+            if name in result.policies:
                 filled = learnt_for.get(name, mode) == mode
                 _score(axes, result, name, place, _colours(study).get(name, QUIET), filled)
         axes.axhline(len(agents) - 0.5, color=QUIET, linewidth=0.8)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from agent.protocol import HUMAN_RATIO, SOON, Result
+from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
+from agent.evaluation.tables import WHERE
 from agent.results.series import table_rows
 from agent.results.study import Difference, Entry, Study, by_seed, difference
-from agent.scoreboard import WHERE
 
 UNMEASURED = "-"
 
@@ -30,7 +30,7 @@ def agents_page(study: Study, notes: str = "") -> str:
             learnt_in=study.learnt_in,
             measured_in=study.measured_in,
             human=HUMAN_RATIO,
-            soon=SOON,
+            soon=SUCCESS_STEPS,
             entries=table_rows(_entry(study, entry) for entry in study.entries),
             guests=_guests(study),
             untold=_untold(study),
@@ -83,7 +83,7 @@ def _players(study: Study) -> Iterator[list[str]]:
     """Each player's ratio, success and SPL in all modes that it was measured in."""
     names = {entry.name: f"**{entry.name}**" for entry in study.presets()}
     for name in [*names, *(guest.name for guest in study.guests), *study.baselines()]:
-        figures = [r.figures(name) if name in r.players else None for r in study.results.values()]
+        figures = [r.figures(name) if name in r.policies else None for r in study.results.values()]
         means = (
             " / ".join(f"{each[key].value:.2f}" if each else UNMEASURED for each in figures)
             for key in ("success", "spl")

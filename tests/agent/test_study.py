@@ -18,16 +18,16 @@ from agent.banks import HASH
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.cli import parse
-from agent.config import differences
-from agent.evaluate import Score
-from agent.protocol import MODES, Result
+from agent.config import TARGET_MODES, differences
+from agent.evaluation import scores
+from agent.evaluation.episodes import EpisodeScores
+from agent.evaluation.result import Result
 from agent.results.agent_plots import pictures
 from agent.results.agents import agents_page
-from agent.results.study import Entry, Guest, Run, Study, by_seed, difference, result_of
-from agent.scoreboard import record
+from agent.results.study import Entry, Guest, Run, Study, by_seed, difference
 from benchmarks.agents import Agents, measured
 from benchmarks.jobs import Job, run_all
-from benchmarks.trials import ENTRIES, GUESTS, StudyFailed, Trial, Visit, with_score
+from benchmarks.trials import ENTRIES, GUESTS, StudyFailed, Trial, Visit, with_run
 from logic.errors import RequestError
 
 ROOT = Path(__file__).parents[2]
@@ -35,22 +35,25 @@ ROOT = Path(__file__).parents[2]
 HOUSES = 60
 
 
-def score(name: str, level: float, seed: int = 0) -> Score:
-    """A player that picks up this share of the oracle's 50 targets, more or less."""
+def score(level: float, seed: int = 0) -> EpisodeScores:
+    """A policy that picks up this share of the oracle's 50 targets, more or less."""
     rng = np.random.default_rng(seed)
     targets = np.clip(np.round(50 * level + rng.normal(0, 3, HOUSES)), 0, 50)
     first = np.where(targets > 0, 40.0, np.inf)
-    return Score(name, targets, 1500 * HOUSES, 90, 30, first, np.full((2, HOUSES), 0.5), np.ones(HOUSES))
+    return EpisodeScores(targets, 1500 * HOUSES, 90, 30, first, np.full((2, HOUSES), 0.5), np.ones(HOUSES))
 
 
 def result(targets: str = "main", **levels: tuple[float, ...]) -> Result:
-    """A measurement of players with these levels, one for each run."""
-    players = {
-        name: tuple(score(name, level, k) for k, level in enumerate(runs)) for name, runs in levels.items()
-    }
-    oracle = replace(score("oracle", 1), targets=np.full(HOUSES, 50.0))
+    """A measurement of policies with these levels, one for each run."""
+    policies = {name: tuple(score(level, k) for k, level in enumerate(runs)) for name, runs in levels.items()}
+    oracle = replace(score(1), targets=np.full(HOUSES, 50.0))
     rooms = np.arange(HOUSES) % 5 + 2
-    return Result(targets, rooms, np.full(HOUSES, 30.0), players | {"oracle": (oracle,)})
+    return Result(targets, rooms, np.full(HOUSES, 30.0), policies | {"oracle": (oracle,)})
+
+
+def written(one: Result) -> bytes:
+    """The result as a file of scores holds it."""
+    return scores.ScoreFile(scores.Bank(""), 0, scores.modes_of([one])).json()
 
 
 def entry(name: str, beside: str = "", options: tuple[str, ...] = ()) -> Entry:
@@ -121,8 +124,8 @@ def test_entries_have_names_of_their_own_and_known_companions() -> None:
 
 def test_agents_play_for_all_targets_and_changes_of_them_for_their_own(study: Study, tmp_path: Path) -> None:
     plain, _, bare = study.entries
-    for one, modes in ((plain, list(MODES)), (bare, [bare.targets])):
-        assert [mode for mode in MODES if Trial(one, 0, tmp_path).plays(mode)] == modes
+    for one, modes in ((plain, list(TARGET_MODES)), (bare, [bare.targets])):
+        assert [mode for mode in TARGET_MODES if Trial(one, 0, tmp_path).plays(mode)] == modes
 
 
 @pytest.mark.parametrize("name", GUESTS)
@@ -199,21 +202,21 @@ def test_a_guest_is_finished_when_it_has_learnt_from_its_steps_and_played(tmp_pa
     assert not visit.begun
     visit.scores.parent.mkdir()
     for steps, finished in ((100, False), (GUESTS["one-file"].steps, True)):
-        visit.scores.write_text(json.dumps({"steps": steps}))
+        visit.scores.write_text(json.dumps({"training_steps": steps}))
         assert (visit.begun, visit.finished) == (True, finished)
 
 
 def test_a_guests_scores_join_what_was_measured_with_the_same_targets_alone(tmp_path: Path) -> None:
     visit, one = Visit("one-file", 0, tmp_path), result(plain=(0.8,))
     name = visit.guest.name
-    theirs = with_score(result(), score(name, 0.4))
-    less = replace(theirs, players=theirs.players | {"oracle": (score("oracle", 0.9),)})
+    theirs = with_run(result(), name, score(0.4))
+    less = replace(theirs, policies=theirs.policies | {"oracle": (score(0.9),)})
     visit.scores.parent.mkdir()
-    visit.scores.write_text(json.dumps(record([theirs])))
+    visit.scores.write_bytes(written(theirs))
     assert visit.joined(one).ratio(name) == theirs.ratio(name)
-    other = replace(theirs, targets="secondary")
+    other = replace(theirs, mode="secondary")
     for wrong in (less, other, result(someone=(0.4,))):
-        visit.scores.write_text(json.dumps(record([wrong])))
+        visit.scores.write_bytes(written(wrong))
         with pytest.raises(StudyFailed, match=f"not of {re.escape(name)}, or not of these houses"):
             visit.joined(one)
 
@@ -244,13 +247,6 @@ def test_a_failure_is_noted_until_the_next_try(tmp_path: Path) -> None:
 # Figures.
 
 
-def test_a_record_reads_back_as_the_result_that_it_was() -> None:
-    one = result(plain=(0.8, 0.7))
-    again = result_of(json.loads(json.dumps(record([one])))["targets"]["main"], "main")
-    assert again.figures("plain") == one.figures("plain")
-    assert again.by_rooms("plain") == one.by_rooms("plain")
-
-
 def test_differences_are_of_seeds_that_both_have(study: Study) -> None:
     found, main = difference(study, study.entry("bare")), study.results["main"]
     [alone] = found.each
@@ -260,18 +256,18 @@ def test_differences_are_of_seeds_that_both_have(study: Study) -> None:
 
 
 def test_the_same_scores_differ_by_nothing_with_certainty(study: Study) -> None:
-    players = study.results["main"].players
-    same = replace(study.results["main"], players=players | {"bare": players["plain"][1:]})
+    policies = study.results["main"].policies
+    same = replace(study.results["main"], policies=policies | {"bare": policies["plain"][1:]})
     found = difference(replace(study, results={"main": same}), study.entry("bare"))
     assert found.all == (0, 0, 0)
 
 
-def test_a_guests_runs_are_one_player_before_those_that_learn_nothing() -> None:
+def test_a_guests_runs_are_one_policy_before_those_that_learn_nothing() -> None:
     one = result(plain=(0.8, 0.7))
-    guests = [score("guest", level, seed) for seed, level in enumerate((0.5, 0.6))]
-    both = with_score(with_score(one, guests[0]), guests[1])
-    assert list(both.players) == ["guest", "plain", "oracle"]
-    assert both.players["guest"] == tuple(guests)
+    guests = [score(level, seed) for seed, level in enumerate((0.5, 0.6))]
+    both = with_run(with_run(one, "guest", guests[0]), "guest", guests[1])
+    assert list(both.policies) == ["guest", "plain", "oracle"]
+    assert both.policies["guest"] == tuple(guests)
     assert both.figures("plain") == one.figures("plain")
 
 
@@ -299,7 +295,7 @@ def test_the_page_tells_failed_runs(study: Study) -> None:
 
 def test_the_page_has_guests_where_they_were_measured_and_tells_those_that_failed(study: Study) -> None:
     guest = Guest("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
-    main = with_score(study.results["main"], score(guest.name, 0.4))
+    main = with_run(study.results["main"], guest.name, score(0.4))
     late = Run(guest.name, 1, False, "failed, exit code 1: no such library", (), None)
     visited = replace(study, results=study.results | {"main": main}, guests=(guest,), absent=(late,))
     page = agents_page(visited)
