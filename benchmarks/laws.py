@@ -14,7 +14,7 @@ from scipy.stats import beta, kstest
 
 from logic import House
 from logic.builder import Builder
-from logic.placement import Infeasible, Layout, NoFit, RoomLayout
+from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.request import Request
 
 SIDES = {"north": (0, 1), "east": (1, 1), "south": (0, -1), "west": (1, -1)}
@@ -85,7 +85,7 @@ def along_sides(builder: Builder, rooms: int, draws: int) -> dict[int, np.ndarra
         layout = builder.layout(request, rng)
         try:
             plan = builder.place(layout, rng, 10**8, minimal=False)
-        except (Infeasible, NoFit):  # of its furniture, which has no part in where rooms stand
+        except (Infeasible, Misfit):  # of its furniture, which has no part in where rooms stand
             continue
         house = builder._as_house(plan, layout, request, rooms, index)
         owners = {

@@ -15,12 +15,12 @@ from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
 from logic.layout import Program
 from logic.loaded import LoadedGrammar
-from logic.placement import Infeasible, Layout, NoFit, RoomLayout
+from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.proof import Prover
 from logic.request import Request, known
 from logic.terms import to_furnish
 
-MOST_FAILURES = 200
+MOST_MISFITS = 200
 """How often sampled rooms may fail to fit between the fixed rooms, though others might fit."""
 
 
@@ -58,9 +58,9 @@ class Builder:
                 try:
                     plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
                     return self._as_house(plan, layout, request, seed, index)
-                except NoFit as proof:
+                except Misfit as proof:
                     inferences -= proof.inferences
-                    self._learn_no_fit(proof, layout, request, nogoods)
+                    self._learn_misfit(proof, layout, request, nogoods)
                     layout = self.layout(request, rng, nogoods)
                 except Infeasible as proof:
                     inferences -= proof.inferences
@@ -134,7 +134,7 @@ class Builder:
             rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
         return Layout(rooms, layout.corners)
 
-    def _learn_no_fit(self, proof: NoFit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
+    def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
         """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many failures."""
         if proof.infeasible:
             order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
@@ -146,10 +146,10 @@ class Builder:
             nogoods.orders.append(order)
             nogoods.add(self.programs.rooms_for(request)[0], order)
             return
-        nogoods.failures += 1
-        if nogoods.failures == MOST_FAILURES:
+        nogoods.misfits += 1
+        if nogoods.misfits == MOST_MISFITS:
             raise LimitReached(
-                f"{MOST_FAILURES} times the sampled rooms did not fit between the fixed rooms, though "
+                f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though "
                 "smaller ones might: try another seed, fewer rooms or smaller types"
             )
 
@@ -197,7 +197,7 @@ class Nogoods:
         """Orders of the rooms that do not fit between the fixed rooms, whatever the sizes."""
         self.guards: dict[Program, int] = {}
         self.count = 0
-        self.failures = 0
+        self.misfits = 0
 
     def add(self, program: Program, atoms: Mapping[Symbol, bool]) -> None:
         """No layout of the program in which just these atoms hold, or fail, has a solution."""

@@ -62,7 +62,7 @@ class Infeasible(Exception):
         self.conflicts, self.inferences = conflicts, inferences
 
 
-class NoFit(Exception):
+class Misfit(Exception):
     """These rooms do not fit between the fixed rooms; where that is infeasible, no other sizes do either."""
 
     def __init__(self, infeasible: bool, inferences: int) -> None:
@@ -143,7 +143,7 @@ class Placer:
 
         Conflicts are ``minimal``, or else found five times as quickly.
 
-        Raises ``Infeasible`` where the constraints have no solution, ``NoFit`` where the rooms do not fit
+        Raises ``Infeasible`` where the constraints have no solution, ``Misfit`` where the rooms do not fit
         between the fixed rooms, ``LimitReached`` past this number of inferences.
         """
         # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
@@ -158,8 +158,8 @@ class Placer:
         answer = self._json(goal)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
-        if "no_fit" in answer:
-            raise NoFit(answer["no_fit"], answer["inferences"])
+        if "misfit" in answer:
+            raise Misfit(answer["misfit"], answer["inferences"])
         if "infeasible" in answer:
             raise Infeasible(
                 {room: _conflict(why) for room, why in answer["infeasible"]}, answer["inferences"]

@@ -84,7 +84,7 @@ type_piece_report(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Repo
 %       {"floor":.., "rooms":..}            the plan, with "corner" where rooms are fixed
 %       {"infeasible": [[R,Reasons]..]}     no sizes and places satisfy these rooms. Reasons are those of a conflict
 %                                           (minimal or quick, as Proof is): [holds,Atom], [fails,Atom], [clause,Clause]
-%       {"no_fit": Any}                     the rooms do not fit between the fixed ones; Any: nor with any other sizes
+%       {"misfit": Any}                     the rooms do not fit between the fixed ones; Any: nor with any other sizes
 %       {"limit": true}                     that takes more inferences than Limit
 
 placed(Layout, Limit, Json) :-
@@ -132,7 +132,7 @@ placed_around(Outlines, Corners, Seed, Finished, Answer) :-
         Answer = Plan.put(corner, [West,North])
     ;   maplist(narrowest, Outlines, Narrow),
         ( infeasible_between(Narrow, Corners) -> Any = true ; Any = false ),
-        Answer = _{no_fit:Any} ).
+        Answer = _{misfit:Any} ).
 placed_around(Outlines, Corners, Seed, Finished, Answer) :-
     call(main_room_around(Outlines, Corners, Main, Starts), Seed, _),
     house_plan(Main, Starts, Finished, Answer).
