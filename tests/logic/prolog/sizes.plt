@@ -24,6 +24,8 @@ test(every_constraint_names_its_clause) :-
     forall(member(_-Why, System), Why == [size(wide)]).
 test(a_piece_depends_on_its_wall) :-
     item_size_system(cell, item(shelf,L,_,Wall), System), posted(System), {Wall = 3}, range(L, 1.5, 3).
+test(a_fixed_size_is_an_equation_with_its_reason, System == [(L = 1.0)-[size(cell,crate)],(D = 0.5)-[size(cell,crate)]]) :-
+    item_size_system(cell, item(crate,L,D,_), System).
 test(a_piece_names_its_room_and_itself) :-
     item_size_system(cell, item(stand,_,_,_), System),
     forall(member(_-Why, System), Why == [size(cell,stand)]).
