@@ -1,4 +1,4 @@
-"""The three actions, and what they are in a mirror."""
+"""The three actions, and the same with left and right exchanged."""
 
 import torch
 from torch import Tensor
@@ -10,10 +10,10 @@ ACTIONS = 3
 """How many there are."""
 
 
-def mirrored(actions: Tensor) -> Tensor:
-    """The same actions (B,) in a mirror: left for right; rays are mirrored by ``flip(1)``.
+def flipped_actions(actions: Tensor) -> Tensor:
+    """The same actions (B,) with left and right exchanged; rays are exchanged by ``flip(1)``.
 
-    Houses are as likely as their mirror images and the rays lie symmetrically about the heading, so a
-    mirrored transition is as good as the one that was lived.
+    Houses are as likely as their mirror images and the rays lie symmetrically about the heading, so a flipped
+    transition is as good as the one that was seen.
     """
     return torch.where(actions == FORWARD, actions, RIGHT - actions)

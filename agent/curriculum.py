@@ -1,4 +1,4 @@
-"""What is learnt in which order: lessons, each with its houses, furniture and targets."""
+"""A curriculum: stages of a run, from easy to hard, each with its houses, furniture and targets."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ from logic.errors import RequestError
 
 
 @dataclass(frozen=True)
-class Lesson:
-    """A part of a run in one kind of house. Raises ``RequestError`` for what no lesson can be."""
+class Stage:
+    """A part of a run in one kind of house. Raises ``RequestError`` for what no stage can be."""
 
     until: float
-    """Fraction of the run at which it ends, above 0; the last lesson's is 1."""
+    """Fraction of the run at which it ends, above 0; the last stage's is 1."""
 
     targets: TargetMode
     """Where targets lie."""
@@ -28,7 +28,7 @@ class Lesson:
     """Whether its houses keep their furniture."""
 
     def __post_init__(self) -> None:
-        """Refuse what no lesson can be."""
+        """Refuse what no stage can be."""
         if not 0 < self.until <= 1:
             raise RequestError(f"until must lie above 0 and be at most 1, not {self.until}")
         if self.targets not in TARGET_MODES:
@@ -40,7 +40,7 @@ class Lesson:
             raise RequestError(f"rooms must be at least 1 where targets are secondary, not {least}")
 
     def houses(self, bank: Sequence[House]) -> list[House]:
-        """Those houses of the bank that it is about, without furniture where it has none; perhaps none."""
+        """Those houses of the bank that belong to it, without furniture if it has none; perhaps none."""
         least, most = self.rooms
         chosen = [
             house
@@ -58,37 +58,37 @@ class Lesson:
 
 @dataclass(frozen=True)
 class Curriculum:
-    """Lessons in their order. The learner makes new worlds at each lesson's end: all episodes begin anew.
+    """Stages in their order. Where one ends, all episodes begin again in the next one's houses.
 
-    Raises ``RequestError`` unless lessons end one after the other and the last with the run.
+    Raises ``RequestError`` unless stages end one after the other and the last with the run.
     """
 
-    lessons: tuple[Lesson, ...]
+    stages: tuple[Stage, ...]
 
     def __post_init__(self) -> None:
         """Refuse what no run can follow."""
-        ends = [lesson.until for lesson in self.lessons]
+        ends = [stage.until for stage in self.stages]
         if not ends or ends[-1] != 1:
-            raise RequestError(f"until must be 1 for the last lesson: lessons end at {ends}")
+            raise RequestError(f"until must be 1 for the last stage: stages end at {ends}")
         if any(one >= other for one, other in pairwise(ends)):
-            raise RequestError(f"until must rise from lesson to lesson: they end at {ends}")
+            raise RequestError(f"until must rise from stage to stage: they end at {ends}")
 
     def at(self, fraction: float) -> int:
-        """The number of the lesson, from 0, when this fraction of the run is done, 0 to 1."""
-        return min(sum(lesson.until <= fraction for lesson in self.lessons), len(self.lessons) - 1)
+        """The number of the stage, from 0, when this fraction of the run is done, 0 to 1."""
+        return min(sum(stage.until <= fraction for stage in self.stages), len(self.stages) - 1)
 
     def banks(self, bank: Sequence[House], name: object = "the bank") -> list[list[House]]:
-        """Each lesson's houses out of a bank; ``name`` is the bank's, for errors, such as its file.
+        """Each stage's houses out of a bank; ``name`` is the bank's, for errors, such as its file.
 
-        Raises ``RequestError`` where a lesson has none: ask before the run begins.
+        Raises ``RequestError`` where a stage has none: ask before the run begins.
         """
-        banks = [lesson.houses(bank) for lesson in self.lessons]
-        for number, (lesson, houses) in enumerate(zip(self.lessons, banks, strict=True), start=1):
+        banks = [stage.houses(bank) for stage in self.stages]
+        for number, (stage, houses) in enumerate(zip(self.stages, banks, strict=True), start=1):
             if not houses:
                 counts = ", ".join(map(str, sorted({len(house.rooms) for house in bank})))
                 raise RequestError(
-                    f"lesson {number} of {len(banks)} ({lesson}): {name} has no such house, only with "
-                    f"{counts or 'no'} rooms. Add some: vitruvius generate --rooms {max(1, lesson.rooms[0])}"
+                    f"stage {number} of {len(banks)} ({stage}): {name} has no such house, only with "
+                    f"{counts or 'no'} rooms. Add some: vitruvius generate --rooms {max(1, stage.rooms[0])}"
                 )
         return banks
 
@@ -102,27 +102,27 @@ def emptied(house: House) -> House:
 CURRICULA: dict[TargetMode, Curriculum] = {
     "main": Curriculum(
         (
-            Lesson(0.1, "main", (0, 2), furnished=False),
-            Lesson(0.3, "main", (0, 4)),
-            Lesson(1.0, "main"),
+            Stage(0.1, "main", (0, 2), furnished=False),
+            Stage(0.3, "main", (0, 4)),
+            Stage(1.0, "main"),
         )
     ),
     "mixed": Curriculum(
         (
-            Lesson(0.05, "main", (1, 2), furnished=False),
-            Lesson(0.15, "main", (1, 3)),
-            Lesson(0.4, "mixed", (1, 4)),
-            Lesson(1.0, "mixed"),
+            Stage(0.05, "main", (1, 2), furnished=False),
+            Stage(0.15, "main", (1, 3)),
+            Stage(0.4, "mixed", (1, 4)),
+            Stage(1.0, "mixed"),
         )
     ),
     "secondary": Curriculum(
         (
-            Lesson(0.05, "main", (1, 2), furnished=False),
-            Lesson(0.15, "main", (1, 3)),
-            Lesson(0.4, "mixed", (1, 4)),
-            Lesson(1.0, "secondary", (1, None)),
+            Stage(0.05, "main", (1, 2), furnished=False),
+            Stage(0.15, "main", (1, 3)),
+            Stage(0.4, "mixed", (1, 4)),
+            Stage(1.0, "secondary", (1, None)),
         )
     ),
 }
-"""By where targets lie in the end: first to walk and to turn to what is seen, in the main room; then to go
-through doors, in ever more rooms; last all houses of the bank."""
+"""By where targets lie in the end: first in the main room; then in houses with more and more rooms; last in
+all houses of the bank."""

@@ -49,13 +49,13 @@ ENTRIES = (
     _entry("pqn-secondary", "pqn", "no map at all", "--targets secondary", beside="pqn-map"),
     _changed("no-shield", "no avoidance layer", "--avoidance none"),
     _changed("paper-rule", "the paper's avoidance in place of the shield", "--avoidance paper"),
-    _changed("no-mirror", "nothing learnt from its mirror image", "--no-mirror"),
+    _changed("no-mirror", "nothing learnt from its mirror image", "--no-flip"),
     _changed("curriculum", "easier worlds first", "--curriculum"),
     _changed("levels", "houses chosen by what is left to learn", "--levels"),
     _changed("no-novelty", "no reward for exploring", "--novelty 0"),
     _changed("no-guide", "random actions never follow the map's advice", "--guided 0"),
     _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance none", beside="pqn"),
-    _entry("pqn-mirror", "pqn", "half of it learnt from its mirror image", "--mirror", beside="pqn"),
+    _entry("pqn-mirror", "pqn", "half of it learnt from its mirror image", "--flip", beside="pqn"),
     _entry("pqn-curriculum", "pqn", "easier worlds first", "--curriculum", beside="pqn"),
 )
 """What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""

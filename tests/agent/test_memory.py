@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, mirrored
-from agent.memory import Memory, mirrored_memory
+from agent.actions import FORWARD, LEFT, flipped_actions
+from agent.memory import Memory, flipped_memory
 
 NO = torch.zeros(1, dtype=torch.bool)
 NOTHING = torch.zeros(1, 40, 2)
@@ -45,6 +45,6 @@ def test_the_mirrors_memory_is_the_memory_of_the_mirror():
     new, bumped = torch.zeros(5, dtype=torch.bool), torch.tensor([True, False, False, True, False])
     for seen, actions in zip(scenes, torch.randint(3, (20, 5), generator=chance), strict=True):
         held = memory(held, seen, bumped, actions, new)
-        other = memory(other, seen.flip(1), bumped, mirrored(actions), new)
+        other = memory(other, seen.flip(1), bumped, flipped_actions(actions), new)
     assert held.gt(0).any((0, 1)).all()
-    torch.testing.assert_close(mirrored_memory(held), other)
+    torch.testing.assert_close(flipped_memory(held), other)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT, mirrored
+from agent.actions import FORWARD, LEFT, RIGHT, flipped_actions
 from agent.build import network_of
 from agent.config import PQNConfig
-from agent.learner import Diverged
-from agent.memory import mirrored_memory
+from agent.learner import Diverged, linear
+from agent.memory import flipped_memory
 from agent.network import QNetwork
-from agent.pqn import PQN, Batch, lambda_returns, linear, q_loss
+from agent.pqn import PQN, Batch, lambda_returns, q_loss
 from agent.recurrent import RecurrentQNetwork
 from logic.errors import RequestError
 from sim import HouseVectorEnv
@@ -19,7 +19,7 @@ from tests.worlds import random_house
 
 E = 16
 
-HALF = {"discount": 0.5, "trace": 0.5}
+HALF = {"gamma": 0.5, "q_lambda": 0.5}
 
 
 def column(*values: float) -> torch.Tensor:
@@ -56,9 +56,9 @@ def test_no_return_leaks_from_a_later_episode(end):
 
 def test_without_a_trace_returns_are_one_step_and_with_a_full_one_they_never_look_ahead():
     r, v, no = torch.rand(5, 3), torch.rand(5, 3), torch.zeros(5, 3, dtype=torch.bool)
-    one_step = lambda_returns(r, no, no, v, discount=0.9, trace=0.0)
+    one_step = lambda_returns(r, no, no, v, gamma=0.9, q_lambda=0.0)
     torch.testing.assert_close(one_step, r + 0.9 * v)
-    full = lambda_returns(r, no, no, v, discount=0.9, trace=1.0)
+    full = lambda_returns(r, no, no, v, gamma=0.9, q_lambda=1.0)
     torch.testing.assert_close(full[0], sum(0.9**t * r[t] for t in range(5)) + 0.9**5 * v[-1])
 
 
@@ -79,8 +79,8 @@ def test_a_rollout_of_ignored_steps_teaches_nothing():
 
 def test_the_mirror_exchanges_left_and_right_alone_and_undoes_itself():
     actions = torch.tensor([LEFT, RIGHT, FORWARD])
-    assert mirrored(actions).tolist() == [RIGHT, LEFT, FORWARD]
-    assert torch.equal(mirrored(mirrored(actions)), actions)
+    assert flipped_actions(actions).tolist() == [RIGHT, LEFT, FORWARD]
+    assert torch.equal(flipped_actions(flipped_actions(actions)), actions)
 
 
 @pytest.fixture(scope="module")
@@ -92,37 +92,37 @@ def envs() -> HouseVectorEnv:
 
 def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[Batch]]:
     """A learner after one rollout, and what it learnt from."""
-    config = replace(PQNConfig(environments=E, minibatches=1, steps=100_000), **changes)
+    config = replace(PQNConfig(num_envs=E, num_minibatches=1, steps=100_000), **changes)
     learner = PQN(config, envs)
-    batches, improve = [], learner.improve
-    monkeypatch.setattr(learner, "improve", lambda batch: batches.append(batch) or improve(batch))
-    learner.advance()
+    batches, train_step = [], learner.train_step
+    monkeypatch.setattr(learner, "train_step", lambda batch: batches.append(batch) or train_step(batch))
+    learner.iterate()
     return learner, batches
 
 
-@pytest.mark.parametrize("shape", [{"epochs": 2}, {"epochs": 1, "minibatches": 2}], ids=str)
+@pytest.mark.parametrize("shape", [{"update_epochs": 2}, {"update_epochs": 1, "num_minibatches": 2}], ids=str)
 def test_every_second_update_learns_from_the_mirror(envs, monkeypatch, shape):
     _, (lived, mirror) = learnt_from(envs, monkeypatch, **shape)
-    _, (same, other) = learnt_from(envs, monkeypatch, **shape, mirror=False)
+    _, (same, other) = learnt_from(envs, monkeypatch, **shape, flip=False)
     torch.testing.assert_close(same.s_tm1, lived.s_tm1)
     torch.testing.assert_close(mirror.s_tm1, other.s_tm1.flip(1))
-    torch.testing.assert_close(mirror.m_tm1, mirrored_memory(other.m_tm1))
-    assert torch.equal(mirror.a_tm1, mirrored(other.a_tm1))
+    torch.testing.assert_close(mirror.m_tm1, flipped_memory(other.m_tm1))
+    assert torch.equal(mirror.a_tm1, flipped_actions(other.a_tm1))
     assert torch.equal(mirror.valid, other.valid)
 
 
 def test_all_steps_of_a_rollout_are_learnt_from_once_an_epoch(envs, monkeypatch):
-    learner, batches = learnt_from(envs, monkeypatch, epochs=1)
+    learner, batches = learnt_from(envs, monkeypatch, update_epochs=1)
     acted = torch.stack([batches[0].s_tm1.sum((1, 2)), batches[0].a_tm1.float()], dim=1)
     lived = torch.stack([learner.rollout.s[:-1].sum((2, 3)), learner.rollout.a.float()], dim=2).flatten(0, 1)
     torch.testing.assert_close(acted.sort(0).values, lived.sort(0).values)
 
 
-RECURRENT = {"network": "recurrent", "half_lives": (), "mirror": False}
+RECURRENT = {"network": "recurrent", "half_lives": (), "flip": False}
 
 
 def test_a_recurrent_network_learns_from_the_memories_that_it_acted_with(envs, monkeypatch):
-    learner, [batch] = learnt_from(envs, monkeypatch, epochs=1, rollout=90, **RECURRENT)
+    learner, [batch] = learnt_from(envs, monkeypatch, update_epochs=1, num_steps=90, **RECURRENT)
     acted = learner.rollout.memory[:-1]
     assert (~learner.rollout.valid).any()  # an episode ended, and its memory with it
     order = batch.s_tm1.unflatten(0, (90, E))[0].sum((1, 2)).argsort()
@@ -148,7 +148,7 @@ def test_gradients_of_a_recurrent_network_reach_back_to_the_first_look(envs):
 
 
 def learner_of(envs, **changes) -> PQN:
-    return PQN(PQNConfig(environments=E, rollout=8, steps=2000, **changes), envs)
+    return PQN(PQNConfig(num_envs=E, num_steps=8, steps=2000, **changes), envs)
 
 
 def weights(learner: PQN) -> torch.Tensor:
@@ -161,7 +161,7 @@ MAP = {"map": True, "novelty": 0.02, "guided": 0.5}
 @pytest.mark.parametrize(
     "changes",
     [{}, MAP, RECURRENT],
-    ids=["traces", "map", "recurrent"],
+    ids=["feedforward", "map", "recurrent"],
 )
 def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, changes):
     whole = learner_of(envs, **changes)
@@ -182,7 +182,7 @@ def test_a_run_that_was_stopped_goes_on_bit_for_bit(envs, tmp_path, changes):
 
 def test_a_run_of_another_kind_does_not_go_on_here(envs):
     state = learner_of(envs).state()
-    for changes, why in (({"trace": 0.5, "seed": 3}, "seed, trace"), (MAP, "guided, map, novelty")):
+    for changes, why in (({"q_lambda": 0.5, "seed": 3}, "q_lambda, seed"), (MAP, "guided, map, novelty")):
         with pytest.raises(RequestError, match=why):
             learner_of(envs, **changes).restore(state)
     with pytest.raises(RequestError, match="dqn cannot go on as pqn"):
@@ -198,7 +198,7 @@ def test_a_loss_that_is_no_number_or_grows_without_bound_ends_the_run(envs):
     torch.nn.init.constant_(learner.network.judge[-1].bias, float("nan"))
     with pytest.raises(Diverged, match="the loss is nan after 256 steps"):
         next(reports)
-    wild = learner_of(envs, learning_rate=1e9, clip=None)
+    wild = learner_of(envs, learning_rate=1e9, max_grad_norm=None)
     with pytest.raises(Diverged):
         list(wild.train())
 

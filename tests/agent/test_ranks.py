@@ -63,7 +63,7 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     out = tmp_path / "run"
     train = [*TORCHRUN, "-m", "agent.cli", "train", str(tmp_path / "houses.jsonl"), "--out", str(out)]
-    small = ["--environments", "8", "--rollout", "16", "--map"]
+    small = ["--num-envs", "8", "--num-steps", "16", "--map"]
     ended = done([*train, *small, "--steps", "500"])
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert ended.stderr.count("vitruvius evaluate") == 1  # one of them tells
@@ -77,6 +77,6 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
 
 def test_worlds_that_ranks_cannot_share_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(ranks, "size", lambda: 2)
-    with pytest.raises(RequestError, match="environments must be a multiple of the 2 ranks, not 7"):
-        run([random_house(0)], PQNConfig(environments=7), tmp_path / "run")
+    with pytest.raises(RequestError, match="num_envs must be a multiple of the 2 ranks, not 7"):
+        run([random_house(0)], PQNConfig(num_envs=7), tmp_path / "run")
     assert not (tmp_path / "run/config.json").exists()

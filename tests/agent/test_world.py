@@ -131,7 +131,7 @@ def test_a_rollout_goes_on_where_the_one_before_it_ended(envs):
     assert all(torch.equal(a, b) for a, b in zip(halves, whole, strict=True))
 
 
-SHORT = PQNConfig(environments=E, rollout=8, steps=600)
+SHORT = PQNConfig(num_envs=E, num_steps=8, steps=600)
 
 
 def trained(envs: HouseVectorEnv, config: PQNConfig) -> tuple[QNetwork, list[Progress]]:
@@ -157,7 +157,7 @@ def test_the_same_config_and_seed_give_the_same_weights(envs):
 
 
 def test_steps_that_the_world_ignores_are_not_counted(envs):
-    _, history = trained(envs, replace(SHORT, rollout=1501, minibatches=1, epochs=1))
+    _, history = trained(envs, replace(SHORT, num_steps=1501, num_minibatches=1, update_epochs=1))
     assert history[0].steps == 1500 * E  # an episode, without the step that begins the next one
 
 
