@@ -5,9 +5,9 @@ from typing import Any
 import torch
 
 from agent.config import PaperConfig, PQNConfig, QLearningConfig, TrainConfig
-from agent.planner import FEATURES
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
+from agent.planner import FEATURES
 from agent.policies import QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.world import layer_of

@@ -119,11 +119,6 @@ class Levels:
         """Share of the houses that an episode has begun in."""
         return float((self._played >= 0).double().mean())
 
-    @property
-    def effective(self) -> float:
-        """How many houses a deal ranges over: the perplexity of ``probabilities``, 1 to H."""
-        return float(torch.special.entr(self.probabilities).sum().exp())
-
     def state(self) -> dict[str, Tensor]:
         """All that updates and deals depend on, but for the generator: copies, plain tensors."""
         return {name: getattr(self, f"_{name}").clone() for name in STATE}

@@ -8,8 +8,8 @@ from torch.nn.functional import one_hot
 
 from agent.actions import ACTIONS
 from agent.avoidance import Layer, random_preference, subsume
-from agent.planner import Planner
 from agent.network import QNetwork
+from agent.planner import Planner
 from sim.config import DEFAULT, Config
 
 DEFERENCE = 0.1
@@ -147,7 +147,7 @@ class RandomPolicy:
 
 
 def defer(q: Tensor, advice: Tensor) -> Tensor:
-    """Preferences (..., A): the Q-values, ``DEFERENCE`` more for the action that a map advises (...) int64."""
+    """Preferences (..., A): the Q-values, ``DEFERENCE`` more for what a map advises (...) int64."""
     return q + DEFERENCE * one_hot(advice, ACTIONS)
 
 

@@ -21,8 +21,8 @@ from agent.build import network_of
 from agent.config import PQNConfig
 from agent.learner import Learner, Progress, Tally, linear
 from agent.levels import Levels
-from agent.planner import Planner, mirrored_features
 from agent.memory import flipped_memory
+from agent.planner import Planner, mirrored_features
 from agent.rollout import Rollout
 from sim import HouseVectorEnv
 

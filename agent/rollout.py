@@ -7,8 +7,8 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import Layer, subsume
-from agent.planner import Planner
 from agent.network import QNetwork
+from agent.planner import Planner
 from agent.policies import defer, exploration_noise, explore
 from sim import HouseVectorEnv
 

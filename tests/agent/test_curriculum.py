@@ -1,39 +1,29 @@
-"""Curricula and prioritised level replay: what is learnt in, and when."""
+"""Curricula: which houses and targets a stage has, and when the next one begins."""
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pytest
-import torch
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from agent.curriculum import CURRICULA, Curriculum, Lesson, emptied
-from agent.levels import Levels
-from logic import House, Rect
+from agent.curriculum import CURRICULA, Curriculum, Stage, emptied
 from logic.errors import RequestError
 from sim import HouseVectorEnv
 from tests import worlds
 
 BANK = [*worlds.RANDOM, worlds.drawn(worlds.ONE_ROOM)]
-MAIN, ALL = Lesson(0.25, "main", (0, 2), furnished=False), Lesson(1.0, "secondary", (1, None))
+MAIN, ALL = Stage(0.25, "main", (0, 2), furnished=False), Stage(1.0, "secondary", (1, None))
 
 
-# - lessons ----------------------------------------------------------------------------------------
-
-
-def test_a_lesson_is_over_when_its_share_of_the_run_is_done():
-    curriculum = Curriculum((MAIN, Lesson(0.5, "mixed"), ALL))
+def test_a_stage_ends_at_its_fraction_of_the_run():
+    curriculum = Curriculum((MAIN, Stage(0.5, "mixed"), ALL))
     assert [curriculum.at(x) for x in (0.0, 0.24, 0.25, 0.49, 0.5, 0.99, 1.0)] == [0, 0, 1, 1, 2, 2, 2]
 
 
-def test_a_lessons_houses_are_those_of_the_bank_with_so_many_rooms():
+def test_a_stages_houses_are_those_of_the_bank_with_its_numbers_of_rooms():
     counts = [len(house.rooms) for house in BANK]
     assert len(set(counts)) > 2
     for least, most in ((1, 2), (2, 2), (3, None)):
-        chosen = Lesson(1.0, "mixed", (least, most)).houses(BANK)
+        chosen = Stage(1.0, "mixed", (least, most)).houses(BANK)
         assert chosen == [h for h, n in zip(BANK, counts, strict=True) if least <= n <= (most or 99)]
 
 
@@ -45,12 +35,12 @@ def test_an_empty_house_keeps_its_rooms_and_doors_and_nothing_else():
         assert empty.format == house.format
         for room, before in zip(empty.rooms, house.rooms, strict=True):
             assert (room.box, room.type, room.door) == (before.box, before.type, before.door)
-    assert Lesson(1.0, "main", furnished=False).houses(BANK) == [emptied(house) for house in BANK]
+    assert Stage(1.0, "main", furnished=False).houses(BANK) == [emptied(house) for house in BANK]
 
 
-def test_a_lesson_without_houses_is_told_with_its_number_and_the_bank_before_the_run_begins():
+def test_a_stage_without_houses_is_refused_with_its_number_and_the_bank():
     bank = [house for house in BANK if len(house.rooms) > 2]
-    message = "lesson 1 of 2 (main targets, 0 to 2 rooms, empty): mine.jsonl has no such house, only with"
+    message = "stage 1 of 2 (main targets, 0 to 2 rooms, empty): mine.jsonl has no such house, only with"
     with pytest.raises(RequestError, match=re.escape(message)):
         Curriculum((MAIN, ALL)).banks(bank, "mine.jsonl")
     with pytest.raises(RequestError, match="the bank has no such house, only with no rooms"):
@@ -58,21 +48,19 @@ def test_a_lesson_without_houses_is_told_with_its_number_and_the_bank_before_the
 
 
 @pytest.mark.parametrize("targets", CURRICULA)
-def test_the_shipped_curricula_grow_to_all_houses_furnished_with_the_targets_that_are_meant(targets):
-    lessons = CURRICULA[targets].lessons
-    assert (lessons[0].targets, lessons[0].furnished) == ("main", False)
-    assert lessons[-1].targets == targets
-    assert [lesson.rooms[1] or 99 for lesson in lessons] == sorted(
-        lesson.rooms[1] or 99 for lesson in lessons
-    )
+def test_the_shipped_curricula_end_with_all_furnished_houses_and_the_targets_asked_for(targets):
+    stages = CURRICULA[targets].stages
+    assert (stages[0].targets, stages[0].furnished) == ("main", False)
+    assert stages[-1].targets == targets
+    assert [stage.rooms[1] or 99 for stage in stages] == sorted(stage.rooms[1] or 99 for stage in stages)
     banks = CURRICULA[targets].banks(BANK)
     assert banks[-1] == BANK
     assert [len(bank) for bank in banks] == sorted(map(len, banks))
-    for lesson, houses in zip(lessons, banks, strict=True):
-        HouseVectorEnv(houses, num_envs=2, targets=lesson.targets).reset(seed=0)
+    for stage, houses in zip(stages, banks, strict=True):
+        HouseVectorEnv(houses, num_envs=2, targets=stage.targets).reset(seed=0)
 
 
-WRONG_LESSONS: dict[str, dict[str, Any]] = {
+WRONG_STAGES: dict[str, dict[str, Any]] = {
     "until must lie above 0 and be at most 1, not 0": {"until": 0},
     "until must lie above 0 and be at most 1, not 1.5": {"until": 1.5},
     "until must lie above 0 and be at most 1, not nan": {"until": float("nan")},
@@ -83,274 +71,20 @@ WRONG_LESSONS: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("message", WRONG_LESSONS)
-def test_a_lesson_that_cannot_be_is_refused(message):
+@pytest.mark.parametrize("message", WRONG_STAGES)
+def test_a_stage_that_cannot_be_is_refused(message):
     with pytest.raises(RequestError, match=re.escape(message)):
-        Lesson(**({"until": 1.0, "targets": "main"} | WRONG_LESSONS[message]))
+        Stage(**({"until": 1.0, "targets": "main"} | WRONG_STAGES[message]))
 
 
 @pytest.mark.parametrize(
     ("message", "ends"),
     [
-        ("until must be 1 for the last lesson: lessons end at []", []),
-        ("until must be 1 for the last lesson: lessons end at [0.5, 0.9]", [0.5, 0.9]),
-        ("until must rise from lesson to lesson: they end at [0.5, 0.5, 1.0]", [0.5, 0.5, 1.0]),
+        ("until must be 1 for the last stage: stages end at []", []),
+        ("until must be 1 for the last stage: stages end at [0.5, 0.9]", [0.5, 0.9]),
+        ("until must rise from stage to stage: they end at [0.5, 0.5, 1.0]", [0.5, 0.5, 1.0]),
     ],
 )
 def test_a_curriculum_that_no_run_can_follow_is_refused(message, ends):
     with pytest.raises(RequestError, match=re.escape(message)):
-        Curriculum(tuple(Lesson(end, "main") for end in ends))
-
-
-# - levels -----------------------------------------------------------------------------------------
-
-
-def play(levels: Levels, *episodes: tuple[int, list[float]]) -> None:
-    """One update in which each environment plays a whole episode: a house and its errors, equally many."""
-    house, errors = zip(*episodes, strict=True)
-    error = torch.tensor(errors).T
-    ended = torch.zeros(error.shape, dtype=torch.bool)
-    ended[-1] = True
-    levels.update(torch.tensor(house).expand(error.shape), error, ended, torch.ones_like(ended))
-
-
-def taught(**options: float) -> Levels:
-    """Of four houses, 0, 1 and 2 were played one after the other, with scores 0.2, 0.8 and 0.4."""
-    levels = Levels(4, 1, **options)
-    play(levels, (0, [0.25, -0.15]))
-    play(levels, (1, [1.0, 0.6]))
-    play(levels, (2, [-0.4, -0.4]))
-    return levels
-
-
-def test_the_probabilities_of_four_houses_are_those_worked_out_by_hand():
-    # Ranks of 0, 1, 2: 3, 1, 2.   1 / rank: 1/3, 1, 1/2, in all 11/6     -> P_score 2/11, 6/11, 3/11
-    # Updates since they were played: 2, 1, 0, in all 3                   -> P_stale 2/3,  1/3,  0
-    # Half of each: 28/66, 29/66, 9/66; three of four are seen            -> x 3/4; the fourth has 1/4
-    expected = [28 / 88, 29 / 88, 9 / 88, 22 / 88]
-    assert taught(beta=1, rho=0.5).probabilities.tolist() == pytest.approx(expected, abs=1e-12)
-
-
-def test_a_lower_temperature_favours_the_first_ranks_as_worked_out_by_hand():
-    # beta 1/2: 1 / rank ** 2 = 1/9, 1, 1/4, in all 49/36 -> 4/49, 36/49, 9/49
-    levels = taught(beta=0.5, rho=0)
-    assert levels.probabilities.tolist() == pytest.approx([3 / 49, 27 / 49, 27 / 196, 1 / 4], abs=1e-12)
-    play(levels, (3, [0.0, 0.0]))  # all are seen: 1, 1/4, 1/9, 1/16, in all 205/144
-    assert levels.probabilities.tolist() == pytest.approx([16 / 205, 144 / 205, 36 / 205, 9 / 205], abs=1e-12)
-
-
-def test_a_house_not_seen_takes_no_rank():
-    levels = Levels(4, 2, beta=1, rho=0)
-    play(levels, (2, [1.0]), (3, [0.0]))  # ranks 1 and 2: 2/3 and 1/3, of the half that is seen
-    assert levels.probabilities.tolist() == pytest.approx([1 / 4, 1 / 4, 1 / 3, 1 / 6], abs=1e-12)
-
-
-def test_two_that_end_together_in_a_house_give_it_their_mean_and_later_ones_their_own():
-    levels = Levels(2, 2)
-    play(levels, (1, [2.0, 4.0]), (1, [1.0, 1.0]))
-    assert levels.state()["score"].tolist() == [0, 2]
-    play(levels, (1, [7.0]), (0, [3.0]))
-    assert levels.state()["score"].tolist() == [3, 7]
-
-
-def test_with_rho_1_only_the_time_since_a_house_was_played_counts():
-    levels = taught(rho=1)
-    assert levels.probabilities.tolist() == pytest.approx([1 / 2, 1 / 4, 0, 1 / 4], abs=1e-12)
-    play(levels, (3, [9.0]))
-    assert levels.probabilities.tolist() == pytest.approx([3 / 6, 2 / 6, 1 / 6, 0], abs=1e-12)
-
-
-def test_where_all_houses_are_in_play_none_is_stale_and_all_are_alike():
-    levels = Levels(2, 2, rho=1)
-    play(levels, (0, [1.0]), (1, [2.0]))
-    assert levels.probabilities.tolist() == [0.5, 0.5]
-
-
-def test_before_anything_is_seen_all_houses_are_alike():
-    levels = Levels(5, 2)
-    assert levels.probabilities.tolist() == pytest.approx([0.2] * 5)
-    assert (levels.seen, levels.effective) == (0, pytest.approx(5))
-
-
-HISTORIES = st.lists(st.tuples(st.integers(0, 7), st.floats(0, 100)), max_size=20)
-OPTIONS = st.fixed_dictionaries({"beta": st.floats(0.05, 20), "rho": st.floats(0, 1)})
-
-
-@given(HISTORIES, OPTIONS)
-def test_probabilities_sum_to_1_and_each_unseen_house_has_its_equal_share(history, options):
-    levels = Levels(8, 1, **options)
-    for house, error in history:
-        play(levels, (house, [error]))
-    p, unseen = levels.probabilities, sorted(set(range(8)) - {house for house, _ in history})
-    assert float(p.sum()) == pytest.approx(1, abs=1e-12)
-    assert (p >= 0).all()
-    assert p[unseen].tolist() == [1 / 8] * len(unseen)
-    assert levels.seen == 1 - len(unseen) / 8
-    assert 1 - 1e-9 <= levels.effective <= 8 + 1e-9
-
-
-@given(HISTORIES, st.floats(0.05, 20))
-def test_a_higher_score_is_never_less_likely(history, beta):
-    levels, scores = Levels(8, 1, beta=beta, rho=0), {}
-    for house, error in history:
-        play(levels, (house, [error]))
-        scores[house] = float(np.float32(error))
-    p = levels.probabilities.tolist()
-    assert all(p[a] >= p[b] for a in scores for b in scores if scores[a] > scores[b])
-
-
-def steps(levels: Levels, count: int, seed: int) -> Iterator[tuple[torch.Tensor, ...]]:
-    """Random steps of two environments, as NEXT_STEP tells them: the step after an end does not count."""
-    rng = np.random.default_rng(seed)
-    house, over = rng.integers(0, len(levels.probabilities), 2), np.zeros(2, bool)
-    for _ in range(count):
-        house = np.where(over, rng.integers(0, len(levels.probabilities), 2), house)
-        valid, over = ~over, ~over & (rng.random(2) < 0.2)
-        yield tuple(torch.tensor(row) for row in (house, rng.normal(size=2), over, valid))
-
-
-@settings(max_examples=20, deadline=None)
-@given(st.integers(0, 1000), st.integers(1, 60))
-def test_scores_are_the_mean_errors_of_whole_episodes_however_the_steps_are_cut(seed, rollout):
-    levels, expected = Levels(5, 2), dict.fromkeys(range(5), 0.0)
-    told = list(steps(levels, 60, seed))
-    errors: list[list[float]] = [[], []]
-    for house, error, ended, valid in told:
-        finished: dict[int, list[float]] = {}
-        for e in range(2):
-            if valid[e]:
-                errors[e].append(abs(float(error[e])))
-            if ended[e]:
-                finished.setdefault(int(house[e]), []).append(float(np.mean(errors[e])))
-                errors[e] = []
-        expected |= {house: float(np.mean(scores)) for house, scores in finished.items()}
-    for first in range(0, len(told), rollout):
-        levels.update(*(torch.stack(some) for some in zip(*told[first : first + rollout], strict=True)))
-    assert levels.state()["score"].tolist() == pytest.approx(list(expected.values()))
-
-
-def test_a_house_that_was_only_looked_at_after_an_end_is_not_seen():
-    levels = Levels(2, 1)
-    house, error = torch.tensor([[0], [1]]), torch.tensor([[1.0], [5.0]])
-    levels.update(house, error, torch.tensor([[True], [False]]), torch.tensor([[True], [False]]))
-    assert levels.seen == 0.5
-    assert levels.state()["score"].tolist() == [1, 0]
-
-
-def seeded(seed: int) -> torch.Generator:
-    return torch.Generator().manual_seed(seed)
-
-
-def test_houses_come_as_often_as_their_probabilities_say():
-    levels, generator = taught(beta=1, rho=0.5), seeded(0)
-    dealt = torch.cat([levels.deal(1, generator) for _ in range(2000)])
-    found = torch.bincount(dealt, minlength=4) / len(dealt)
-    torch.testing.assert_close(found, levels.probabilities.float(), atol=0.04, rtol=0)  # 4 deviations
-
-
-@pytest.mark.parametrize("number", [1, 5, 12, 30])
-def test_unseen_houses_come_first_and_none_of_them_twice(number):
-    dealt = Levels(12, 3).deal(number, seeded(1)).tolist()
-    assert len(dealt) == number
-    assert len(set(dealt)) == min(number, 12)
-
-
-def test_all_houses_are_seen_in_the_end_and_then_the_scores_decide():
-    levels, generator = Levels(40, 4, beta=0.2, rho=0.1), seeded(2)
-    shares = []
-    for _ in range(100):
-        house = levels.deal(4, generator).tolist()
-        play(levels, *((h, [float(h == 17)]) for h in house))
-        shares.append(levels.seen)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
-    assert int(levels.probabilities.argmax()) == 17
-    assert levels.effective < 40 / 4
-
-
-def test_a_deal_changes_nothing_but_the_generator():
-    levels, generator = taught(), seeded(0)
-    before, chance = levels.state(), generator.get_state()
-    levels.deal(3, generator)
-    assert all(torch.equal(before[name], tensor) for name, tensor in levels.state().items())
-    assert not torch.equal(chance, generator.get_state())
-
-
-def test_a_state_saved_and_restored_goes_on_with_the_same_draws(tmp_path):
-    levels, generator = Levels(5, 2), seeded(3)
-    told = list(steps(levels, 40, 0))
-
-    def rest(levels: Levels, generator: torch.Generator) -> list[torch.Tensor]:
-        dealt = []
-        for step in told[15:]:
-            levels.update(*(some[None] for some in step))
-            dealt.append(levels.deal(7, generator))
-        return [*dealt, *levels.state().values()]
-
-    for step in told[:15]:
-        levels.update(*(some[None] for some in step))
-    levels.deal(2, generator)
-    torch.save({"levels": levels.state(), "chance": generator.get_state()}, tmp_path / "state.pt")
-    expected = rest(levels, generator)
-    saved = torch.load(tmp_path / "state.pt", weights_only=True)
-    other, chance = Levels(5, 2), torch.Generator()
-    for _ in range(2):  # twice: what is restored is a copy
-        other.restore(saved["levels"])
-        chance.set_state(saved["chance"])
-        assert all(torch.equal(*pair) for pair in zip(rest(other, chance), expected, strict=True))
-
-
-def test_a_state_of_another_bank_is_refused_and_changes_nothing():
-    levels = taught()
-    before = levels.state()
-    for wrong in (Levels(5, 1).state(), Levels(4, 2).state(), {"score": before["score"]}):
-        with pytest.raises(ValueError, match="a state of other houses or environments"):
-            levels.restore(wrong)
-    assert all(torch.equal(before[name], tensor) for name, tensor in levels.state().items())
-
-
-@pytest.mark.parametrize(
-    ("message", "wrong"),
-    [
-        ("0 houses and 2 environments: at least one of each", {"houses": 0}),
-        ("beta must be above 0, not 0", {"beta": 0}),
-        ("rho must lie between 0 and 1, not 1.1", {"rho": 1.1}),
-    ],
-)
-def test_levels_that_cannot_be_are_refused(message, wrong):
-    with pytest.raises(RequestError, match=re.escape(message)):
-        Levels(**({"houses": 3, "environments": 2} | wrong))
-
-
-def test_steps_of_another_shape_are_refused():
-    levels, good = Levels(3, 2), torch.zeros(4, 2)
-    for error in (torch.zeros(4, 3), torch.zeros(2), torch.zeros(5, 2)):
-        with pytest.raises(ValueError, match=r"steps \(T, 2\) are needed"):
-            levels.update(good.long(), error, good.bool(), good.bool())
-
-
-def test_a_learner_that_deals_is_a_function_of_its_seeds_and_sees_the_whole_bank():
-    bank = [emptied(house) if k % 2 else house for k, house in enumerate(BANK)]
-    bank.append(House(Rect(0, 0, 3, 3), ()))
-
-    def run() -> list[torch.Tensor]:
-        count, generator = 4, seeded(5)
-        envs = HouseVectorEnv(bank, num_envs=count, max_episode_steps=10)
-        levels, over, shares = Levels(len(bank), count), torch.zeros(count, dtype=torch.bool), []
-        envs.assign(levels.deal(count, generator))
-        envs.reset(seed=0)
-        for _ in range(12):
-            rows = []
-            for _ in range(8):
-                action = torch.randint(3, (count,), generator=generator)
-                _, reward, terminated, truncated, info = envs.step_torch(action)
-                valid, over = ~over, terminated | truncated
-                rows.append((info["house"].clone(), reward.clone(), over, valid))
-            levels.update(*(torch.stack(some) for some in zip(*rows, strict=True)))
-            envs.assign(levels.deal(count, generator))
-            shares.append(levels.seen)
-        assert shares[-1] == 1
-        return [levels.probabilities, *levels.state().values()]
-
-    for one, other in zip(run(), run(), strict=True):
-        assert torch.equal(one, other)
+        Curriculum(tuple(Stage(end, "main") for end in ends))

@@ -1,6 +1,7 @@
 """Deep Q-learning: targets against numbers worked out by hand, what is replayed, runs that stop and go on."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -18,8 +19,7 @@ from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 E = 8
-PRESET = PRESETS["dqn"]
-assert isinstance(PRESET, DQNConfig)
+PRESET = cast(DQNConfig, PRESETS["dqn"])
 SMALL = replace(
     PRESET, num_envs=E, steps=3000, buffer_size=2048, learning_starts=256, batch_size=64, n_step=3
 )

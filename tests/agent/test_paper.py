@@ -1,6 +1,7 @@
 """The paper's agent: its network, targets, schedules, and what it replays after each episode."""
 
 from dataclasses import replace
+from typing import cast
 
 import pytest
 import torch
@@ -13,8 +14,7 @@ from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 E = 8
-PRESET = PRESETS["paper"]
-assert isinstance(PRESET, PaperConfig)
+PRESET = cast(PaperConfig, PRESETS["paper"])
 SMALL = replace(PRESET, num_envs=E, steps=3000, buffer_size=2048, batch_size=64, num_minibatches=4)
 
 

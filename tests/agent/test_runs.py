@@ -26,7 +26,7 @@ from tests.worlds import random_house
 HOUSES = [random_house(seed) for seed in range(4)]
 ROOT = Path(__file__).parents[2]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
-LESSONS = replace(CONFIG, curriculum=True, levels=True)
+STAGES = replace(CONFIG, curriculum=True, levels=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 
@@ -99,14 +99,14 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "config", [CONFIG, LESSONS, RECURRENT, REPLAY], ids=["pqn", "lessons", "pqn-recurrent", "dqn"]
+    "config", [CONFIG, STAGES, RECURRENT, REPLAY], ids=["pqn", "stages", "pqn-recurrent", "dqn"]
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
-    """Of each algorithm; what was learnt after the last report that was kept is learnt anew."""
+    """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
     run(HOUSES, config, tmp_path / "whole")
     learner = DQN if isinstance(config, DQNConfig) else PQN
     iterate = learner.iterate
-    for left in (1, 2):  # with lessons: in the first one, then in the second
+    for left in (1, 2):  # with stages: in the first one, then in the second
         turns = iter([iterate] * left)
         monkeypatch.setattr(learner, "iterate", lambda learner, turns=turns: next(turns)(learner))
         with pytest.raises(RuntimeError, match="StopIteration"):
@@ -194,9 +194,9 @@ def test_a_curriculum_changes_houses_and_targets_and_ends_with_all(tmp_path, mon
     assert taught == [("main", counts[0], False), ("main", counts[1], True), ("main", counts[2], True)]
 
 
-def test_a_curriculum_without_houses_for_a_lesson_is_refused_before_anything_is_written(tmp_path):
+def test_a_curriculum_without_houses_for_a_stage_is_refused_before_anything_is_written(tmp_path):
     many = [house for house in (random_house(seed) for seed in range(60)) if len(house.rooms) > 2][:2]
     assert many
-    with pytest.raises(RequestError, match=r"lesson 1 of 3 .* has no such house"):
+    with pytest.raises(RequestError, match=r"stage 1 of 3 .* has no such house"):
         run(many, replace(CONFIG, curriculum=True), tmp_path / "run")
     assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
