@@ -56,13 +56,13 @@ def test_in_an_empty_room_the_shield_forbids_exactly_the_moves_that_a_wall_block
     assert (allowed == (air > 0))[clear].all()
 
 
-def test_the_heading_shows_in_the_rays():
+def test_the_rays_show_whether_the_heading_is_diagonal():
     x, y, octant = poses(2000, 3.0, 4.0)
     diagonal = SHIELD.diagonal(sight(x, y, octant * np.pi / 4, 3.0, 4.0)[..., 0])
     assert (diagonal.numpy() == (octant % 2 == 1)).all()
 
 
-def test_a_margin_keeps_that_much_air():
+def test_a_margin_is_kept_free_before_the_body():
     heading = np.zeros(2)
     x = 3.0 - BODY / 2 - STEP - np.array([0.019, 0.021])
     scene = sight(x, np.ones(2), heading, 3.0, 4.0)
@@ -106,7 +106,7 @@ def test_a_lower_layer_chooses_among_what_is_left_and_is_ignored_where_it_wants_
     assert Stack(only(LEFT, RIGHT), only(RIGHT), only(LEFT))(scene, no).tolist() == [[False, True, False]]
 
 
-def test_the_layer_takes_the_best_of_what_it_allows_in_acts_and_in_values():
+def test_the_best_allowed_action_is_taken_and_its_value_is_the_best_value():
     q = torch.tensor([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]])
     allowed = torch.tensor([[True, True, True], [True, True, False]])
     assert subsume(q, allowed).tolist() == [FORWARD, RIGHT]

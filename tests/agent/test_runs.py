@@ -1,4 +1,4 @@
-"""Runs survive: a kill at any moment, a folder in use, numbers that are none. Nothing is overwritten."""
+"""Runs survive a kill at any moment, and overwrite no other run."""
 
 import json
 import signal
@@ -50,11 +50,11 @@ def same(one: Path, other: Path) -> bool:
     return all(torch.equal(value, pairs[1][name]) for name, value in pairs[0].items())
 
 
-def test_a_folder_tells_all_that_is_needed_to_run_it_again(tmp_path):
+def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):
     made, history = run(HOUSES, CONFIG, tmp_path / "run", name="pqn", command="vitruvius train ...")
-    told = json.loads((tmp_path / "run/config.json").read_text())
-    assert checkpoint.config_of(told["algorithm"], told["config"]) == CONFIG
-    assert told["houses"] == {"number": 4, "hash": bank_hash(HOUSES)}
+    record = json.loads((tmp_path / "run/config.json").read_text())
+    assert checkpoint.config_of(record["algorithm"], record["config"]) == CONFIG
+    assert record["houses"] == {"number": 4, "hash": bank_hash(HOUSES)}
     found = checkpoint.load(tmp_path / "run/agent.safetensors")
     assert (found.steps, found.houses, found.command) == (1536, bank_hash(HOUSES), "vitruvius train ...")
     assert made.steps == history[-1].steps == metrics(tmp_path / "run")[-1]["steps"] == 1536
@@ -146,7 +146,7 @@ def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
     run(HOUSES, CONFIG, tmp_path / "run")  # what ended leaves it free
 
 
-def test_a_spoiled_state_is_refused_in_one_line(tmp_path):
+def test_a_damaged_state_is_refused_in_one_line(tmp_path):
     run(HOUSES, CONFIG, tmp_path / "run")
     state = tmp_path / "run/state.pt.gz"
     for content in (b"", b"nothing", state.read_bytes()[:-500]):
@@ -173,7 +173,7 @@ def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypat
     assert all(torch.isfinite(value).all() for value in kept.network.state_dict().values())
 
 
-def test_a_device_that_is_not_there_is_told(tmp_path):
+def test_a_device_that_is_not_there_is_refused(tmp_path):
     if torch.cuda.is_available():
         pytest.skip("there is one")
     with pytest.raises(RequestError, match="torch finds no GPU here"):
