@@ -55,10 +55,6 @@ class TrainConfig:
     """Of products of float32 matrices, as torch names it: medium may take bfloat16 inside, faster where a
     processor has it."""
 
-    curriculum: bool = False
-    """Whether easier environments come first: main rooms, few rooms, no furniture. See
-    ``agent.curriculum``."""
-
     learning_rate: float = 1e-3
     """Step size of the optimiser at the start."""
 
@@ -95,9 +91,6 @@ class QLearningConfig(TrainConfig):
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""
 
-    flip: bool = True
-    """Flip augmentation: whether half of all updates learn with left and right exchanged."""
-
     gamma: float = 0.99
     """Discount: what a reward one step later is worth."""
 
@@ -120,8 +113,6 @@ class QLearningConfig(TrainConfig):
         super().__post_init__()
         if not all(half_life > 0 for half_life in self.half_lives):
             raise RequestError(f"half_lives must be above 0, not {self.half_lives}")
-        if self.flip and self.world == "paper":
-            raise RequestError("flip needs world default: the paper's rays are not the same on both sides")
 
 
 @dataclass(frozen=True)
@@ -141,20 +132,6 @@ class PQNConfig(QLearningConfig):
     map: bool = False
     """Whether the network reads a map of the house, made of the agent's own rays and actions."""
 
-    novelty: float = 0.0
-    """Reward for a step nearer to its map's goal, the target or a place to look at, and for seeing 40 new
-    cells; it falls on a line to 0 at ``novelty_fraction`` of the run."""
-
-    novelty_fraction: float = 0.7
-    """Fraction of the run over which ``novelty`` falls to 0."""
-
-    guided: float = 0.0
-    """Share of the random actions that are the map's advice instead."""
-
-    levels: bool = False
-    """Whether episodes take place in the houses with most to learn (prioritised level replay). See
-    ``agent.levels``."""
-
     q_lambda: float = 0.75
     """Lambda of Q(lambda), how far returns follow the path taken before they trust the network: 0 one step,
     1 all of them."""
@@ -169,20 +146,16 @@ class PQNConfig(QLearningConfig):
     positive: ClassVar[tuple[str, ...]] = (
         *(*QLearningConfig.positive, "num_steps", "update_epochs", "num_minibatches"),
     )
-    fractions: ClassVar[tuple[str, ...]] = (
-        *(*QLearningConfig.fractions, "q_lambda", "novelty", "novelty_fraction", "guided"),
-    )
+    fractions: ClassVar[tuple[str, ...]] = (*(*QLearningConfig.fractions, "q_lambda"),)
 
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
         super().__post_init__()
-        if not self.map and (self.novelty or self.guided):
-            raise RequestError("novelty and guided need map: there is no map that they could come from")
-        if (self.map or self.levels) and self.device != "cpu":
-            raise RequestError("map and levels need device cpu: that is where they are kept")
+        if self.map and self.device != "cpu":
+            raise RequestError("map needs device cpu: that is where maps are kept")
         if self.network == "recurrent":
-            if self.flip or self.map:
-                raise RequestError("network recurrent needs no-flip and no-map: its memory cannot be flipped")
+            if self.map:
+                raise RequestError("network recurrent needs no-map: it does not read one")
             if self.num_minibatches > self.num_envs:
                 raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")
         if self.num_minibatches > self.num_envs * self.num_steps:
@@ -273,20 +246,11 @@ class PaperConfig(TrainConfig):
             raise RequestError("deep Q-learning from a replay buffer runs on device cpu alone")
 
 
-PQN = PQNConfig(precision="medium", flip=False)
+PQN = PQNConfig(precision="medium")
 
 PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig] = {
     "pqn": PQN,
-    "pqn-map": replace(
-        PQN,
-        flip=True,
-        targets="secondary",
-        steps=2_000_000,
-        map=True,
-        novelty=0.02,
-        guided=0.9,
-        epsilon=1.0,
-    ),
+    "pqn-map": replace(PQN, targets="secondary", steps=2_000_000, map=True),
     "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
     "dqn": DQNConfig(
         num_envs=64, learning_rate=5e-4, final_lr_fraction=0.1, epsilon=1.0, exploration_fraction=0.1

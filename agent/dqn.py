@@ -20,12 +20,11 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT, flipped_actions
+from agent.actions import ACTIONS
 from agent.avoidance import subsume
 from agent.build import network_of
 from agent.config import DQNConfig
 from agent.learner import Learner, Progress, Tally, linear
-from agent.memory import flipped_memory
 from agent.policies import epsilon_greedy
 from agent.replay import ReplayBuffer
 from sim import HouseVectorEnv
@@ -89,17 +88,6 @@ class Batch(NamedTuple):
     allowed_t: Tensor
     valid: Tensor
 
-    def flipped(self) -> "Batch":
-        """The same steps with left and right exchanged."""
-        return self._replace(
-            s_tm1=self.s_tm1.flip(1),
-            m_tm1=flipped_memory(self.m_tm1),
-            a_tm1=flipped_actions(self.a_tm1),
-            s_t=self.s_t.flip(1),
-            m_t=flipped_memory(self.m_t),
-            allowed_t=self.allowed_t[:, [RIGHT, LEFT, FORWARD]],
-        )
-
 
 def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, gamma: float) -> Batch:
     """The steps in these rows (B,) of these environments (B,), with their returns over n steps."""
@@ -130,17 +118,13 @@ class DQN(Learner):
         self.target = deepcopy(self.network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
         self.updates, self.tally = 0, Tally()
-        self.reset()
-
-    def reset(self) -> None:
-        """Begin episodes in all environments, with an empty replay buffer."""
-        count = self.config.num_envs
+        count = config.num_envs
         self.s, self.m = self.reset_envs(), self.network.memory.empty(count)
         self.blocked = self.ended = torch.zeros(count, dtype=torch.bool)
         flags = self.blocked
         # Half precision is 2 mm at the end of the range, takes no longer to read and half the room.
         self.replay = ReplayBuffer(
-            self.config.buffer_size // count,
+            config.buffer_size // count,
             s=self.s.half(),
             m=self.m.half(),
             allowed=torch.zeros(count, ACTIONS, dtype=torch.bool),
@@ -210,8 +194,6 @@ class DQN(Learner):
     def train_step(self, batch: Batch) -> Tensor:
         """Learn from a batch; the loss."""
         config = self.config
-        if config.flip and self.updates % 2:
-            batch = batch.flipped()
         with torch.no_grad():
             q_t_target = self.target(batch.s_t, batch.m_t)
             q_t_online = self.network(batch.s_t, batch.m_t)

@@ -12,7 +12,6 @@ from torch import Tensor, nn
 from agent import ranks
 from agent.banks import bank_hash
 from agent.config import TrainConfig, differences
-from agent.curriculum import CURRICULA
 from agent.world import layer_of
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
@@ -108,9 +107,7 @@ class Learner(ABC):
         """
         if envs.num_envs * ranks.size() != config.num_envs:
             raise RequestError(f"num_envs must be {ranks.size()} x {envs.num_envs}, not {config.num_envs}")
-        self.config, self.envs, self.bank = config, envs, envs.houses
-        self.curriculum = CURRICULA[config.targets] if config.curriculum else None
-        self.stage = 0
+        self.config, self.envs = config, envs
         # Every rank has environments and random numbers of its own; weights are the same.
         self.seed = config.seed + ranks.rank() * envs.num_envs
         self.generator = torch.Generator(config.device).manual_seed(self.seed)
@@ -118,7 +115,6 @@ class Learner(ABC):
         self.avoidance = layer_of(config, envs, self.generator)
         self.steps, self.clock = 0, Clock()
         self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))
-        self.set_stage(0)
 
     @property
     def fraction(self) -> float:
@@ -132,35 +128,14 @@ class Learner(ABC):
         Raises ``Diverged`` in place of a report that could not be true.
         """
         while self.fraction < 1:
-            self.follow_curriculum()
             now = self.iterate()
             if not abs(now.loss) <= DIVERGED:  # nor if it is not a number
                 raise Diverged(f"the loss is {now.loss:g} after {now.steps:,} steps")
             yield now
 
-    def follow_curriculum(self) -> None:
-        """Go over to the next stage of the curriculum when it is time: all episodes begin again."""
-        if self.curriculum and self.curriculum.at(self.fraction) != self.stage:
-            self.set_stage(self.curriculum.at(self.fraction))
-            self.reset()
-
-    def set_stage(self, stage: int) -> None:
-        """Give the environments the houses and targets of a stage of the curriculum, if there is one."""
-        self.stage = stage
-        if self.curriculum:
-            houses = self.curriculum.banks(self.bank, "the house file")[stage]
-            self.envs.set_houses(houses, self.curriculum.stages[stage].targets)
-
     def reset_envs(self) -> Tensor:
-        """Begin episodes in all environments; the observations (E, R, C). They are a function of the seed and
-        the stage alone: a run that was restored within a stage begins the next one like one that went on.
-        """
-        seed = self.seed + (self.stage << 32)
-        return torch.as_tensor(self.envs.reset(seed=seed)[0], device=self.config.device)
-
-    @abstractmethod
-    def reset(self) -> None:
-        """Begin episodes in all environments."""
+        """Begin episodes in all environments; the observations (E, R, C)."""
+        return torch.as_tensor(self.envs.reset(seed=self.seed)[0], device=self.config.device)
 
     @abstractmethod
     def iterate(self) -> Progress:
@@ -196,8 +171,7 @@ class Learner(ABC):
         return {
             "algorithm": self.config.algorithm,
             "config": asdict(self.config),
-            "houses": bank_hash(self.bank),
-            "stage": self.stage,
+            "houses": bank_hash(self.envs.houses),
             "network": self.network.state_dict(),
             "generator": self.generator.get_state(),
             "envs": {name: torch.from_numpy(array) for name, array in self.envs.state.items()},
@@ -216,11 +190,8 @@ class Learner(ABC):
         other = set(differences(self.config, type(self.config)(**state["config"]))) - {"steps", "seconds"}
         if other:
             raise RequestError(f"a run of another config cannot go on here: {', '.join(sorted(other))}")
-        if state["houses"] != bank_hash(self.bank):
+        if state["houses"] != bank_hash(self.envs.houses):
             raise RequestError("a run in other houses cannot go on here")
-        if state["stage"] != self.stage:
-            self.set_stage(state["stage"])
-            self.reset()
         self.network.load_state_dict(state["network"])
         self.generator.set_state(state["generator"])
         self.envs.state = {name: tensor.numpy() for name, tensor in state["envs"].items()}

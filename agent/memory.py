@@ -14,8 +14,6 @@ from torch import Tensor, nn
 from agent.actions import ACTIONS
 
 SIGNALS = 6
-FLIP = (1, 0, 2, 3, 5, 4)
-"""Where each signal stands when left and right are exchanged."""
 
 
 class Memory(nn.Module):
@@ -45,8 +43,3 @@ class Memory(nn.Module):
         signals = torch.cat([actions[:, None] == each, blocked[:, None], sides], dim=1)
         averages = torch.lerp(signals[:, None], memory, self.decay)
         return averages.masked_fill_(ended[:, None, None], 0.0)
-
-
-def flipped_memory(memory: Tensor) -> Tensor:
-    """The same memories (B, M, 6) with left and right exchanged."""
-    return memory.index_select(-1, torch.tensor(FLIP, device=memory.device))

@@ -120,16 +120,12 @@ class Paper(Learner):
         super().__init__(config, envs, PaperNetwork.of(config), report=REPORT)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
         self.updates, self.episodes, self.tally = 0, 0, Tally()
-        self.reset()
-
-    def reset(self) -> None:
-        """Begin episodes in all environments, with an empty replay buffer."""
-        count = self.config.num_envs
+        count = config.num_envs
         self.s = self.reset_envs()
         self.blocked = self.ended = torch.zeros(count, dtype=torch.bool)
         self.began = torch.zeros(count, dtype=torch.int64)
         self.replay = ReplayBuffer(
-            self.config.buffer_size // count,
+            config.buffer_size // count,
             s=self.s.half(),  # 2 mm at the end of the range, in half the room
             a=torch.zeros(count, dtype=torch.int64),
             r=torch.zeros(count),

@@ -152,26 +152,23 @@ def defer(q: Tensor, advice: Tensor) -> Tensor:
 
 
 def exploration_noise(
-    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float, guided: float = 0.0
-) -> tuple[Tensor, Tensor, Tensor]:
+    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float
+) -> tuple[Tensor, Tensor]:
     """Random numbers for actions of this shape, to be used by ``explore`` at once or one row after the other.
 
-    Which actions are random (..., 1) bool, a share ``epsilon``; which of these are the map's advice (..., 1)
-    bool, a share ``guided``; and the preferences (..., A) of the rest, ``forward`` in that share.
+    Which actions are random (..., 1) bool, a share ``epsilon``; and their preferences (..., A),
+    ``forward`` in that share.
     """
     device = generator.device
-    uniform = torch.rand(2, *shape, 1, generator=generator, device=device)
+    # The second number of each action is not used: it keeps all runs as they are on record.
+    uniform, _ = torch.rand(2, *shape, 1, generator=generator, device=device)
     random = random_preference(torch.empty(*shape, ACTIONS, device=device), generator, forward)
-    return uniform[0] < epsilon, uniform[1] < guided, random
+    return uniform < epsilon, random
 
 
-def explore(q: Tensor, noise: tuple[Tensor, Tensor, Tensor], advice: Tensor | None = None) -> Tensor:
-    """Preferences (..., A): the Q-values, or where the noise says so those of a random action, or of
-    the one that a map advises (...) int64.
-    """
-    chosen, guided, random = noise
-    if advice is not None:
-        random = torch.where(guided, one_hot(advice, ACTIONS).float(), random)
+def explore(q: Tensor, noise: tuple[Tensor, Tensor]) -> Tensor:
+    """Preferences (..., A): the Q-values, or where the noise says so those of a random action."""
+    chosen, random = noise
     return torch.where(chosen, random, q)
 
 

@@ -16,13 +16,10 @@ import torch
 from torch import Tensor
 
 from agent import ranks
-from agent.actions import flipped_actions
 from agent.build import network_of
 from agent.config import PQNConfig
 from agent.learner import Learner, Progress, Tally, linear
-from agent.levels import Levels
-from agent.memory import flipped_memory
-from agent.planner import Planner, mirrored_features
+from agent.planner import Planner
 from agent.rollout import Rollout
 from sim import HouseVectorEnv
 
@@ -68,15 +65,6 @@ class Batch(NamedTuple):
     g_tm1: Tensor
     valid: Tensor
 
-    def flipped(self) -> "Batch":
-        """The same steps with left and right exchanged."""
-        return self._replace(
-            s_tm1=self.s_tm1.flip(1),
-            m_tm1=flipped_memory(self.m_tm1),
-            f_tm1=mirrored_features(self.f_tm1),
-            a_tm1=flipped_actions(self.a_tm1),
-        )
-
 
 class PQN(Learner):
     """A run of parallel Q-learning."""
@@ -87,14 +75,6 @@ class PQN(Learner):
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""
         super().__init__(config, envs, network_of(config), report=config.num_steps)
         self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate, foreach=True)
-        self.reset()
-
-    def reset(self) -> None:
-        """Begin episodes in all environments, with empty memories and maps."""
-        envs, config = self.envs, self.config
-        self.levels = Levels(len(envs.houses), envs.num_envs) if config.levels else None
-        if self.levels:
-            envs.assign(self.levels.deal(envs.num_envs, self.generator))
         observation, memory = self.reset_envs(), self.network.memory.empty(envs.num_envs)
         self.map = Planner(envs.config, envs.num_envs) if config.map else None
         self.rollout = Rollout.starting(config.num_steps, observation, memory, self.map)
@@ -109,12 +89,7 @@ class PQN(Learner):
         """Act for a rollout and learn from it."""
         start, epsilon, rollout = perf_counter(), self.epsilon, self.rollout
         self.act(epsilon)
-        g = self.returns()
-        loss = self.train_epochs(g)
-        if self.levels:
-            ended = rollout.terminated | rollout.truncated
-            self.levels.update(rollout.house, g - rollout.v[:-1], ended, rollout.valid)
-            self.envs.assign(self.levels.deal(self.envs.num_envs, self.generator))
+        loss = self.train_epochs(self.returns())
         self.clock.simulating += rollout.simulating
         self.clock.mapping += rollout.mapping
         self.clock.all += perf_counter() - start
@@ -128,18 +103,13 @@ class PQN(Learner):
             epsilon=epsilon,
             forward=self.config.forward,
             generator=self.generator,
-            guided=self.config.guided,
         )
 
     def returns(self) -> Tensor:
-        """Return of each action of the rollout (T, E); the map's bonus is added to the rewards."""
+        """Return of each action of the rollout (T, E)."""
         config, rollout = self.config, self.rollout
-        novelty = linear(config.novelty, 0.0, self.fraction / max(config.novelty_fraction, 1e-9))
         return lambda_returns(
-            rollout.r + novelty * rollout.bonus if novelty else rollout.r,
-            rollout.terminated,
-            rollout.truncated,
-            rollout.v[1:],
+            *(rollout.r, rollout.terminated, rollout.truncated, rollout.v[1:]),
             gamma=config.gamma,
             q_lambda=config.q_lambda,
         )
@@ -150,10 +120,8 @@ class PQN(Learner):
         for group in self.optimizer.param_groups:
             group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
         losses = []
-        for epoch in range(config.update_epochs):
-            for number, batch in enumerate(self.minibatches(g)):
-                flip = config.flip and (epoch + number) % 2
-                losses.append(self.train_step(batch.flipped() if flip else batch))
+        for _ in range(config.update_epochs):
+            losses += [self.train_step(batch) for batch in self.minibatches(g)]
         return float(torch.stack(losses).mean())
 
     def minibatches(self, g: Tensor) -> Iterator[Batch]:
@@ -205,7 +173,6 @@ class PQN(Learner):
         return {
             "optimizer": self.optimizer.state_dict(),
             "map": self.map.state if self.map else None,
-            "levels": self.levels.state() if self.levels else None,
             "last": {name: getattr(rollout, name)[-1].clone() for name in LAST},
         }
 
@@ -214,8 +181,6 @@ class PQN(Learner):
         self.optimizer.load_state_dict(state["optimizer"])
         if self.map:
             self.map.state = state["map"]
-        if self.levels:
-            self.levels.restore(state["levels"])
         for name, last in state["last"].items():
             getattr(self.rollout, name)[-1] = last
 

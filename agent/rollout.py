@@ -12,9 +12,6 @@ from agent.planner import Planner
 from agent.policies import defer, exploration_noise, explore
 from sim import HouseVectorEnv
 
-NEW = 40
-"""New cells in a step that earn the whole bonus."""
-
 
 @dataclass
 class Rollout:
@@ -41,17 +38,11 @@ class Rollout:
     r: Tensor
     """Rewards (T, E) float32."""
 
-    bonus: Tensor
-    """Reward for exploring (T, E) float32: progress to the map's goal, and cells seen for the first time."""
-
     terminated: Tensor
     """Whether a step ended the episode in a terminal state (T, E) bool."""
 
     truncated: Tensor
     """Whether the time ran out at a step (T, E) bool."""
-
-    house: Tensor
-    """In which house of the bank each step was made (T, E) int32."""
 
     valid: Tensor
     """Which steps count (T, E) bool: all but those after an end, whose action the environment ignored."""
@@ -87,10 +78,8 @@ class Rollout:
             v=observation.new_empty(steps + 1, len(observation)),
             a=observation.new_empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
-            bonus=observation.new_zeros(size),
             terminated=ended.clone(),
             truncated=ended.clone(),
-            house=observation.new_zeros(size, dtype=torch.int32),
             valid=ended.clone(),
             map=map,
         )
@@ -107,28 +96,26 @@ class Rollout:
         epsilon: float,
         forward: float,
         generator: torch.Generator,
-        guided: float = 0.0,
     ) -> None:
         """Act from where the last rollout ended: the network's actions under avoidance, a share ``epsilon``
-        at random, and of these a share ``guided`` as the map advises.
+        at random.
         """
         first = ended = self.terminated[-1] | self.truncated[-1]
         for states in (self.s, self.blocked, self.memory, self.features):
             states[0] = states[-1]
         self.simulating, self.mapping = 0.0, 0.0
         values, explored = [], []
-        steps = zip(*exploration_noise(self.a.shape, generator, epsilon, forward, guided), strict=True)
+        steps = zip(*exploration_noise(self.a.shape, generator, epsilon, forward), strict=True)
         for t, noise in enumerate(steps):
             q, preferred, allowed = self._values(t, network, avoidance)
             values.append((q, preferred, allowed))
-            explored.append(explore(preferred, noise, self.map.advice if self.map else None))
+            explored.append(explore(preferred, noise))
             self.a[t] = subsume(explored[t], allowed)
             before = perf_counter()
             observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
             self.simulating += perf_counter() - before
             # Copied: the simulator writes over its tensors at the next step.
             self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
-            self.house[t] = info["house"]
             self.terminated[t], self.truncated[t] = terminated, truncated
             # The step after an end begins the next episode: its memory is empty.
             begun, ended = ended, terminated | truncated
@@ -138,7 +125,6 @@ class Rollout:
                 self.map.step(observation, self.blocked[t + 1], self.a[t], begun)
                 self.mapping += perf_counter() - before
                 self.features[t + 1] = self.map.features
-                self.bonus[t] = self.map.progress.clamp(-1, 1) + self.map.new.clamp(max=NEW) / NEW
         values.append(self._values(-1, network, avoidance))
         # The rest for all steps at once.
         q, preferred, allowed = (torch.stack(column) for column in zip(*values, strict=True))

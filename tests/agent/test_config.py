@@ -16,12 +16,8 @@ WRONG = {
         ("num_steps", 0),
         ("q_lambda", 2.0),
         ("map", {"device": "cuda", "map": True}),
-        ("levels", {"device": "cuda", "levels": True}),
-        ("flip", {"world": "paper"}),
-        ("flip", {"network": "recurrent"}),
-        ("num_minibatches", {"network": "recurrent", "flip": False, "num_envs": 2}),
-        ("novelty", 0.5),
-        ("guided", 0.5),
+        ("map", {"network": "recurrent", "map": True}),
+        ("num_minibatches", {"network": "recurrent", "num_envs": 2}),
     ],
     DQNConfig: [
         ("num_envs", 0),
@@ -29,7 +25,6 @@ WRONG = {
         ("buffer_size", 10),
         ("train_frequency", -1),
         ("batch_size", 0),
-        ("flip", {"world": "paper"}),
         ("device", "cuda"),
     ],
     PaperConfig: [

@@ -10,7 +10,7 @@ import torch
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
 from agent.config import PRESETS, DQNConfig
-from agent.dqn import DQN, Batch, double_q_targets, huber_loss, n_step_returns
+from agent.dqn import DQN, double_q_targets, huber_loss, n_step_returns
 from agent.evaluation.episodes import play
 from agent.policies import QPolicy, RandomPolicy
 from agent.world import shield
@@ -73,26 +73,6 @@ def test_the_loss_is_squared_for_small_errors_linear_for_large_ones_and_leaves_o
     actions, target = torch.tensor([LEFT, RIGHT, FORWARD]), torch.tensor([1.5, 5.0, 1e9])
     loss = huber_loss(q, actions, target, torch.tensor([True, True, False]))
     assert loss.item() == ((0.5 * 0.5**2) + (3 - 0.5)) / 2
-
-
-def test_a_flipped_batch_has_left_and_right_exchanged_and_flipped_again_it_is_the_same():
-    batch = Batch(
-        s_tm1=torch.rand(3, 4, 2),
-        m_tm1=torch.rand(3, 1, 6),
-        a_tm1=torch.tensor([LEFT, RIGHT, FORWARD]),
-        g=torch.rand(3),
-        discount_t=torch.rand(3),
-        s_t=torch.rand(3, 4, 2),
-        m_t=torch.rand(3, 1, 6),
-        allowed_t=torch.tensor([[False, True, True]] * 3),
-        valid=torch.ones(3, dtype=torch.bool),
-    )
-    other = batch.flipped()
-    assert other.a_tm1.tolist() == [RIGHT, LEFT, FORWARD]
-    assert other.allowed_t.tolist() == [[True, False, True]] * 3
-    assert torch.equal(other.s_t, batch.s_t.flip(1))
-    for one, same in zip(batch, other.flipped(), strict=True):
-        assert torch.equal(one, same)
 
 
 def test_steps_whose_action_was_ignored_change_no_weight(envs):

@@ -1,4 +1,4 @@
-"""The map: odometry, what it holds against the true house, its ways, what it may depend on, its mirror."""
+"""The map: odometry, what it holds against the true house, its ways, what it may depend on."""
 
 from dataclasses import replace
 from typing import Any
@@ -15,7 +15,7 @@ from agent.build import network_of
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
 from agent.evaluation.episodes import play
-from agent.planner import FEATURES, FREE, TAKEN, Planner, mirrored_features
+from agent.planner import FEATURES, FREE, TAKEN, Planner
 from agent.planner.cells import FLAGS, SOLID, WAYS
 from agent.planner.counts import KIND, NONE, STALE, THINK
 from agent.planner.features import SCALARS, SIDES
@@ -196,35 +196,6 @@ def test_a_new_episode_begins_with_an_empty_map(envs):
         walked(envs, one, 50)
     assert torch.equal(maps.features, twice.features)
     assert np.array_equal(maps.arrays["cells"].numpy(), twice.arrays["cells"].numpy())
-
-
-def test_features_of_the_mirror_are_the_mirrors_features():
-    """Rays and actions exchanged left for right, from a straight and a diagonal start; the advice may differ
-    where two ways are equally long, and with it which goal is taken.
-    """
-    house = random_house(0)
-    worlds = make_worlds([house], 2, "mixed")
-    for heading in (0.0, np.pi / 4):
-        start = worlds.reset(seed=3)[1]["pose"][0]
-        options = {"house": [0, 0], "pose": [[*start[:2], heading]] * 2}
-        observation, _ = worlds.reset(seed=0, options=options)
-        one, other = Planner(DEFAULT, 1), Planner(DEFAULT, 1)
-        no, fresh, action = torch.zeros(1).bool(), torch.ones(1).bool(), torch.tensor([LEFT])
-        agree = []
-        blocked = no
-        for turn in [LEFT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT, LEFT, FORWARD] * 4:
-            seen = torch.as_tensor(observation[:1])
-            flipped = torch.where(action == FORWARD, action, RIGHT - action)
-            one.step(seen, blocked, action, fresh)
-            other.step(seen.flip(1), blocked, flipped, fresh)
-            agree.append((mirrored_features(one.features) - other.features).abs() < 1e-4)
-            assert abs((one.occupancy(0) > 0).sum() / (other.occupancy(0) > 0).sum() - 1) < 0.03
-            action, fresh = torch.tensor([turn]), no
-            observation, _, _, _, info = worlds.step(np.array([turn, turn]))
-            blocked = torch.as_tensor(info["blocked"][:1])
-        assert torch.cat(agree).float().mean() > 0.9
-    features = torch.rand(3, FEATURES)
-    assert torch.equal(mirrored_features(mirrored_features(features)), features)
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,10 @@
-"""The memory: exponential moving averages that rise, fall, are flipped, and begin empty."""
+"""The memory: exponential moving averages that rise, fall, and begin empty."""
 
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, flipped_actions
-from agent.memory import Memory, flipped_memory
+from agent.actions import FORWARD, LEFT
+from agent.memory import Memory
 
 NO = torch.zeros(1, dtype=torch.bool)
 NOTHING = torch.zeros(1, 40, 2)
@@ -35,16 +35,3 @@ def test_the_memory_is_empty_where_an_episode_begins():
     held = Memory((1, 4))(held, torch.ones(2, 40, 2), yes, actions, begun)
     assert held[0].eq(0).all()
     assert held[1].gt(0).any()
-
-
-def test_the_memory_of_flipped_observations_is_the_flipped_memory():
-    memory, held = Memory((1, 4, 16)), Memory((1, 4, 16)).empty(5)
-    other = held
-    generator = torch.Generator().manual_seed(0)
-    scenes = (torch.rand(20, 5, 40, 2, generator=generator) > 0.97).float()
-    new, bumped = torch.zeros(5, dtype=torch.bool), torch.tensor([True, False, False, True, False])
-    for seen, actions in zip(scenes, torch.randint(3, (20, 5), generator=generator), strict=True):
-        held = memory(held, seen, bumped, actions, new)
-        other = memory(other, seen.flip(1), bumped, flipped_actions(actions), new)
-    assert held.gt(0).any((0, 1)).all()
-    torch.testing.assert_close(flipped_memory(held), other)

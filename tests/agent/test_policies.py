@@ -33,14 +33,6 @@ def test_a_share_of_the_actions_is_random_and_the_rest_are_the_best(epsilon, exp
     assert ((actions == FORWARD) | (actions == LEFT)).all()
 
 
-def test_a_share_of_the_random_actions_is_the_maps_advice():
-    q = torch.tensor([[1.0, 0.0, 0.0]]).expand(20_000, 3)
-    noise = exploration_noise((len(q),), seeded(), epsilon=0.5, forward=1.0, guided=0.5)
-    actions = explore(q, noise, torch.full((len(q),), RIGHT)).argmax(-1)
-    shares = torch.bincount(actions, minlength=3) / len(q)
-    assert shares.tolist() == pytest.approx([0.5, 0.25, 0.25], abs=0.01)
-
-
 def test_a_network_prefers_the_maps_advice_where_actions_have_about_the_same_value():
     q = torch.tensor([[0.5, 0.55, 0.5], [0.5, 0.7, 0.5]])
     advice = torch.tensor([FORWARD, FORWARD])

@@ -18,15 +18,14 @@ from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.runs import run
-from logic import House, save
+from logic import save
 from logic.errors import RequestError
-from sim import HouseVectorEnv
 from tests.worlds import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
 ROOT = Path(__file__).parents[2]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
-STAGES = replace(CONFIG, curriculum=True, levels=True)
+WITH_MAP = replace(CONFIG, map=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 
@@ -75,7 +74,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
     save(HOUSES, tmp_path / "houses.jsonl")
     arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
     arguments += ["--num-envs", "8", "--num-steps", "16"]
-    arguments += ["--map", "--novelty", "0.02", "--curriculum", "--levels"]
+    arguments += ["--map"]
 
     def started(name: str, *more: str) -> subprocess.Popen[str]:
         command = [sys.executable, "-c", SLOW, *arguments, "--out", str(tmp_path / name), *more]
@@ -99,14 +98,14 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "config", [CONFIG, STAGES, RECURRENT, REPLAY], ids=["pqn", "stages", "pqn-recurrent", "dqn"]
+    "config", [CONFIG, WITH_MAP, RECURRENT, REPLAY], ids=["pqn", "pqn-map", "pqn-recurrent", "dqn"]
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
     run(HOUSES, config, tmp_path / "whole")
     learner = DQN if isinstance(config, DQNConfig) else PQN
     iterate = learner.iterate
-    for left in (1, 2):  # with stages: in the first one, then in the second
+    for left in (1, 2):
         turns = iter([iterate] * left)
         monkeypatch.setattr(learner, "iterate", lambda learner, turns=turns: next(turns)(learner))
         with pytest.raises(RuntimeError, match="StopIteration"):
@@ -178,25 +177,3 @@ def test_a_device_that_is_not_there_is_refused(tmp_path):
         pytest.skip("there is one")
     with pytest.raises(RequestError, match="torch finds no GPU here"):
         run(HOUSES, replace(CONFIG, device="cuda"), tmp_path / "run")
-
-
-def test_a_curriculum_changes_houses_and_targets_and_ends_with_all(tmp_path, monkeypatch):
-    taught, set_houses = [], HouseVectorEnv.set_houses
-
-    def noted(envs, houses: list[House], targets=None):
-        taught.append((targets, len(houses), any(room.children for house in houses for room in house.rooms)))
-        set_houses(envs, houses, targets)
-
-    monkeypatch.setattr(HouseVectorEnv, "set_houses", noted)
-    rooms = [len(house.rooms) for house in HOUSES]
-    run(HOUSES, replace(CONFIG, curriculum=True), tmp_path / "run")
-    counts = [sum(room <= most for room in rooms) for most in (2, 4, 99)]
-    assert taught == [("main", counts[0], False), ("main", counts[1], True), ("main", counts[2], True)]
-
-
-def test_a_curriculum_without_houses_for_a_stage_is_refused_before_anything_is_written(tmp_path):
-    many = [house for house in (random_house(seed) for seed in range(60)) if len(house.rooms) > 2][:2]
-    assert many
-    with pytest.raises(RequestError, match=r"stage 1 of 3 .* has no such house"):
-        run(many, replace(CONFIG, curriculum=True), tmp_path / "run")
-    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
