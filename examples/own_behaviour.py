@@ -12,7 +12,7 @@ from torch import Tensor
 from agent import checkpoint
 from agent.actions import ACTIONS, LEFT, RIGHT
 from agent.avoidance import Stack
-from agent.evaluate import play
+from agent.evaluation.episodes import play
 from agent.policies import QPolicy
 from agent.world import make_worlds, shield
 from logic import load
@@ -34,7 +34,7 @@ def main(houses: tyro.conf.Positional[Path], agent: str = "pqn-map") -> None:
     envs = make_worlds(bank, len(bank), "main")
     for name, layer in {"shield": shield(envs), "shield, stride": Stack(shield(envs), stride)}.items():
         policy = QPolicy(network, layer, torch.Generator().manual_seed(0))
-        score = play(name, envs, policy, seed=0)
+        score = play(envs, policy, seed=0)
         print(f"{name}: {score.targets.mean():.1f} targets, {score.interventions} actions overruled")
 
 
