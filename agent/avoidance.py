@@ -2,7 +2,8 @@
 
 A layer reads the observations (E, R, C), and whether the last move was blocked (E,) bool, and says which
 actions it allows (E, A) bool. ``subsume`` then takes the best allowed action by the preferences of the layer
-below, be it a network or a random walk. So layers stack by ``&``, and a new one is a class with one method.
+below, be it a network or a random walk. A new layer is a function or a class with one method, and ``Stack``
+puts it under others: see ``examples/own_behaviour.py``.
 """
 
 from typing import Protocol
@@ -54,7 +55,7 @@ class Shield:
         far = (distance + is_target)[..., None, :]  # 1 or more where the target is: it is never in the way
         free = (far - self.clear.to(distance.device)).amin(-1) >= 0
         free, free_diagonally = free.unbind(-1)
-        # The vote is dear, and seldom asked: only where a heading is free and the other one is not.
+        # The vote is costly and rarely needed: only where the two regions differ.
         asked = free != free_diagonally
         free[asked] = free[asked] ^ self.diagonal(distance[asked])
         allowed = blocked.new_ones(*blocked.shape, ACTIONS)
@@ -88,7 +89,7 @@ def clearance(angles: np.ndarray, body: float, step: float, margin: float) -> np
 
 def air(world: Config) -> float:
     """Metres that the shield keeps on every side of the body. What stands in the next cell touches a body
-    that fills its own: there it is less than nothing, as distances are rounded.
+    that fills its own: there it is below 0, as distances are rounded.
     """
     return -0.005 if world.in_cells else 0.005
 
@@ -100,7 +101,7 @@ class PaperRule:
     """
 
     def __init__(self, generator: torch.Generator, threshold: float = 0.049) -> None:
-        """Take a threshold as a fraction of the range (the paper's 10.8 px of 220) and a source of chance."""
+        """Take a threshold as a fraction of the range (the paper's 10.8 px of 220) and a generator."""
         self.generator, self.threshold = generator, threshold
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
@@ -110,6 +111,32 @@ class PaperRule:
         left = torch.rand(far.shape, generator=self.generator, device=far.device) < 0.5
         allowed = torch.empty(*far.shape, ACTIONS, dtype=torch.bool, device=far.device)
         allowed[..., LEFT], allowed[..., RIGHT], allowed[..., FORWARD] = far | left, far | ~left, far
+        return allowed
+
+
+class Free:
+    """A layer that allows everything."""
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Which actions (E, A) bool are allowed: all."""
+        return torch.ones(len(blocked), ACTIONS, dtype=torch.bool, device=blocked.device)
+
+
+class Stack:
+    """Layers in order of priority, the highest first. Each restricts the choice that those above it leave;
+    where it would leave nothing, it is ignored. ``Stack(shield, own)`` over a network: three layers.
+    """
+
+    def __init__(self, *layers: Layer) -> None:
+        """Stack these layers."""
+        self.layers = layers
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Which actions (E, A) bool are allowed."""
+        allowed = self.layers[0](observation, blocked)
+        for layer in self.layers[1:]:
+            both = allowed & layer(observation, blocked)
+            allowed = torch.where(both.any(-1, keepdim=True), both, allowed)
         return allowed
 
 
@@ -126,9 +153,9 @@ def best_value(q: Tensor, allowed: Tensor) -> Tensor:
 def random_preference(like: Tensor, generator: torch.Generator, forward: float = 0.93) -> Tensor:
     """Preferences (..., A) whose best allowed action is a random one, ``forward`` with that probability.
 
-    Gumbel noise on log-probabilities: its argmax is a draw from them, under a mask from what it leaves.
+    Gumbel noise on log-probabilities: its argmax is a sample of them, also under a mask.
     """
     turn = (1 - forward) / 2
     share = torch.tensor([turn, turn, forward], device=like.device)
-    chance = torch.rand(like.shape, generator=generator, device=like.device)
-    return share.log() - (-(chance.clamp(1e-12, 1 - 1e-7)).log()).log()
+    uniform = torch.rand(like.shape, generator=generator, device=like.device)
+    return share.log() - (-(uniform.clamp(1e-12, 1 - 1e-7)).log()).log()

@@ -10,16 +10,16 @@ import safetensors
 import safetensors.torch
 
 from agent.build import network_of
-from agent.config import Config, DQNConfig, PQNConfig
+from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
 from logic.errors import VitruviusError
 from logic.files import write_whole
 
-FORMAT = "vitruvius-agent-2"
+FORMAT = "vitruvius-agent-3"
 
 RELEASED = Path(__file__).parent / "released"
 """Where the agents lie that come with the project."""
 
-KINDS: dict[str, type[Config]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig)}
+KINDS: dict[str, type[TrainConfig]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig)}
 
 
 class CheckpointError(VitruviusError):
@@ -33,7 +33,7 @@ class Checkpoint:
     """A trained network, the config of its run, the steps that it has seen, and where it comes from."""
 
     network: Any
-    config: Config
+    config: TrainConfig
     steps: int
     name: str = "agent"
     """What to call it: the preset's name."""
@@ -66,7 +66,7 @@ def load(path: str | Path) -> Checkpoint:
     if str(path) in released() and not Path(path).exists():
         path = RELEASED / f"{path}.safetensors"
     try:
-        Path(path).open("rb").close()  # safetensors tells less of why it cannot
+        Path(path).open("rb").close()  # safetensors says less of why it cannot
         with safetensors.safe_open(path, framework="pt") as file:
             record = file.metadata() or {}
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
@@ -76,17 +76,17 @@ def load(path: str | Path) -> Checkpoint:
         raise CheckpointError(f"{path}: not a checkpoint. Make one with: vitruvius train") from None
     if record.get("format") != FORMAT:
         raise CheckpointError(
-            f"{path}: not a checkpoint of this version ({FORMAT}). Train anew: vitruvius train"
+            f"{path}: not a checkpoint of this version ({FORMAT}). Train again: vitruvius train"
         )
     try:
         config = config_of(record["algorithm"], json.loads(record["config"]))
         network = network_of(config)
         network.load_state_dict(tensors)
-        told = {name: record[name] for name in ("name", "houses", "command")}
-        return Checkpoint(network.eval(), config, int(record["steps"]), **told)
+        provenance = {name: record[name] for name in ("name", "houses", "command")}
+        return Checkpoint(network.eval(), config, int(record["steps"]), **provenance)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
-        raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train anew") from None
+        raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
 
 
 def released() -> list[str]:
@@ -94,7 +94,7 @@ def released() -> list[str]:
     return sorted(path.stem for path in RELEASED.glob("*.safetensors"))
 
 
-def config_of(algorithm: str, values: dict[str, Any]) -> Config:
+def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:
     """A config from what JSON has of it. Raises ``ValueError`` that names what is wrong."""
     if algorithm not in KINDS:
         raise ValueError(f"unknown algorithm {algorithm!r}")

@@ -14,10 +14,10 @@ from typing import Annotated, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.config import PRESETS, Config, PQNConfig
+from agent.config import PRESETS, PQNConfig, TrainConfig
 
 Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper"]
-Kind = TypeVar("Kind", bound=Config)
+Kind = TypeVar("Kind", bound=TrainConfig)
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Train(Generic[Kind]):
     """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
 
     preset: Preset = "pqn"
-    """What all that is not said here is taken from: --help shows its values."""
+    """Where all options that are not given come from: --help shows its values."""
 
     name: str | None = None
     """What to call the agent in tables; by default the preset's name."""
@@ -46,17 +46,17 @@ class Train(Generic[Kind]):
     """How to learn."""
 
     @staticmethod
-    def like(arguments: Sequence[str]) -> "Train[Config]":
+    def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
         """The command with the defaults of the preset that the arguments name."""
         parser = ArgumentParser(add_help=False, allow_abbrev=False)
         parser.add_argument("--preset", default="pqn")
         preset = parser.parse_known_args(arguments)[0].preset
-        # A name that is none is left for the real parser to tell.
+        # The real parser refuses a name that is none.
         name: Preset = preset if preset in PRESETS else "pqn"
         return Train(tyro.MISSING, preset=name, config=PRESETS[name])
 
     def run(self) -> int:
-        """Train to the end; what is learnt is kept every half minute on the way."""
+        """Train to the end; the run is saved every half minute on the way."""
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
         from agent.runs import run
@@ -74,7 +74,7 @@ class Train(Generic[Kind]):
             command=command,
             resume=self.resume,
         )
-        if int(os.environ.get("RANK", "0")):  # the first rank tells
+        if int(os.environ.get("RANK", "0")):  # the first rank alone reports
             return 0
         agent, last = self.out / "agent.safetensors", history[-1]
         write_whole(self.out / "learning-curve.png", learning_curve(history))

@@ -3,17 +3,17 @@
 | input | shape | |
 |---|---|---|
 | ``observation`` | (B, R, C) float32 | distance / range, is target |
-| ``memory`` | (B, M, 6) float32 | traces (recurrent: (B, H)); zeros where an episode begins |
+| ``memory`` | (B, M, 6) float32 | averages (recurrent: (B, H)); zeros where an episode begins |
 | ``blocked`` | (B,) bool | whether the last move was |
-| ``features`` | (B, F) float32 | what a map tells (``agent.planner``); only of a network that reads one |
+| ``features`` | (B, F) float32 | a map's (``agent.planner``); only for a network that reads one |
 
 | output | shape | |
 |---|---|---|
-| ``q`` | (B, A) float32 | what each action is worth, in discounted targets |
+| ``q`` | (B, A) float32 | the value of each action, in discounted targets |
 | ``memories`` | (B, A, M, 6) float32 | the memory to go on with, for each action that may be made |
 
-Which action is made is for the layers above to say, the shield and the rest: so ``memories`` has one for
-each, and the caller takes that of the action made. Nothing is kept between two calls.
+The layers above, the shield and the rest, choose the action: so ``memories`` has one for each, and the caller
+takes that of the action made. Nothing is kept between two calls.
 """
 
 import logging

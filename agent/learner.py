@@ -1,4 +1,4 @@
-"""What all learners share: how a run stands, what it says of itself, how it is kept and taken up again."""
+"""What all learners share: how far a run is, its reports, its state to save and to restore."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -7,13 +7,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from agent import ranks
 from agent.banks import bank_hash
-from agent.build import layer_of, network_of
-from agent.config import Config, differences
-from agent.curriculum import CURRICULA
+from agent.config import TrainConfig, differences
+from agent.world import layer_of
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
 
@@ -21,21 +20,21 @@ EPISODE = 1500
 """Steps to which counts of targets refer: the paper's 15 s."""
 
 DIVERGED = 1e4
-"""A loss beyond this is no learning any more: the largest return there can be is 100 or so."""
+"""A larger loss means that learning has failed: the largest return there can be is 100 or so."""
 
 
 class Diverged(VitruviusError):
-    """What is learnt is not a number any more, or grows without bound."""
+    """The network's values are not numbers any more, or grow without bound."""
 
     exit_code = 1
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How a run stands after some updates."""
+    """How far a run is, and how well it does."""
 
     steps: int
-    """Environment steps so far, without those that the world ignored (after an episode's end)."""
+    """Environment steps so far, without those after an episode's end, whose action is ignored."""
 
     seconds: float
     """Wall-clock time so far."""
@@ -44,7 +43,7 @@ class Progress:
     """How much of the run is done, 0 to 1; the schedules follow it."""
 
     targets: float
-    """Targets picked up per 1500 steps, exploring, over the last 1500 steps or so of every world."""
+    """Targets picked up per 1500 steps, exploring, over the last 1500 steps or so of every environment."""
 
     loss: float
     """Mean loss of the latest updates."""
@@ -74,33 +73,48 @@ class Clock:
     mapping: float = 0.0
 
 
+@dataclass
+class Tally:
+    """What this rank counted since the last report."""
+
+    targets: float = 0.0
+    """Targets picked up."""
+
+    steps: float = 0.0
+    """Environment steps, without those whose action was ignored."""
+
+    overruled: float = 0.0
+    """Actions that the avoidance layer changed."""
+
+    def add(self, r: Tensor, valid: Tensor, overruled: Tensor) -> None:
+        """Count a step of all environments, (E,) each: rewards, and bool."""
+        self.targets += float(r.sum())
+        self.steps += int(valid.sum())
+        self.overruled += int(overruled.sum())
+
+
 class Learner(ABC):
-    """A run of learning: its network, its worlds, and where they stand. ``train`` goes on with it.
+    """A training run: its network and its environments. ``train`` goes on with it.
 
     Logging, checkpoints and evaluation are the caller's: between two reports nothing moves, ``state`` has all
     that the next steps depend on, and whoever stops asking stops the run.
     """
 
-    def __init__(self, config: Config, envs: HouseVectorEnv, report: int) -> None:
+    def __init__(self, config: TrainConfig, envs: HouseVectorEnv, network: nn.Module, report: int) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset.
 
-        ``report`` is how many steps of all worlds lie between two reports.
+        ``report`` is how many steps of every environment lie between two reports.
         """
-        if envs.num_envs * ranks.size() != config.environments:
-            raise RequestError(
-                f"environments must be {ranks.size()} x {envs.num_envs}, not {config.environments}"
-            )
-        self.config, self.envs, self.bank = config, envs, envs.houses
-        self.curriculum = CURRICULA[config.targets] if config.curriculum else None
-        self.lesson = 0
-        # Every rank has worlds, and chance, of its own; weights are the same.
+        if envs.num_envs * ranks.size() != config.num_envs:
+            raise RequestError(f"num_envs must be {ranks.size()} x {envs.num_envs}, not {config.num_envs}")
+        self.config, self.envs = config, envs
+        # Every rank has environments and random numbers of its own; weights are the same.
         self.seed = config.seed + ranks.rank() * envs.num_envs
         self.generator = torch.Generator(config.device).manual_seed(self.seed)
-        self.network: Any = network_of(config).to(config.device)
+        self.network: Any = network.to(config.device)
         self.avoidance = layer_of(config, envs, self.generator)
         self.steps, self.clock = 0, Clock()
         self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))
-        self.teach(0)
 
     @property
     def fraction(self) -> float:
@@ -114,58 +128,38 @@ class Learner(ABC):
         Raises ``Diverged`` in place of a report that could not be true.
         """
         while self.fraction < 1:
-            self.follow()
-            now = self.advance()
+            now = self.iterate()
             if not abs(now.loss) <= DIVERGED:  # nor if it is not a number
                 raise Diverged(f"the loss is {now.loss:g} after {now.steps:,} steps")
             yield now
 
-    def follow(self) -> None:
-        """Go over to the next lesson of the curriculum when it is time: all episodes begin anew."""
-        if self.curriculum and self.curriculum.at(self.fraction) != self.lesson:
-            self.teach(self.curriculum.at(self.fraction))
-            self.begin()
-
-    def teach(self, lesson: int) -> None:
-        """Let the worlds be those of a lesson of the curriculum, if there is one."""
-        self.lesson = lesson
-        if self.curriculum:
-            houses = self.curriculum.banks(self.bank, "the house file")[lesson]
-            self.envs.set_houses(houses, self.curriculum.lessons[lesson].targets)
-
-    def first_look(self) -> Tensor:
-        """Begin episodes in all worlds; what is seen (E, R, C). Seed and lesson alone say what is drawn: a
-        run that goes on in the midst of a lesson begins the next one like a run that was never stopped.
-        """
-        seed = self.seed + (self.lesson << 32)
-        return torch.as_tensor(self.envs.reset(seed=seed)[0], device=self.config.device)
+    def reset_envs(self) -> Tensor:
+        """Begin episodes in all environments; the observations (E, R, C)."""
+        return torch.as_tensor(self.envs.reset(seed=self.seed)[0], device=self.config.device)
 
     @abstractmethod
-    def begin(self) -> None:
-        """Begin episodes in all worlds."""
+    def iterate(self) -> Progress:
+        """Act and learn up to the next report."""
 
-    @abstractmethod
-    def advance(self) -> Progress:
-        """Learn as far as the next report."""
-
-    def report(self, *, found: float, counted: float, overruled: float, **told: float) -> Progress:
-        """The report after ``counted`` steps of this rank with so many targets found and acts overruled."""
-        found, counted, overruled = ranks.total((found, counted, overruled))
+    def report(self, tally: Tally, *, loss: float, epsilon: float) -> Progress:
+        """The report after what was counted, which is added up over all ranks."""
+        targets, steps, overruled = ranks.total((tally.targets, tally.steps, tally.overruled))
         self.clock.all = ranks.first(self.clock.all)
-        self.steps += int(counted)
-        self.recent.append((found, counted))
-        all_found, all_counted = (sum(column) for column in zip(*self.recent, strict=True))
+        self.steps += int(steps)
+        self.recent.append((targets, steps))
+        recent_targets, recent_steps = (sum(column) for column in zip(*self.recent, strict=True))
         clock = self.clock
         return Progress(
             steps=self.steps,
             seconds=clock.all,
             fraction=self.fraction,
-            targets=EPISODE * all_found / max(1, all_counted),
-            overruled=overruled / max(1, counted),
+            targets=EPISODE * recent_targets / max(1, recent_steps),
+            loss=loss,
+            epsilon=epsilon,
+            overruled=overruled / max(1, steps),
             simulator=self.steps / clock.simulating,
             learner=self.steps / (clock.all - clock.simulating - clock.mapping),
             map=self.steps / clock.mapping if clock.mapping else None,
-            **told,
         )
 
     def state(self) -> dict[str, Any]:
@@ -177,11 +171,10 @@ class Learner(ABC):
         return {
             "algorithm": self.config.algorithm,
             "config": asdict(self.config),
-            "houses": bank_hash(self.bank),
-            "lesson": self.lesson,
+            "houses": bank_hash(self.envs.houses),
             "network": self.network.state_dict(),
             "generator": self.generator.get_state(),
-            "worlds": {name: torch.from_numpy(array) for name, array in self.envs.state.items()},
+            "envs": {name: torch.from_numpy(array) for name, array in self.envs.state.items()},
             "steps": self.steps,
             "clock": asdict(self.clock),
             "recent": list(self.recent),
@@ -197,14 +190,11 @@ class Learner(ABC):
         other = set(differences(self.config, type(self.config)(**state["config"]))) - {"steps", "seconds"}
         if other:
             raise RequestError(f"a run of another config cannot go on here: {', '.join(sorted(other))}")
-        if state["houses"] != bank_hash(self.bank):
+        if state["houses"] != bank_hash(self.envs.houses):
             raise RequestError("a run in other houses cannot go on here")
-        if state["lesson"] != self.lesson:
-            self.teach(state["lesson"])
-            self.begin()
         self.network.load_state_dict(state["network"])
         self.generator.set_state(state["generator"])
-        self.envs.state = {name: tensor.numpy() for name, tensor in state["worlds"].items()}
+        self.envs.state = {name: tensor.numpy() for name, tensor in state["envs"].items()}
         self.steps, self.clock = state["steps"], Clock(**state["clock"])
         self.recent.clear()
         self.recent.extend(state["recent"])
@@ -217,3 +207,8 @@ class Learner(ABC):
     @abstractmethod
     def restore_own(self, state: dict[str, Any]) -> None:
         """Take up what ``own_state`` gave."""
+
+
+def linear(start: float, end: float, progress: float) -> float:
+    """The value on the line from start to end at progress 0 to 1, and the end beyond."""
+    return start + (end - start) * min(max(progress, 0.0), 1.0)

@@ -1,4 +1,7 @@
-"""The Q-network: what each action is worth, from one look at the rays, the memory and the map."""
+"""The Q-network: the value of each action, from the rays, the memory and the map."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import torch
 from torch import Tensor, nn
@@ -8,6 +11,14 @@ from agent.memory import SIGNALS, Memory
 
 WINDOW, STRIDE = 5, 2
 """Neighbouring rays that a filter reads, and rays from one window to the next."""
+
+
+@contextmanager
+def seeded(seed: int) -> Iterator[None]:
+    """Make first weights within the block a function of the seed; torch's generator is left as it was."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        yield
 
 
 class QNetwork(nn.Module):
@@ -25,7 +36,7 @@ class QNetwork(nn.Module):
         features: int = 0,
         width: int = 128,
     ) -> None:
-        """Draw first weights from torch's generator: ``agent.build.network_of`` seeds it.
+        """Draw first weights from torch's generator: see ``seeded``.
 
         ``features`` is how many numbers of a map it reads: ``agent.planner.FEATURES``, or 0 for none.
         """
@@ -44,7 +55,7 @@ class QNetwork(nn.Module):
             nn.Linear(width, ACTIONS),
         )
         if features:
-            # All actions are worth nothing at first, so that a new network does what its map advises.
+            # All values are 0 at first, so that a new network does what its map advises.
             for weights in self.judge[-1].parameters():
                 nn.init.zeros_(weights)
 

@@ -1,6 +1,6 @@
-"""Several processes that learn as one, each in worlds of its own: ``torchrun --nproc-per-node 2 ...``.
+"""Several processes that learn as one (data parallel): ``torchrun --nproc-per-node 2 ...``.
 
-Each rank steps its share of the environments and learns from what they show; gradients are added up over all
+Each rank steps its share of the environments and learns from them; an all-reduce sums the gradients of all
 ranks before each step of the optimiser, so all hold the same weights at all times. Without ``torchrun`` there
 is one rank, and nothing here does anything.
 """
@@ -34,7 +34,7 @@ def joined(device: str = "cpu") -> Iterator[None]:
     dist.init_process_group("nccl" if device == "cuda" else "gloo")
     try:
         yield
-        dist.barrier()  # who leaves while others still talk would take them down
+        dist.barrier()  # a rank that leaves while others still communicate would end them
     finally:
         dist.destroy_process_group()
 
@@ -76,14 +76,14 @@ def gathered(value: Any) -> list[Any]:
     return values or []
 
 
-def add_up(gradients: Tensor) -> None:
-    """Add up a tensor over all ranks, in place."""
+def all_reduce(values: Tensor) -> None:
+    """Replace a tensor by its sum over all ranks, in place."""
     if size() > 1:
-        dist.all_reduce(gradients)
+        dist.all_reduce(values)
 
 
-def add_up_gradients(network: nn.Module) -> None:
-    """Add up the gradients of all parameters over all ranks, in one message."""
+def all_reduce_gradients(network: nn.Module) -> None:
+    """Replace the gradients of all parameters by their sums over all ranks, in one message."""
     if size() == 1:
         return
     gradients = [p.grad for p in network.parameters() if p.grad is not None]

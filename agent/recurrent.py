@@ -1,8 +1,8 @@
 """A Q-network that learns what to remember: a gated recurrent unit (Cho et al. 2014, arXiv:1406.1078).
 
-It stands where the fading traces stand (``agent.memory``), and is called as they are; but what it keeps is
-learnt, by gradients through the steps of a rollout, as in the recurrent PQN of Gallici et al. 2024
-(arXiv:2407.04811, section 5). Axes: T steps, E environments, H numbers that are remembered.
+It takes the place of the exponential moving averages (``agent.memory``), and is called as they are; but what
+it keeps is learnt, by gradients through the steps of a rollout, as in the recurrent PQN of Gallici et al.
+2024 (arXiv:2407.04811, section 5). Axes: T steps, E environments, H numbers of the hidden state.
 """
 
 import torch
@@ -11,11 +11,11 @@ from torch import Tensor, nn
 from agent.actions import ACTIONS
 
 CODE, HIDDEN = 64, 64
-"""Numbers that a look is boiled down to before it is remembered, and that are remembered."""
+"""Numbers that encode an observation, and that the hidden state has."""
 
 
 class Recurrence(nn.Module):
-    """What is remembered after each action: a function of what was before, the look, the action, the bump."""
+    """The hidden state after an action: a function of the one before, the observation, action and bump."""
 
     def __init__(self, rays: int, channels: int) -> None:
         """Draw first weights from torch's generator."""
@@ -26,7 +26,7 @@ class Recurrence(nn.Module):
         self.cell = nn.GRUCell(CODE + ACTIONS + 1, HIDDEN)
 
     def empty(self, environments: int) -> Tensor:
-        """Memories (E, H) float32 of nothing."""
+        """Empty memories (E, H) float32: zeros."""
         return self.cell.weight_hh.new_zeros(environments, HIDDEN)
 
     def forward(
@@ -37,10 +37,10 @@ class Recurrence(nn.Module):
         return self.cell(signals, memory).masked_fill(ended[:, None], 0.0)
 
     def signals(self, observation: Tensor, blocked: Tensor, actions: Tensor) -> Tensor:
-        """What the unit reads (..., CODE + 4) of looks (..., R, C), bumps (...) and actions (...)."""
-        looks = self.code(observation.flatten(0, -3)).unflatten(0, observation.shape[:-2])
+        """What the unit reads (..., CODE + 4) of observations (..., R, C), bumps (...) and actions (...)."""
+        codes = self.code(observation.flatten(0, -3)).unflatten(0, observation.shape[:-2])
         acts = nn.functional.one_hot(actions, ACTIONS)
-        return torch.cat([looks, acts, blocked[..., None]], dim=-1)
+        return torch.cat([codes, acts, blocked[..., None]], dim=-1)
 
     def unrolled(
         self, memory: Tensor, observation: Tensor, blocked: Tensor, actions: Tensor, ended: Tensor
@@ -58,8 +58,8 @@ class Recurrence(nn.Module):
 
 
 class RecurrentQNetwork(nn.Module):
-    """A convolution over neighbouring rays as in ``agent.network``, then two layers that read it and what is
-    remembered: about 94,000 parameters.
+    """A convolution over neighbouring rays as in ``agent.network``, then two layers that read it and the
+    hidden state: about 94,000 parameters.
     """
 
     def __init__(self, rays: int = 40, channels: int = 2, width: int = 128) -> None:

@@ -1,4 +1,4 @@
-"""A rollout: what some steps of many worlds gave, kept in place for the learner."""
+"""A rollout: some steps of many environments, kept in place for the learner."""
 
 from dataclasses import dataclass
 from time import perf_counter
@@ -9,16 +9,13 @@ from torch import Tensor
 from agent.avoidance import Layer, subsume
 from agent.network import QNetwork
 from agent.planner import Planner
-from agent.policies import chances, deferring, explore
+from agent.policies import defer, exploration_noise, explore
 from sim import HouseVectorEnv
-
-NEW = 40
-"""New cells in a step that earn the whole bonus."""
 
 
 @dataclass
 class Rollout:
-    """T steps of E worlds, overwritten by the next. Index t of a state array is the state before step t."""
+    """T steps of E environments, overwritten by the next ones. States at index t are those before step t."""
 
     s: Tensor
     """Observations (T + 1, E, R, C) float32."""
@@ -27,13 +24,13 @@ class Rollout:
     """Whether the step to each state was blocked (T + 1, E) bool."""
 
     memory: Tensor
-    """What is remembered at each state (T + 1, E, M, 6) float32."""
+    """Memories at each state (T + 1, E, M, 6) float32."""
 
     features: Tensor
-    """What the map tells at each state (T + 1, E, F) float32; F is 0 where there is none."""
+    """The map's features at each state (T + 1, E, F) float32; F is 0 without a map."""
 
     v: Tensor
-    """Q-value (T + 1, E) float32 of what the network, under avoidance, would do in each state."""
+    """Q-value (T + 1, E) float32 of the action that the network, under avoidance, prefers in each state."""
 
     a: Tensor
     """Executed actions (T, E) int64: what the avoidance layer let through."""
@@ -41,20 +38,14 @@ class Rollout:
     r: Tensor
     """Rewards (T, E) float32."""
 
-    bonus: Tensor
-    """What the map finds good about a step (T, E) float32: progress to its goal, cells that are new."""
-
     terminated: Tensor
-    """Whether a step ended the episode for good (T, E) bool."""
+    """Whether a step ended the episode in a terminal state (T, E) bool."""
 
     truncated: Tensor
     """Whether the time ran out at a step (T, E) bool."""
 
-    house: Tensor
-    """In which house of the bank each step was made (T, E) int32."""
-
     valid: Tensor
-    """Which steps count (T, E) bool: all but those after an end, whose action the world ignored."""
+    """Which steps count (T, E) bool: all but those after an end, whose action the environment ignored."""
 
     map: Planner | None = None
     """The maps, where the network reads them."""
@@ -72,7 +63,7 @@ class Rollout:
     def starting(
         cls, steps: int, observation: Tensor, memory: Tensor, map: Planner | None = None
     ) -> "Rollout":
-        """Make room for so many steps from the first observations (E, R, C) and memories (E, M, 6)."""
+        """Make room for that many steps from the first observations (E, R, C) and memories (E, M, 6)."""
         size = (steps, len(observation))
         ended = observation.new_zeros(size, dtype=torch.bool)
         features = observation.new_zeros(len(observation), 0)
@@ -87,10 +78,8 @@ class Rollout:
             v=observation.new_empty(steps + 1, len(observation)),
             a=observation.new_empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
-            bonus=observation.new_zeros(size),
             terminated=ended.clone(),
             truncated=ended.clone(),
-            house=observation.new_zeros(size, dtype=torch.int32),
             valid=ended.clone(),
             map=map,
         )
@@ -107,30 +96,28 @@ class Rollout:
         epsilon: float,
         forward: float,
         generator: torch.Generator,
-        guided: float = 0.0,
     ) -> None:
-        """Act from where the rollout before ended: the network under avoidance, ``epsilon`` at random, or a
-        share ``guided`` of that by the map.
+        """Act from where the last rollout ended: the network's actions under avoidance, a share ``epsilon``
+        at random.
         """
         first = ended = self.terminated[-1] | self.truncated[-1]
         for states in (self.s, self.blocked, self.memory, self.features):
             states[0] = states[-1]
         self.simulating, self.mapping = 0.0, 0.0
-        judged, explored = [], []
-        chance = zip(*chances(self.a.shape, generator, epsilon, forward, guided), strict=True)
-        for t, luck in enumerate(chance):
-            q, preferred, allowed = self._judge(t, network, avoidance)
-            judged.append((q, preferred, allowed))
-            explored.append(explore(preferred, luck, self.map.advice if self.map else None))
+        values, explored = [], []
+        steps = zip(*exploration_noise(self.a.shape, generator, epsilon, forward), strict=True)
+        for t, noise in enumerate(steps):
+            q, preferred, allowed = self._values(t, network, avoidance)
+            values.append((q, preferred, allowed))
+            explored.append(explore(preferred, noise))
             self.a[t] = subsume(explored[t], allowed)
             before = perf_counter()
             observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
             self.simulating += perf_counter() - before
-            # Copied: the world writes over its tensors at the next step.
+            # Copied: the simulator writes over its tensors at the next step.
             self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
-            self.house[t] = info["house"]
             self.terminated[t], self.truncated[t] = terminated, truncated
-            # The step after an end begins the next episode: it is no memory of that one.
+            # The step after an end begins the next episode: its memory is empty.
             begun, ended = ended, terminated | truncated
             self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.blocked[t], self.a[t], begun)
             if self.map:
@@ -138,20 +125,19 @@ class Rollout:
                 self.map.step(observation, self.blocked[t + 1], self.a[t], begun)
                 self.mapping += perf_counter() - before
                 self.features[t + 1] = self.map.features
-                self.bonus[t] = self.map.progress.clamp(-1, 1) + self.map.new.clamp(max=NEW) / NEW
-        judged.append(self._judge(-1, network, avoidance))
+        values.append(self._values(-1, network, avoidance))
         # The rest for all steps at once.
-        q, preferred, allowed = (torch.stack(column) for column in zip(*judged, strict=True))
+        q, preferred, allowed = (torch.stack(column) for column in zip(*values, strict=True))
         self.v.copy_(_of(q, subsume(preferred, allowed)))
         wanted = torch.stack(explored)
         self.overruled = int((_of(wanted, self.a) < wanted.amax(-1)).sum())
         self.valid[0] = ~first
         self.valid[1:] = ~(self.terminated | self.truncated)[:-1]
 
-    def _judge(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor, Tensor]:
-        """What is thought of state t (E, A): Q-values, preferences, and what avoidance allows."""
+    def _values(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor, Tensor]:
+        """Of the actions in state t (E, A): Q-values, preferences, and whether avoidance allows them."""
         q = network(self.s[t], self.memory[t], self.features[t])
-        preferred = deferring(q, self.map.advice) if self.map else q
+        preferred = defer(q, self.map.advice) if self.map else q
         return q, preferred, avoidance(self.s[t], self.blocked[t])
 
 

@@ -1,4 +1,4 @@
-"""A training run in its folder: what it learns is kept on the way, and a run that was killed goes on.
+"""A training run in its folder: it is saved on the way, and a run that was killed goes on.
 
 | file | |
 |---|---|
@@ -27,9 +27,10 @@ import torch
 from agent import checkpoint, ranks
 from agent.banks import bank_hash
 from agent.checkpoint import Checkpoint, CheckpointError
-from agent.config import Config, DQNConfig, PQNConfig
+from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
 from agent.dqn import DQN
 from agent.learner import Diverged, Learner, Progress
+from agent.paper import Paper
 from agent.pqn import PQN
 from agent.progress import progress
 from agent.world import make_worlds
@@ -95,7 +96,7 @@ class Folder:
 
 def run(
     houses: Sequence[House],
-    config: Config,
+    config: TrainConfig,
     path: str | Path,
     *,
     name: str = "agent",
@@ -121,30 +122,30 @@ def run(
             return _learn(_learner(houses, config), folder, name, command, resume, every)
 
 
-def _learner(houses: Sequence[House], config: Config) -> Learner:
-    """A new run in new worlds: this rank's share of them."""
-    share, left = divmod(config.environments, ranks.size())
+def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
+    """A new run in new environments: this rank's share of them."""
+    share, left = divmod(config.num_envs, ranks.size())
     if left:
-        raise RequestError(
-            f"environments must be a multiple of the {ranks.size()} ranks, not {config.environments}"
-        )
+        raise RequestError(f"num_envs must be a multiple of the {ranks.size()} ranks, not {config.num_envs}")
     if config.device == "cuda" and not torch.cuda.is_available():
-        raise RequestError("device cuda cannot be had: torch finds no GPU here. Leave out --device")
+        raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
     torch.set_float32_matmul_precision(config.precision)
     envs = make_worlds(houses, share, config.targets, preset=config.world, device=config.device)
+    if isinstance(config, PQNConfig):
+        return PQN(config, envs)
+    if ranks.size() > 1:
+        raise RequestError("deep Q-learning from a replay buffer runs in one process alone")
     if isinstance(config, DQNConfig):
-        if ranks.size() > 1:
-            raise RequestError("deep Q-learning from a replay memory runs in one process alone")
         return DQN(config, envs)
-    assert isinstance(config, PQNConfig)
-    return PQN(config, envs)
+    assert isinstance(config, PaperConfig)
+    return Paper(config, envs)
 
 
 def _learn(
     learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Learn to the end, and keep what there is every half a minute."""
+    """Learn to the end, and save the run every half a minute."""
     config, houses = learner.config, bank_hash(learner.envs.houses)
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
     made = Checkpoint(learner.network, config, 0, name, houses, command)
@@ -187,7 +188,7 @@ def _keep(learner: Learner, made: Checkpoint, folder: Folder) -> None:
 
 
 def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
-    """Take up the state that was kept last, with the reports up to there."""
+    """Restore the state that was saved last; the reports up to there."""
     try:
         with gzip.open(folder.state) as file:
             states = torch.load(io.BytesIO(file.read()), weights_only=True)
@@ -227,7 +228,7 @@ class _Writer:
     """Writes each report to ``metrics.jsonl`` and for TensorBoard."""
 
     def __init__(self, folder: Folder, history: list[Progress]) -> None:
-        """Go on after these reports; what was written beyond them will be lived again."""
+        """Go on after these reports; those that were written after them will be made again."""
         from torch.utils.tensorboard import SummaryWriter  # half a second to import
 
         lines = "".join(json.dumps(asdict(one)) + "\n" for one in history)

@@ -1,11 +1,13 @@
-"""Where an agent meets the simulator: make worlds, and read off the body that the shield guards."""
+"""Where an agent meets the simulator: make environments, and the avoidance layers for their bodies."""
 
 from collections.abc import Sequence
 from typing import cast
 
 import gymnasium
+import torch
 
-from agent.avoidance import Shield, air
+from agent.avoidance import Free, Layer, PaperRule, Shield, air
+from agent.config import TrainConfig
 from logic import House, HouseFileError
 from sim import HouseVectorEnv
 from sim.config import Config
@@ -20,7 +22,7 @@ def make_worlds(
     backend: str = "continuous",
     device: str = "cpu",
 ) -> HouseVectorEnv:
-    """So many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
+    """That many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
 
     Raises ``HouseFileError`` where the body or a target has no place in one of the houses.
     """
@@ -40,6 +42,18 @@ def make_worlds(
 
 
 def shield(envs: HouseVectorEnv) -> Shield:
-    """The avoidance layer for the body and the rays of these worlds."""
-    world = envs.config
-    return Shield(world.ray_angles, reach=world.range, body=world.body[0], step=world.step, margin=air(world))
+    """The avoidance layer for the body and the rays of these environments."""
+    config = envs.config
+    return Shield(
+        config.ray_angles, reach=config.range, body=config.body[0], step=config.step, margin=air(config)
+    )
+
+
+def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generator) -> Layer:
+    """The config's avoidance layer, for the body and the rays of these environments."""
+    match config.avoidance:
+        case "paper":
+            return PaperRule(generator)
+        case "none":
+            return Free()
+    return shield(envs)

@@ -29,10 +29,10 @@ def started(environments: int = 256) -> PQN:
     torch.set_num_threads(1)
     preset = PRESETS["pqn"]
     assert isinstance(preset, PQNConfig)
-    rollout = preset.rollout * preset.environments // environments
-    config = replace(preset, environments=environments, rollout=rollout, steps=10**9)
+    num_steps = preset.num_steps * preset.num_envs // environments
+    config = replace(preset, num_envs=environments, num_steps=num_steps, steps=10**9)
     learner = PQN(config, make_worlds(HOUSES, environments))
-    learner.advance()
+    learner.iterate()
     return learner
 
 
@@ -74,7 +74,7 @@ def measure(benchmark, learner: PQN, work, acting: int = 0, learning: int = 0) -
     benchmark.extra_info["environments"] = learner.envs.num_envs
     benchmark.extra_info["steps_per_second"] = rate
     if acting or learning:
-        batch = learner.rollout.a.numel() // learner.config.minibatches
+        batch = learner.rollout.a.numel() // learner.config.num_minibatches
         seconds = acting * operations(learner) / product_speed(learner, learner.envs.num_envs)
         seconds += 3 * learning * operations(learner) / product_speed(learner, batch)
         benchmark.extra_info["of_bound"] = rate * seconds
@@ -126,19 +126,19 @@ def test_rollout(benchmark, learner):
 @pytest.mark.benchmark(group="update")
 def test_update(benchmark, learner):
     """Returns, and two epochs of four minibatches forwards and backwards."""
-    epochs = learner.config.epochs
-    measure(benchmark, learner, lambda: learner.update(learner.returns()), learning=epochs)
+    epochs = learner.config.update_epochs
+    measure(benchmark, learner, lambda: learner.train_epochs(learner.returns()), learning=epochs)
 
 
 @pytest.mark.benchmark(group="iteration")
 def test_iteration(benchmark, learner):
     """A rollout and its update."""
-    measure(benchmark, learner, learner.advance, acting=1, learning=learner.config.epochs)
+    measure(benchmark, learner, learner.iterate, acting=1, learning=learner.config.update_epochs)
 
 
 if __name__ == "__main__":
     run = started()
-    for name, part in (("acting", lambda: act(run)), ("update", lambda: run.update(run.returns()))):
+    for name, part in (("acting", lambda: act(run)), ("update", lambda: run.train_epochs(run.returns()))):
         with profile() as watched:
             part()
         print(name, watched.key_averages().table(sort_by="self_cpu_time_total", row_limit=20), sep="\n")

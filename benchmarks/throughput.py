@@ -122,7 +122,7 @@ class Throughput:
         command = [sys.executable, "-m", "torch.distributed.run", "--standalone"]
         command += ["--nproc-per-node", str(series.processes)]
         command += ["-m", "agent.cli", "train", str(houses), "--preset", series.preset]
-        command += ["--environments", str(series.worlds), "--steps", str(steps), "--name", series.name]
+        command += ["--num-envs", str(series.worlds), "--steps", str(steps), "--name", series.name]
         command += ["--seed", str(self.seeds[number]), "--out", str(folder.path), "--resume"]
         require_same(folder, command)
         if finished(folder, steps):

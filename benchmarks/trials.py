@@ -42,21 +42,14 @@ def _changed(name: str, shows: str, said: str) -> Entry:
 
 ENTRIES = (
     _entry("pqn-map", "pqn-map", "the agent with a map"),
-    _entry("pqn", "pqn", "rays and fading traces of the past, no map"),
+    _entry("pqn", "pqn", "rays and exponential moving averages of the past, no map"),
     _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
     _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
-    _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the traces"),
+    _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the averages"),
     _entry("pqn-secondary", "pqn", "no map at all", "--targets secondary", beside="pqn-map"),
     _changed("no-shield", "no avoidance layer", "--avoidance none"),
     _changed("paper-rule", "the paper's avoidance in place of the shield", "--avoidance paper"),
-    _changed("no-mirror", "nothing learnt from its mirror image", "--no-mirror"),
-    _changed("curriculum", "easier worlds first", "--curriculum"),
-    _changed("levels", "houses chosen by what is left to learn", "--levels"),
-    _changed("no-novelty", "no reward for exploring", "--novelty 0"),
-    _changed("no-guide", "random actions never follow the map's advice", "--guided 0"),
     _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance none", beside="pqn"),
-    _entry("pqn-mirror", "pqn", "half of it learnt from its mirror image", "--mirror", beside="pqn"),
-    _entry("pqn-curriculum", "pqn", "easier worlds first", "--curriculum", beside="pqn"),
 )
 """What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""
 

@@ -14,7 +14,13 @@ from tests.worlds import random_house
 
 WORLDS = 8
 CONFIG = PQNConfig(
-    environments=WORLDS, rollout=30, steps=10**6, epochs=1, minibatches=1, epsilon=0.0, final_epsilon=0.0
+    num_envs=WORLDS,
+    num_steps=30,
+    steps=10**6,
+    update_epochs=1,
+    num_minibatches=1,
+    epsilon=0.0,
+    final_epsilon=0.0,
 )
 
 
@@ -35,7 +41,7 @@ def main(file: str) -> None:
             return step(*given)
 
         setattr(learner.optimizer, "step", noted)  # noqa: B010
-        told = [learner.advance() for _ in range(2)]
+        told = [learner.iterate() for _ in range(2)]
         weights = torch.cat([p.detach().flatten() for p in learner.network.parameters()])
         everyones = ranks.gathered(weights)
         if not ranks.rank():

@@ -140,8 +140,8 @@ def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
     assert parse(["train", *said]).config == replace(PRESETS["pqn-map"], targets="main", seed=3)
     assert parse(["train", *said[:1]]).config == PRESETS["pqn"]
-    replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch", "7", "--minibatches", "7"])
-    assert replayed.config == replace(PRESETS["paper"], batch=7, minibatches=7)
+    replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
+    assert replayed.config == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
 
 
 def test_a_preset_that_is_none_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -120,3 +120,19 @@ def test_nobody_learns_in_the_benchmark_bank(tmp_path):
 def test_an_example_is_short(name):
     lines = (EXAMPLES / f"{name}.py").read_text().splitlines()
     assert len(lines) <= 80
+
+
+def test_a_behaviour_layer_forbids_turns_where_the_way_ahead_is_free_and_an_agent_plays_under_it(
+    houses, capsys
+):
+    module = example("own_behaviour")
+    seen = torch.zeros(3, 40, 2)
+    seen[0, :, 0] = seen[2, :, 0] = 0.5
+    seen[2, 3, 1] = 1
+    allowed = module.stride(seen, torch.zeros(3, dtype=torch.bool))
+    assert allowed.tolist() == [[False, False, True], [True, True, True], [True, True, True]]
+    module.main(houses)
+    without, under = capsys.readouterr().out.splitlines()
+    assert without.startswith("shield: ")
+    assert under.startswith("shield, stride: ")
+    assert int(under.split(", ")[-1].split()[0]) > int(without.split(", ")[-1].split()[0])

@@ -25,7 +25,7 @@ from agent.planner.counts import (
     Y,
 )
 from agent.planner.fan import FINE, fan
-from agent.planner.features import FEATURES, mirrored_features
+from agent.planner.features import FEATURES
 from agent.planner.flood import UNASKED, WORDS
 from agent.planner.kernel import Body, step_kernel
 from agent.planner.survey import PITCH
@@ -35,7 +35,7 @@ from logic.errors import RequestError
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
-__all__ = ["FEATURES", "Planner", "mirrored_features"]
+__all__ = ["FEATURES", "Planner"]
 
 BITS = 8
 """The grid is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""

@@ -1,7 +1,4 @@
-"""What a network is told of a map: numbers of the whole and of each of eight headings, and their mirror."""
-
-import torch
-from torch import Tensor
+"""What a network is told of a map: numbers of the whole and of each of eight headings."""
 
 from agent.planner.counts import COUNTS, KIND, LAST_NEW, NEW, SEARCH, SINCE, TARGET, TIME, WAY
 from sim.runtime import ti
@@ -9,24 +6,6 @@ from sim.runtime import ti
 SCALARS, SIDES = 14, 3
 FEATURES = SCALARS + 8 * SIDES
 """Numbers that describe a map: some of the whole, some for each of the eight headings."""
-
-ASIDE = 11
-"""The feature that changes its sign in the mirror."""
-
-MIRROR = torch.tensor(
-    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 12]
-    + [SCALARS + (-heading % 8) * SIDES + side for heading in range(8) for side in range(SIDES)]
-)
-"""Where each feature's mirror image stands."""
-
-
-def mirrored_features(features: Tensor) -> Tensor:
-    """The same features (B, F) in a mirror. None (B, 0) stay none."""
-    if not features.shape[1]:
-        return features
-    image = features.index_select(1, MIRROR)
-    image[:, ASIDE].neg_()
-    return image
 
 
 @ti.func

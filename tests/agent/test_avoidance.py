@@ -8,13 +8,14 @@ from agent.avoidance import (
     FORWARD,
     LEFT,
     RIGHT,
+    Layer,
     PaperRule,
     Shield,
+    Stack,
     best_value,
     random_preference,
     subsume,
 )
-from agent.policies import chances, explore
 
 REACH, BODY, STEP = 7.8889, 0.2869, 0.0717
 ANGLES = np.deg2rad(58.5 - 3 * np.arange(40))
@@ -55,13 +56,13 @@ def test_in_an_empty_room_the_shield_forbids_exactly_the_moves_that_a_wall_block
     assert (allowed == (air > 0))[clear].all()
 
 
-def test_the_heading_shows_in_the_rays():
+def test_the_rays_show_whether_the_heading_is_diagonal():
     x, y, octant = poses(2000, 3.0, 4.0)
     diagonal = SHIELD.diagonal(sight(x, y, octant * np.pi / 4, 3.0, 4.0)[..., 0])
     assert (diagonal.numpy() == (octant % 2 == 1)).all()
 
 
-def test_a_margin_keeps_that_much_air():
+def test_a_margin_is_kept_free_before_the_body():
     heading = np.zeros(2)
     x = 3.0 - BODY / 2 - STEP - np.array([0.019, 0.021])
     scene = sight(x, np.ones(2), heading, 3.0, 4.0)
@@ -95,20 +96,21 @@ def test_the_papers_rule_leaves_one_random_rotation_near_anything_but_the_target
     assert rule(scene, smooth(scene)).all()
 
 
-def test_the_layer_takes_the_best_of_what_it_allows_in_acts_and_in_values():
+def test_a_lower_layer_chooses_among_what_is_left_and_is_ignored_where_it_wants_nothing_of_that():
+    def only(*actions: int) -> Layer:
+        return lambda observation, blocked: torch.tensor([[action in actions for action in range(3)]])
+
+    scene, no = torch.zeros(1, 40, 2), torch.zeros(1).bool()
+    assert Stack(only(LEFT, RIGHT), only(FORWARD))(scene, no).tolist() == [[True, True, False]]
+    assert Stack(only(LEFT, RIGHT), only(FORWARD, LEFT))(scene, no).tolist() == [[True, False, False]]
+    assert Stack(only(LEFT, RIGHT), only(RIGHT), only(LEFT))(scene, no).tolist() == [[False, True, False]]
+
+
+def test_the_best_allowed_action_is_taken_and_its_value_is_the_best_value():
     q = torch.tensor([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]])
     allowed = torch.tensor([[True, True, True], [True, True, False]])
     assert subsume(q, allowed).tolist() == [FORWARD, RIGHT]
     assert best_value(q, allowed).tolist() == [3.0, 2.0]
-
-
-@pytest.mark.parametrize("epsilon", [0.0, 0.25, 1.0])
-def test_a_share_of_the_actions_is_random_and_the_rest_are_the_best(epsilon):
-    q = torch.tensor([[1.0, 0.0, 0.0]]).expand(20_000, 3)
-    chance = chances((len(q),), torch.Generator().manual_seed(0), epsilon, forward=1.0)
-    actions = explore(q, chance).argmax(-1)
-    assert (actions == FORWARD).float().mean().item() == pytest.approx(epsilon, abs=0.01)
-    assert ((actions == FORWARD) | (actions == LEFT)).all()
 
 
 @pytest.mark.parametrize("forward", [0.93, 0.0, 1.0])

@@ -22,7 +22,7 @@ pytest.importorskip("onnxscript")
 
 @pytest.fixture(autouse=True)
 def whole_floats():
-    """Runs may have told this process to multiply with fewer bits (``agent.runs``)."""
+    """A run in this process may have set products to fewer bits (``agent.runs``)."""
     before = torch.get_float32_matmul_precision()
     torch.set_float32_matmul_precision("highest")
     yield

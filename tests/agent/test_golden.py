@@ -23,6 +23,7 @@ from agent.banks import benchmark
 from agent.build import network_of, policy_of
 from agent.config import PRESETS
 from agent.dqn import DQN
+from agent.paper import Paper
 from agent.policies import Explorer
 from agent.pqn import PQN
 from agent.world import make_worlds, shield
@@ -32,10 +33,12 @@ from sim import HouseVectorEnv
 FILE = Path(__file__).parents[1] / "golden" / "agent.json"
 STEPS, ENVIRONMENTS = 1500, 8
 SMALL: dict[str, dict[str, Any]] = {
-    "dqn": {"memory": 8000, "warm_up": 1000, "batch": 128},
-    "paper": {"memory": 8000, "batch": 100, "minibatches": 5},
+    "dqn": {"buffer_size": 8000, "learning_starts": 1000, "batch_size": 128},
+    "paper": {"buffer_size": 8000, "batch_size": 100, "num_minibatches": 5},
 }
 """What is changed so that a preset learns something in so few steps."""
+
+LEARNERS = {"pqn": PQN, "dqn": DQN, "paper": Paper}
 
 EXPLORERS = {
     "explorer, secondary": ("secondary", 0.0),
@@ -105,10 +108,10 @@ def learnt(preset: str) -> dict[str, Any]:
     """What a preset learns in so many steps of each environment: the losses' mean and the weights' digest."""
     torch.set_num_threads(1)
     config = PRESETS[preset]
-    config = replace(config, environments=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
+    config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
     envs = environments(config.targets, config.world)
     torch.set_float32_matmul_precision(config.precision)
-    learner: Any = (PQN if config.algorithm == "pqn" else DQN)(config, envs)
+    learner: Any = LEARNERS[config.algorithm](config, envs)
     reports = list(learner.train())
     torch.set_float32_matmul_precision("highest")
     weights = hashlib.sha256()

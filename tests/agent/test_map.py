@@ -1,4 +1,4 @@
-"""The map: odometry, what it holds against the true house, its ways, what it may depend on, its mirror."""
+"""The map: odometry, what it holds against the true house, its ways, what it may depend on."""
 
 from dataclasses import replace
 from typing import Any
@@ -15,14 +15,13 @@ from agent.build import network_of
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
 from agent.evaluation.episodes import play
-from agent.planner import FEATURES, FREE, TAKEN, Planner, mirrored_features
+from agent.planner import FEATURES, FREE, TAKEN, Planner
 from agent.planner.cells import FLAGS, SOLID, WAYS
 from agent.planner.counts import KIND, NONE, STALE, THINK
 from agent.planner.features import SCALARS, SIDES
 from agent.planner.flood import UNASKED
 from agent.planner.ways import FAR
-from agent.policies import Explore, Explorer, QPolicy, Stack, Tracker, deferring
-from agent.pqn import PQN
+from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from logic import Door, House, Piece, Rect, Room, generate
 from logic.errors import RequestError
@@ -199,35 +198,6 @@ def test_a_new_episode_begins_with_an_empty_map(envs):
     assert np.array_equal(maps.arrays["cells"].numpy(), twice.arrays["cells"].numpy())
 
 
-def test_features_of_the_mirror_are_the_mirrors_features():
-    """Rays and actions exchanged left for right, from a straight and a diagonal start; the advice may differ
-    where two ways are equally long, and with it which goal is taken.
-    """
-    house = random_house(0)
-    worlds = make_worlds([house], 2, "mixed")
-    for heading in (0.0, np.pi / 4):
-        start = worlds.reset(seed=3)[1]["pose"][0]
-        options = {"house": [0, 0], "pose": [[*start[:2], heading]] * 2}
-        observation, _ = worlds.reset(seed=0, options=options)
-        one, other = Planner(DEFAULT, 1), Planner(DEFAULT, 1)
-        no, fresh, action = torch.zeros(1).bool(), torch.ones(1).bool(), torch.tensor([LEFT])
-        agree = []
-        blocked = no
-        for turn in [LEFT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT, LEFT, FORWARD] * 4:
-            seen = torch.as_tensor(observation[:1])
-            flipped = torch.where(action == FORWARD, action, RIGHT - action)
-            one.step(seen, blocked, action, fresh)
-            other.step(seen.flip(1), blocked, flipped, fresh)
-            agree.append((mirrored_features(one.features) - other.features).abs() < 1e-4)
-            assert abs((one.occupancy(0) > 0).sum() / (other.occupancy(0) > 0).sum() - 1) < 0.03
-            action, fresh = torch.tensor([turn]), no
-            observation, _, _, _, info = worlds.step(np.array([turn, turn]))
-            blocked = torch.as_tensor(info["blocked"][:1])
-        assert torch.cat(agree).float().mean() > 0.9
-    features = torch.rand(3, FEATURES)
-    assert torch.equal(mirrored_features(mirrored_features(features)), features)
-
-
 @pytest.fixture(scope="module")
 def gridded() -> HouseVectorEnv:
     """Houses whose edges lie on a grid, in whose cells bodies stand."""
@@ -360,58 +330,6 @@ def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes():
     assert over.mean() <= 0.8
 
 
-def test_behaviours_stack_avoid_over_explore_over_network(envs):
-    """While no target is known the map decides, then the network does; the shield overrules both."""
-    network, tracker, layer = network_of(PQNConfig()), Tracker(envs.config), shield(envs)
-    stacked = QPolicy(
-        *(network, Stack(layer, Explore(tracker)), torch.Generator().manual_seed(0)),
-        epsilon=0.0,
-        tracker=tracker,
-    )
-    seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(E).bool()
-    stacked.begin(E)
-    sought = 0
-    for _ in range(150):
-        remembered = stacked.remembered
-        actions, seeks = stacked(seen, blocked), tracker.planner.seeks
-        with torch.no_grad():
-            alone = subsume(network(seen, remembered), layer(seen, blocked))
-        assert torch.equal(actions, torch.where(seeks, tracker.planner.advice, alone))
-        sought += int(seeks.sum())
-        observation, _, _, _, info = envs.step(actions.numpy())
-        seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
-    assert 0 < sought < 150 * E
-
-
-def test_a_layer_that_wants_what_is_forbidden_is_not_heard():
-    def only(*actions: int) -> Any:
-        wanted = torch.tensor([[action in actions for action in range(3)]])
-        return lambda observation, blocked: wanted
-
-    scene, no = torch.zeros(1, 40, 2), torch.zeros(1).bool()
-    assert Stack(only(LEFT, RIGHT), only(FORWARD))(scene, no).tolist() == [[True, True, False]]
-    assert Stack(only(LEFT, RIGHT), only(FORWARD, LEFT))(scene, no).tolist() == [[True, False, False]]
-    assert Stack(only(LEFT, RIGHT), only(RIGHT), only(LEFT))(scene, no).tolist() == [[False, True, False]]
-
-
-def test_a_network_defers_to_the_map_where_actions_are_worth_the_same():
-    q = torch.tensor([[0.5, 0.55, 0.5], [0.5, 0.7, 0.5]])
-    advice = torch.tensor([FORWARD, FORWARD])
-    assert deferring(q, advice).argmax(-1).tolist() == [FORWARD, RIGHT]
-
-
-def test_a_new_network_with_a_map_does_what_it_advises(envs):
-    policy = QPolicy(network_of(PQNConfig(map=True)), shield(envs), torch.Generator(), epsilon=0.0)
-    seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(E).bool()
-    policy.begin(E)
-    for _ in range(50):
-        actions = policy(seen, blocked)
-        assert policy.tracker
-        assert torch.equal(actions, policy.tracker.planner.advice)
-        observation, _, _, _, info = envs.step(actions.numpy())
-        seen, blocked = torch.as_tensor(observation), torch.as_tensor(info["blocked"])
-
-
 def test_a_checkpoint_keeps_a_network_with_a_map(tmp_path):
     network = network_of(PQNConfig(map=True))
     torch.nn.init.normal_(next(network.judge[-1].parameters()))
@@ -420,26 +338,6 @@ def test_a_checkpoint_keeps_a_network_with_a_map(tmp_path):
     given = torch.rand(2, 40, 2), torch.rand(2, 4, 6), torch.rand(2, FEATURES)
     assert found.config == PRESETS["pqn-map"]
     assert torch.equal(found.network(*given), network(*given))
-
-
-def test_novelty_and_guidance_need_a_map():
-    for name in ("novelty", "guided"):
-        with pytest.raises(ValueError, match="need map"):
-            replace(PQNConfig(), **{name: 0.5})
-
-
-def test_learning_with_a_map_is_a_function_of_the_seed(envs):
-    config = PQNConfig(map=True, novelty=0.02, guided=0.5, environments=E, rollout=8, steps=200)
-
-    def trained() -> dict[str, torch.Tensor]:
-        learner = PQN(config, envs)
-        speed = [now.map for now in learner.train()][-1]
-        assert speed is not None
-        assert speed > 0
-        return learner.network.state_dict()
-
-    one, same = trained(), trained()
-    assert all(torch.equal(one[name], same[name]) for name in one)
 
 
 def test_episodes_longer_than_a_cell_can_tell_are_refused():

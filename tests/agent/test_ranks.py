@@ -1,4 +1,4 @@
-"""Several processes that learn as one give what one gives that has all their worlds."""
+"""Several processes that learn as one give what one process with all their environments gives."""
 
 import json
 import subprocess
@@ -26,8 +26,8 @@ def done(command: list[str], **options) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture(scope="module")
-def lived(tmp_path_factory):
-    """What one process learnt from eight worlds, and what two learnt from four each, with gloo."""
+def learnt(tmp_path_factory):
+    """What one process learnt from eight environments, and what two learnt from four each, with gloo."""
     folder = tmp_path_factory.mktemp("ranks")
     for name, command in {"one": [sys.executable], "two": TORCHRUN}.items():
         ended = done([*command, "-m", "tests.ranks", str(folder / name)])
@@ -35,38 +35,38 @@ def lived(tmp_path_factory):
     return [torch.load(folder / name, weights_only=True) for name in ("one", "two")]
 
 
-def test_two_ranks_give_the_gradient_of_one_with_both_batches(lived):
-    one, two = lived
+def test_two_ranks_give_the_gradient_of_one_with_both_batches(learnt):
+    one, two = learnt
     assert one["gradients"][0].abs().max() > 1e-4
     torch.testing.assert_close(two["gradients"][0], one["gradients"][0], rtol=1e-4, atol=1e-7)
 
 
-def test_two_ranks_lived_the_steps_and_found_the_targets_of_one(lived):
-    one, two = lived
-    # Of 30 steps one of each world began an episode, of the next 30 another one.
+def test_two_ranks_report_the_steps_and_targets_of_one(learnt):
+    one, two = learnt
+    # Of 30 steps one of each environment began an episode, of the next 30 another one.
     assert one["steps"] == two["steps"] == [8 * 29, 8 * 58]
     assert two["targets"] == one["targets"]
 
 
-def test_all_ranks_hold_the_same_weights(lived):
-    _, two = lived
+def test_all_ranks_hold_the_same_weights(learnt):
+    _, two = learnt
     assert len(two["weights"]) == 2
     assert torch.equal(*two["weights"])
 
 
-def test_nothing_of_the_group_outlives_it(lived):
+def test_no_thread_of_the_process_group_is_left(learnt):
     """Else gloo's threads still run as the interpreter ends, and now and then abort the process."""
-    assert all(each["left"] for each in lived)
+    assert all(each["left"] for each in learnt)
 
 
 def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     out = tmp_path / "run"
     train = [*TORCHRUN, "-m", "agent.cli", "train", str(tmp_path / "houses.jsonl"), "--out", str(out)]
-    small = ["--environments", "8", "--rollout", "16", "--map"]
+    small = ["--num-envs", "8", "--num-steps", "16", "--map"]
     ended = done([*train, *small, "--steps", "500"])
     assert ended.returncode == 0, ended.stderr[-2000:]
-    assert ended.stderr.count("vitruvius evaluate") == 1  # one of them tells
+    assert ended.stderr.count("vitruvius evaluate") == 1  # one of them reports
     assert json.loads((out / "config.json").read_text())["ranks"] == 2
     ended = done([*train, *small, "--steps", "1000", "--resume"])
     assert ended.returncode == 0, ended.stderr[-2000:]
@@ -75,8 +75,8 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     assert checkpoint.load(out / "agent.safetensors").steps == 1024
 
 
-def test_worlds_that_ranks_cannot_share_are_refused(tmp_path, monkeypatch):
+def test_environments_that_ranks_cannot_share_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(ranks, "size", lambda: 2)
-    with pytest.raises(RequestError, match="environments must be a multiple of the 2 ranks, not 7"):
-        run([random_house(0)], PQNConfig(environments=7), tmp_path / "run")
+    with pytest.raises(RequestError, match="num_envs must be a multiple of the 2 ranks, not 7"):
+        run([random_house(0)], PQNConfig(num_envs=7), tmp_path / "run")
     assert not (tmp_path / "run/config.json").exists()

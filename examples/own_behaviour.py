@@ -1,0 +1,42 @@
+"""Your own behaviour between our shield and an agent's network: a layer of Brooks' subsumption in ten lines.
+
+./run python examples/own_behaviour.py houses.jsonl
+"""
+
+from pathlib import Path
+
+import torch
+import tyro
+from torch import Tensor
+
+from agent import checkpoint
+from agent.actions import ACTIONS, LEFT, RIGHT
+from agent.avoidance import Stack
+from agent.evaluation.episodes import play
+from agent.policies import QPolicy
+from agent.world import make_worlds, shield
+from logic import load
+from sim import DEFAULT
+
+
+def stride(observation: Tensor, blocked: Tensor) -> Tensor:
+    """Which actions (E, A) bool are allowed: no turn where 2 m ahead are free and no target is in sight."""
+    free = observation[:, 19:21, 0].amin(1) > 2 / DEFAULT.range
+    on = free & ~observation[..., 1].bool().any(1)
+    allowed = torch.ones(len(on), ACTIONS, dtype=torch.bool)
+    allowed[:, [LEFT, RIGHT]] = ~on[:, None]
+    return allowed
+
+
+def main(houses: tyro.conf.Positional[Path], agent: str = "pqn-map") -> None:
+    """Play an episode in each house with and without the layer."""
+    bank, network = load(houses), checkpoint.load(agent).network
+    envs = make_worlds(bank, len(bank), "main")
+    for name, layer in {"shield": shield(envs), "shield, stride": Stack(shield(envs), stride)}.items():
+        policy = QPolicy(network, layer, torch.Generator().manual_seed(0))
+        score = play(envs, policy, seed=0)
+        print(f"{name}: {score.targets.mean():.1f} targets, {score.interventions} actions overruled")
+
+
+if __name__ == "__main__":
+    tyro.cli(main)
