@@ -15,6 +15,7 @@ OUT = ROOT / "benchmarks" / "houses" / NAME
 
 
 def main() -> int:
+    """Make the bank, check it, save it; 1 where it is there already."""
     if OUT.exists():
         print(f"{OUT}: is frozen. A new bank needs a new name: agent/banks.py", file=sys.stderr)
         return 1

@@ -15,4 +15,4 @@ class Learner:
 
     def run(self) -> None:
         """Measure and draw."""
-        study(Path(__file__).with_name("test_learner.py"), self.out)
+        study(Path(__file__).with_name("test_learner.py"), self.out, needs=("sim", "torch"))

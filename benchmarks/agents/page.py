@@ -149,8 +149,8 @@ EXTERNALS = """
 Agents of other libraries, by the examples that come with the project: our houses, rays and avoidance layer;
 their way to learn and to explore, which they keep when they are measured. Their networks have two layers of
 128 too, but see only the present observation, where ours see averages of earlier ones. They learn from
-{steps} M steps in any share, far fewer than ours, so they are in no table with them. They are measured for the
-targets that they learnt for.
+{steps} M steps in any share, far fewer than ours, so they are in no table with them. They are measured for
+the targets that they learnt for.
 
 | agent | what it is | command | targets learnt for | ratio there | run by run |
 |---|---|---|---|---|---|
@@ -196,10 +196,10 @@ Targets in secondary rooms, ratio to the oracle:
 
 ## What each part contributes
 Each row changes one thing of an agent and trains it from scratch by the same budget of time. (No map at all
-is the preset `pqn`: it makes twice the steps in that time, and differs in a few settings more.) The difference
-is to the agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds have the same
-sign. The 95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked moves, and
-actions that the avoidance layer overruled, are per 1000 steps.
+is the preset `pqn`: it makes twice the steps in that time, and differs in a few settings more.) The
+difference is to the agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds
+have the same sign. The 95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked
+moves, and actions that the avoidance layer overruled, are per 1000 steps.
 
 ![Differences of the ratio by what was changed](agent-parts.png)
 

@@ -2,7 +2,8 @@
 
 Each preset is trained by each number of processes and each seed in turns, for the same number of steps, in
 the houses of ``vitruvius bench agents``; each process has a core, and as many environments as the preset.
-Then all are measured in the benchmark bank: a gain in speed should be no loss in score. Runs are kept, and one that was stopped goes on; the table is of whole runs, so leave the machine alone meanwhile.
+Then all are measured in the benchmark bank: a gain in speed should be no loss in score. Runs are kept, and
+one that was stopped goes on; the table is of whole runs, so leave the machine alone meanwhile.
 """
 
 import json

@@ -4,7 +4,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -25,13 +26,17 @@ def study(
     out: Path,
     page: Callable[[dict[str, Any]], str] | None = None,
     *,
+    needs: Sequence[str] = (),
     publish: bool = False,
     **settings: str,
 ) -> None:
     """Time ``test_NAME.py``; write NAME.json, NAME.png and, by ``page``, NAME.md; print the fitted laws.
 
-    ``settings`` reach the script as environment variables. Raises ``MeasurementFailed``.
+    ``settings`` reach the script as environment variables. Raises ``MeasurementFailed``, and
+    ``ModuleNotFoundError`` before anything runs where a module that it ``needs`` is absent.
     """
+    for module in ("pytest_benchmark", *needs):
+        import_module(module)
     name = script.stem.removeprefix("test_")
     report = measured(script, out / f"{name}.json", settings)
     files = {f"{name}.png": plot(report)} | ({f"{name}.md": page(report).encode()} if page else {})
@@ -43,8 +48,6 @@ def study(
 
 def measured(script: Path, file: Path, settings: Mapping[str, str]) -> dict[str, Any]:
     """What pytest-benchmark reports of a script, kept in a file; its own tables go to the terminal."""
-    import pytest_benchmark  # noqa: F401 (an absent extra is named before anything runs)
-
     file.parent.mkdir(parents=True, exist_ok=True)
     beside = file.with_name(f".{file.name}").resolve()
     command = [sys.executable, "-m", "pytest", "-q", str(script), f"--benchmark-json={beside}"]

@@ -29,7 +29,7 @@ def generator_page(report: dict[str, Any], grammar: str) -> str:
             if "workers" in each
         ),
         laws=table_rows(laws.items()),
-        rounds=max(entry["stats"]["rounds"] for entry in entries.values()),
+        rounds=next(entry["stats"]["rounds"] for (name, _), entry in entries.items() if name == "house"),
         houses=table_rows(_of_house(entries, rooms) for rooms in sizes if ("house", rooms) in entries),
         rejected=table_rows(
             _of_rejection(entries["rejection", rooms]) for rooms in sizes if ("rejection", rooms) in entries

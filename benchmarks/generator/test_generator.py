@@ -94,7 +94,7 @@ def inferences(builder: Builder) -> int:
 @study("one-off: a grammar is loaded and checked, its programs are grounded", time.perf_counter)
 def test_loading(benchmark: Any) -> None:
     builders = []
-    benchmark.pedantic(lambda: builders.append(Builder(find(GRAMMAR))), rounds=5)
+    benchmark.pedantic(lambda: builders.append(Builder(find(GRAMMAR))), rounds=min(5, ROUNDS))
     benchmark.extra_info["versions"] = builders[0].versions
 
 
@@ -151,7 +151,7 @@ def test_workers(benchmark: Any, workers: int) -> None:
     def rest(houses: Iterator[House]) -> list[str]:
         return [json.dumps(house.to_dict()) for house in houses]
 
-    benchmark.pedantic(rest, setup=begun, rounds=3)
+    benchmark.pedantic(rest, setup=begun, rounds=min(3, ROUNDS))
     rate = count / benchmark.stats.stats.median
     benchmark.extra_info.update(workers=workers, worked=rooms, houses_per_second=rate)
 

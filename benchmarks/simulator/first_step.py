@@ -13,6 +13,7 @@ from unittest.mock import patch
 
 
 def main(file: str) -> None:
+    """Print the seconds."""
     begun = perf_counter()
     import numpy as np
 

@@ -26,4 +26,5 @@ class Simulator:
         """Measure, draw and write the page."""
         peers = Peers(self.out / "peers.json").measured() if self.peers else None
         script = Path(__file__).with_name("test_simulator.py")
-        study(script, self.out, partial(simulator_page, peers=peers), publish=self.publish)
+        page = partial(simulator_page, peers=peers)
+        study(script, self.out, page, needs=("sim", "torch"), publish=self.publish)

@@ -6,9 +6,9 @@ import torch
 
 from agent.baselines import baselines
 from agent.evaluate import begin, play
-from agent.phases import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, Search, follow, room_of
 from agent.policies import RandomPolicy
 from agent.world import make_worlds, shield
+from benchmarks.agents.account import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, Search, follow, room_of
 from tests.worlds import drawn, random_house
 
 HOUSES = [random_house(seed) for seed in range(3)]

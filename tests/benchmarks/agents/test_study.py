@@ -4,7 +4,6 @@ import json
 import os
 import re
 import runpy
-import sys
 from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
@@ -21,16 +20,16 @@ from agent.cli import parse
 from agent.config import differences
 from agent.evaluate import Score
 from agent.protocol import MODES, Result
-from agent.results.agent_plots import pictures
-from agent.results.agents import agents_page
-from agent.results.study import Entry, Guest, Run, Study, by_seed, difference, result_of
 from agent.scoreboard import record
-from benchmarks.agents import Agents, measured
-from benchmarks.jobs import Job, run_all
-from benchmarks.trials import ENTRIES, GUESTS, StudyFailed, Trial, Visit, with_score
+from benchmarks.agents.entries import ENTRIES, EXTERNALS
+from benchmarks.agents.page import agents_page
+from benchmarks.agents.pictures import pictures
+from benchmarks.agents.records import Entry, External, Outcome, Study, by_seed, difference, result_of
+from benchmarks.agents.run import Agents, measured
+from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, with_score
 from logic.errors import RequestError
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 HOUSES = 60
 
@@ -57,9 +56,9 @@ def entry(name: str, beside: str = "", options: tuple[str, ...] = ()) -> Entry:
     return Entry(name, "pqn", options, 1_000_000, "main", f"what {name} is", beside)
 
 
-def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Run:
+def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Outcome:
     last = {"steps": 10**6, "seconds": 20.0, "simulator": 2e5, "learner": 7e4, "map": None}
-    return Run(name, seed, finished, failed, ((1000, 1.0), (500_000, 20.0), (10**6, 40.0)), last)
+    return Outcome(name, seed, finished, failed, ((1000, 1.0), (500_000, 20.0), (10**6, 40.0)), last)
 
 
 @pytest.fixture
@@ -71,7 +70,7 @@ def study() -> Study:
         command="python -m benchmarks.agents --share 0.2",
         days="2026-01-01",
         machine="a machine",
-        versions={"Python": "3.11"},
+        versions="Python 3.11",
         learnt_in="some houses",
         measured_in="other houses",
         entries=(entry("plain"), entry("other"), entry("bare", "plain", ("--avoidance", "none"))),
@@ -92,7 +91,7 @@ def study() -> Study:
 
 @pytest.mark.parametrize("one", ENTRIES, ids=lambda one: one.name)
 def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
-    job = Trial(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
+    job = EntryRun(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
     asked = parse(list(job.command[job.command.index("train") :]))
     assert (asked.config.targets, asked.config.steps, asked.config.seed) == (one.targets, one.steps, 3)
     assert asked.name == one.name
@@ -108,7 +107,7 @@ def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
     [base] = [each for each in ENTRIES if each.name == one.beside]
     configs = []
     for entry in (one, base):
-        command = Trial(entry, 0, Path("somewhere")).training(Path("houses.jsonl")).command
+        command = EntryRun(entry, 0, Path("somewhere")).training(Path("houses.jsonl")).command
         configs.append(parse(list(command[command.index("train") :])).config)
     assert len(list(differences(*configs))) == 1
 
@@ -122,123 +121,102 @@ def test_entries_have_names_of_their_own_and_known_companions() -> None:
 def test_agents_play_for_all_targets_and_changes_of_them_for_their_own(study: Study, tmp_path: Path) -> None:
     plain, _, bare = study.entries
     for one, modes in ((plain, list(MODES)), (bare, [bare.targets])):
-        assert [mode for mode in MODES if Trial(one, 0, tmp_path).plays(mode)] == modes
+        assert [mode for mode in MODES if EntryRun(one, 0, tmp_path).plays(mode)] == modes
 
 
-@pytest.mark.parametrize("name", GUESTS)
-def test_every_guest_is_an_example_that_can_be_asked_for(name: str, tmp_path: Path, monkeypatch) -> None:
-    command = Visit(name, 3, tmp_path).training(tmp_path / "houses.jsonl").command
+@pytest.mark.parametrize("name", EXTERNALS)
+def test_every_external_agent_is_an_example_that_can_be_asked_for(
+    name: str, tmp_path: Path, monkeypatch
+) -> None:
+    command = ExternalRun(name, 3, tmp_path).training(tmp_path / "houses.jsonl").command
     file = ROOT / command[1]
     monkeypatch.syspath_prepend(file.parent)
     pytest.importorskip(
         {"torchrl_ppo": "torchrl", "stable_baselines": "stable_baselines3"}.get(file.stem, "torch")
     )
     asked = tyro.cli(runpy.run_path(str(file))["Example"], args=list(command[2:]))
-    assert (asked.avoid, asked.targets, asked.seed) == (True, GUESTS[name].targets, 3)
-    assert (asked.steps, asked.out) == (GUESTS[name].steps, Visit(name, 3, tmp_path).scores)
+    assert (asked.avoid, asked.targets, asked.seed) == (True, EXTERNALS[name].targets, 3)
+    assert (asked.steps, asked.out) == (EXTERNALS[name].steps, ExternalRun(name, 3, tmp_path).scores)
 
 
 # Runs.
 
 
-def kept(trial: Trial, steps: int) -> None:
+def kept(training: EntryRun, steps: int) -> None:
     """A run that has come so far."""
-    command = trial.training(trial.out).command
+    command = training.training(training.out).command
     config = parse(list(command[command.index("train") :])).config
-    checkpoint.save(Checkpoint(network_of(config), config, steps, trial.entry.name), trial.folder.agent)
-    trial.folder.config.write_text(json.dumps({"algorithm": config.algorithm, "config": asdict(config)}))
+    checkpoint.save(Checkpoint(network_of(config), config, steps, training.entry.name), training.folder.agent)
+    training.folder.config.write_text(json.dumps({"algorithm": config.algorithm, "config": asdict(config)}))
 
 
 def test_a_run_is_finished_when_its_agent_has_seen_its_steps(tmp_path: Path) -> None:
-    trial = Trial(entry("plain"), 0, tmp_path)
-    assert not trial.begun
-    assert not trial.finished
-    kept(trial, trial.entry.steps - 1)
-    assert trial.begun
-    assert not trial.finished
-    kept(trial, trial.entry.steps)
-    assert trial.finished
+    training = EntryRun(entry("plain"), 0, tmp_path)
+    assert not training.begun
+    assert not training.finished
+    kept(training, training.entry.steps - 1)
+    assert training.begun
+    assert not training.finished
+    kept(training, training.entry.steps)
+    assert training.finished
 
 
 def test_a_run_of_another_budget_or_with_other_options_is_refused(tmp_path: Path) -> None:
-    trial = Trial(entry("plain"), 0, tmp_path)
-    kept(trial, 10)
-    trial.require_same()
-    other = replace(trial.entry, steps=5, options=("--avoidance", "none"))
+    training = EntryRun(entry("plain"), 0, tmp_path)
+    kept(training, 10)
+    training.require_same()
+    other = replace(training.entry, steps=5, options=("--avoidance", "none"))
     with pytest.raises(RequestError, match=r"a run with other avoidance, steps\. Give"):
-        Trial(other, 0, tmp_path).require_same()
-    trial.folder.config.write_text(json.dumps({"algorithm": "pqn", "config": {"colour": 3}}))
+        EntryRun(other, 0, tmp_path).require_same()
+    training.folder.config.write_text(json.dumps({"algorithm": "pqn", "config": {"colour": 3}}))
     with pytest.raises(RequestError, match="unknown field 'colour'"):
-        trial.require_same()
+        training.require_same()
 
 
-def test_an_unknown_entry_is_told(tmp_path: Path) -> None:
+def test_an_unknown_entry_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="--only nothing: no entry"):
         Agents(only=("nothing",), out=tmp_path).run()
 
 
 def test_a_measurement_is_kept_until_an_agent_is_newer_or_another(tmp_path: Path) -> None:
-    trials = [Trial(entry("plain"), seed, tmp_path) for seed in (0, 1)]
-    for trial in trials:
-        kept(trial, trial.entry.steps)
+    runs = [EntryRun(entry("plain"), seed, tmp_path) for seed in (0, 1)]
+    for training in runs:
+        kept(training, training.entry.steps)
     folder = tmp_path / "evaluation-main"
-    assert not measured(folder, trials)
+    assert not measured(folder, runs)
     folder.mkdir()
-    agents = [str(trial.folder.agent) for trial in trials]
+    agents = [str(training.folder.agent) for training in runs]
     for bank, found in (("0" * 64, False), (HASH, True)):
         (folder / "evaluation.json").write_text(json.dumps({"agents": agents, "bank": {"hash": bank}}))
-        assert measured(folder, trials) == found
-    assert not measured(folder, trials[:1])
+        assert measured(folder, runs) == found
+    assert not measured(folder, runs[:1])
     late = (folder / "evaluation.json").stat().st_mtime + 1
-    os.utime(trials[1].folder.agent, (late, late))
-    assert not measured(folder, trials)
+    os.utime(runs[1].folder.agent, (late, late))
+    assert not measured(folder, runs)
 
 
-def test_a_guest_is_finished_when_it_has_learnt_from_its_steps_and_played(tmp_path: Path) -> None:
-    visit = Visit("one-file", 0, tmp_path)
-    assert not visit.begun
-    visit.scores.parent.mkdir()
-    for steps, finished in ((100, False), (GUESTS["one-file"].steps, True)):
-        visit.scores.write_text(json.dumps({"steps": steps}))
-        assert (visit.begun, visit.finished) == (True, finished)
+def test_an_external_agent_is_finished_when_it_has_learnt_from_its_steps_and_played(tmp_path: Path) -> None:
+    training = ExternalRun("one-file", 0, tmp_path)
+    assert not training.begun
+    training.scores.parent.mkdir()
+    for steps, finished in ((100, False), (EXTERNALS["one-file"].steps, True)):
+        training.scores.write_text(json.dumps({"steps": steps}))
+        assert (training.begun, training.finished) == (True, finished)
 
 
-def test_a_guests_scores_join_what_was_measured_with_the_same_targets_alone(tmp_path: Path) -> None:
-    visit, one = Visit("one-file", 0, tmp_path), result(plain=(0.8,))
-    name = visit.guest.name
+def test_an_external_agents_scores_join_what_was_measured_with_the_same_targets_alone(tmp_path: Path) -> None:
+    training, one = ExternalRun("one-file", 0, tmp_path), result(plain=(0.8,))
+    name = training.agent.name
     theirs = with_score(result(), score(name, 0.4))
     less = replace(theirs, players=theirs.players | {"oracle": (score("oracle", 0.9),)})
-    visit.scores.parent.mkdir()
-    visit.scores.write_text(json.dumps(record([theirs])))
-    assert visit.joined(one).ratio(name) == theirs.ratio(name)
+    training.scores.parent.mkdir()
+    training.scores.write_text(json.dumps(record([theirs])))
+    assert training.joined(one).ratio(name) == theirs.ratio(name)
     other = replace(theirs, targets="secondary")
     for wrong in (less, other, result(someone=(0.4,))):
-        visit.scores.write_text(json.dumps(record([wrong])))
+        training.scores.write_text(json.dumps(record([wrong])))
         with pytest.raises(StudyFailed, match=f"not of {re.escape(name)}, or not of these houses"):
-            visit.joined(one)
-
-
-# Processes.
-
-
-def job(folder: Path, script: str) -> Job:
-    return Job(folder.name, (sys.executable, "-c", script), folder)
-
-
-def test_each_process_keeps_to_one_processor(tmp_path: Path) -> None:
-    script = "import os; print(len(os.sched_getaffinity(0)), os.environ['OMP_NUM_THREADS'])"
-    run_all([job(tmp_path / str(k), script) for k in range(3)], 2)
-    assert [(tmp_path / str(k) / "log.txt").read_text() for k in range(3)] == ["1 1\n"] * 3
-
-
-def test_a_failure_is_noted_until_the_next_try(tmp_path: Path) -> None:
-    run_all([job(tmp_path / "a", "raise SystemExit('no good')"), job(tmp_path / "b", "")], 1)
-    assert (tmp_path / "a" / "failed.txt").read_text() == "failed, exit code 1: no good"
-    assert not (tmp_path / "b" / "failed.txt").exists()
-    run_all([job(tmp_path / "a", "import os; os.abort()")], 1)
-    assert (tmp_path / "a" / "failed.txt").read_text() == "failed, ended by signal 6"
-    run_all([job(tmp_path / "a", "")], 1)
-    assert not (tmp_path / "a" / "failed.txt").exists()
+            training.joined(one)
 
 
 # Figures.
@@ -266,12 +244,12 @@ def test_the_same_scores_differ_by_nothing_with_certainty(study: Study) -> None:
     assert found.all == (0, 0, 0)
 
 
-def test_a_guests_runs_are_one_player_before_those_that_learn_nothing() -> None:
+def test_an_external_agents_runs_are_one_player_before_those_that_learn_nothing() -> None:
     one = result(plain=(0.8, 0.7))
-    guests = [score("guest", level, seed) for seed, level in enumerate((0.5, 0.6))]
-    both = with_score(with_score(one, guests[0]), guests[1])
-    assert list(both.players) == ["guest", "plain", "oracle"]
-    assert both.players["guest"] == tuple(guests)
+    agents = [score("theirs", level, seed) for seed, level in enumerate((0.5, 0.6))]
+    both = with_score(with_score(one, agents[0]), agents[1])
+    assert list(both.players) == ["theirs", "plain", "oracle"]
+    assert both.players["theirs"] == tuple(agents)
     assert both.figures("plain") == one.figures("plain")
 
 
@@ -293,29 +271,26 @@ def test_the_page_states_the_share_of_the_budget(study: Study) -> None:
     assert "the work of 3 minutes" in page
 
 
-def test_the_page_tells_failed_runs(study: Study) -> None:
+def test_the_page_names_failed_runs(study: Study) -> None:
     assert "- bare, seed 0: failed, exit code 1: error: the loss is nan" in agents_page(study)
 
 
-def test_the_page_has_guests_where_they_were_measured_and_tells_those_that_failed(study: Study) -> None:
-    guest = Guest("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
-    main = with_score(study.results["main"], score(guest.name, 0.4))
-    late = Run(guest.name, 1, False, "failed, exit code 1: no such library", (), None)
-    visited = replace(study, results=study.results | {"main": main}, guests=(guest,), absent=(late,))
-    page = agents_page(visited)
-    ratio, [alone] = main.ratio(guest.name).text(), by_seed(main, guest.name)
-    assert f"| {guest.name} | {ratio} | - |" in page
-    assert f"| {guest.name} | what it is | `{guest.command}` | main | {alone:.2f} |" in page
-    assert "They learn from 2 M steps" in page
-    assert f"- {guest.name}, seed 1: failed, exit code 1: no such library\n" in page
+def test_external_agents_stand_apart_and_those_that_failed_are_named(study: Study) -> None:
+    """They learnt from far fewer steps, so no table has them beside our agents."""
+    agent = External("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
+    main = with_score(study.results["main"], score(agent.name, 0.4))
+    late = Outcome(agent.name, 1, False, "failed, exit code 1: no such library", (), None)
+    both = replace(study, results=study.results | {"main": main}, externals=(agent,), absent=(late,))
+    page = agents_page(both)
+    ratio, [alone] = main.ratio(agent.name).text(), by_seed(main, agent.name)
+    rows = [line for line in page.splitlines() if line.startswith(f"| {agent.name}")]
+    assert rows == [f"| {agent.name} | what it is | `{agent.command}` | main | {ratio} | {alone:.2f} |"]
+    assert "2 M steps in any share" in page
+    assert f"- {agent.name}, seed 1: failed, exit code 1: no such library\n" in page
     assert_tables(page)
-    assert guest.name not in visited.baselines()
-    assert guest.name not in agents_page(study)
-    assert pictures(visited)["agent-scores.png"] != pictures(study)["agent-scores.png"]
-
-
-def test_the_page_ends_with_what_was_written_by_hand(study: Study) -> None:
-    assert agents_page(study, "## In other houses\nAs it is.\n").endswith("## In other houses\nAs it is.\n")
+    assert agent.name not in both.baselines()
+    assert agent.name not in agents_page(study)
+    assert pictures(both) == pictures(study)
 
 
 def test_the_page_is_a_function_of_the_records(study: Study) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from agent.cli import main
-from benchmarks.laws import along_sides, held, on_a_chain, on_a_wall
-from benchmarks.layouts import by_rejection, entropy, every_layout
+from benchmarks.generator.laws import along_sides, held, on_a_chain, on_a_wall
+from benchmarks.generator.layouts import by_rejection, entropy, every_layout
 from logic import count_layouts
 from logic.builder import Builder
 from logic.grammar import find
