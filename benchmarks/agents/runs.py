@@ -57,7 +57,7 @@ class EntryRun:
         return finished(self.folder, self.entry.steps)
 
     def plays(self, mode: str) -> bool:
-        """Whether it is measured in a target mode: an agent of its own in all, a change in its own."""
+        """Whether it is measured in a target mode: a change of an agent in its own, any other in all."""
         return not self.entry.beside or self.entry.targets == mode
 
     def training(self, houses: Path) -> Job:

@@ -1,4 +1,4 @@
-"""The laws that stage 2 states, held against what it draws: Kolmogorov-Smirnov, through the real predicates.
+"""The laws that stage 2 states, held against its samples: Kolmogorov-Smirnov, through the real predicates.
 
 k things in a row leave k + 1 gaps. Uniform on their simplex, each is Beta(1,k) of what all share.
 """
@@ -23,18 +23,18 @@ SIDES = {"north": (0, 1), "east": (1, 1), "south": (0, -1), "west": (1, -1)}
 
 @dataclass(frozen=True)
 class Law:
-    """A law held against so many draws: the statistic farthest off among its gaps."""
+    """A law held against samples: the statistic farthest off among its gaps."""
 
     name: str
-    draws: int
+    samples: int
     distance: float
-    """The greatest between the distribution functions drawn and stated."""
+    """The greatest between the distribution functions sampled and stated."""
     p: float
     """Of the least likely gap, times their number (Bonferroni); at most 1."""
 
 
 def held(name: str, gaps: np.ndarray) -> Law:
-    """Gaps, (draws, k+1), as shares of their sum, against Beta(1,k)."""
+    """Gaps, (samples, k+1), as shares of their sum, against Beta(1,k)."""
     k = gaps.shape[1] - 1
     found = [kstest(gap, beta(1, k).cdf) for gap in gaps.T]
     least = min(float(result.pvalue) for result in found)
@@ -42,25 +42,25 @@ def held(name: str, gaps: np.ndarray) -> Law:
     return Law(name, len(gaps), distance, min(1.0, least * len(found)))
 
 
-def on_a_chain(builder: Builder, pieces: int, draws: int) -> np.ndarray:
-    """Shares of the gaps around so many pieces of 0.5 m on 10 m."""
+def on_a_chain(builder: Builder, pieces: int, samples: int) -> np.ndarray:
+    """Shares of the gaps around ``pieces`` of 0.5 m on 10 m."""
     names = [f"S{i}" for i in range(pieces)]
     blocks = ",".join(f"block({name},0.5,[at_least(0.0)-[],at_most(9.5)-[]],[])" for name in names)
-    drawn = f"call(chain:draw_chain([{blocks}],0.0),Seed,_),Xs=[{','.join(names)}]"
-    seeds = np.random.default_rng(pieces).integers(2**63, size=draws).tolist()
-    each = f"findall(Xs,(member(Seed,{seeds}),{drawn}),All)"
+    sampled = f"call(chain:draw_chain([{blocks}],0.0),Seed,_),Xs=[{','.join(names)}]"
+    seeds = np.random.default_rng(pieces).integers(2**63, size=samples).tolist()
+    each = f"findall(Xs,(member(Seed,{seeds}),{sampled}),All)"
     goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
     starts = np.array(builder.placer._json(goal))
     return _gaps(starts, starts + 0.5, 0.0, 10.0) / (10 - 0.5 * pieces)
 
 
-def on_a_wall(builder: Builder, pieces: Sequence[str], draws: int) -> tuple[np.ndarray, np.ndarray]:
+def on_a_wall(builder: Builder, pieces: Sequence[str], samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Shares of the gaps around these pieces at the back wall of a bathroom, and its widths, metres."""
     atoms = [f"on({piece},1,back,{n})" for n, piece in enumerate(pieces, start=1)]
     furniture = [parse_term(atom) for atom in (*atoms, "busy(back)", f"last(back,{len(pieces)})")]
     passage, shares, widths = 0.42, [], []
     rng = np.random.default_rng(len(pieces))
-    for seed in rng.integers(2**63, size=draws).tolist():
+    for seed in rng.integers(2**63, size=samples).tolist():
         room = RoomLayout(0, Function("bathroom"), Function("north"), furniture, seed)
         (made,) = builder.place(Layout([room], []), rng, 10**8)["rooms"]
         boxes = np.array(sorted((each["x"], each["width"]) for each in made["children"]))
@@ -70,7 +70,7 @@ def on_a_wall(builder: Builder, pieces: Sequence[str], draws: int) -> tuple[np.n
     return np.array(shares), np.array(widths)
 
 
-def along_sides(builder: Builder, rooms: int, draws: int) -> dict[int, np.ndarray]:
+def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndarray]:
     """Shares of the gaps along the sides of whole houses, by how many rooms stand on the side.
 
     The first gap begins where the first room's door would touch the corner of the main room, or a gap past it
@@ -79,7 +79,7 @@ def along_sides(builder: Builder, rooms: int, draws: int) -> dict[int, np.ndarra
     lengths: dict[str, float] = builder.placer.lengths({})[0]["lengths"]
     between = max(lengths["room_gap"], lengths["door_clearance"])
     shares: dict[int, list[np.ndarray]] = defaultdict(list)
-    for index in range(draws):
+    for index in range(samples):
         rng = np.random.default_rng([rooms, index])
         request = Request.read({"rooms": rooms, "types": {}, "furniture": {}})
         layout = builder.layout(request, rng)
@@ -125,25 +125,25 @@ def _side_gaps(
 
 
 def _gaps(starts: np.ndarray, ends: np.ndarray, first: float, last: float) -> np.ndarray:
-    """What lies before, between and behind things in a row: (draws, k+1) of (draws, k)."""
+    """What lies before, between and behind things in a row: (samples, k+1) of (samples, k)."""
     edge = np.ones((len(starts), 1))
     return np.hstack([starts, last * edge]) - np.hstack([first * edge, ends])
 
 
-def laws(builder: Builder, draws: int) -> list[Law]:
+def laws(builder: Builder, samples: int) -> list[Law]:
     """The table of the study."""
     found = [
-        held(f"gaps on a chain of {k}, by `draw_chain`", on_a_chain(builder, k, draws))
+        held(f"gaps on a chain of {k}, by `draw_chain`", on_a_chain(builder, k, samples))
         for k in (1, 2, 3, 5, 8)
     ]
     for k, pieces in enumerate((["toilet"], ["toilet", "sink"], ["toilet", "sink", "shower"]), start=1):
-        shares, widths = on_a_wall(builder, pieces, draws // 5)
+        shares, widths = on_a_wall(builder, pieces, samples // 5)
         found.append(held(f"gaps around {k} at a wall, in rooms", shares))
         if k == 1:
             widths = (widths - 2.4) / (3.7 - 2.4)
             found.append(
                 held("the width of a room that nothing binds", np.stack([widths, 1 - widths], axis=1))
             )
-    for k, shares in along_sides(builder, 6, draws // 10).items():
+    for k, shares in along_sides(builder, 6, samples // 10).items():
         found.append(held(f"gaps around {k} room{'s' * (k > 1)} on a side, in houses of 6", shares))
     return found

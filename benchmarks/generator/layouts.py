@@ -1,7 +1,7 @@
-"""How evenly stage 1 draws layouts: beside all of them, counted, and beside rejection, whose law is known.
+"""How evenly stage 1 samples layouts: beside all of them, counted, and beside rejection, whose law is known.
 
-Rejection draws every pick by its weight alone and begins again until the rules accept all of them: so its law
-is that of the picks, given the rules. Drawing pick by pick never begins again, and is held against it here.
+Rejection samples every pick by its weight alone and begins again until the rules accept all of them: so its
+law is that of the picks, given the rules. Sampling pick by pick never begins again, and is held against it.
 """
 
 from collections import Counter
@@ -42,7 +42,7 @@ def entropy(counts: Iterable[int]) -> float:
 
 
 def share(counts: Iterable[int], values: int) -> float:
-    """The entropy of a sample as a share of the greatest that so many values can have."""
+    """The entropy of a sample as a share of the greatest that this number of values can have."""
     return float(entropy(counts) / np.log(values))
 
 
@@ -51,54 +51,54 @@ class Part:
     """One part of the layouts of a program: shares of the greatest entropy by three laws, and a distance."""
 
     values: int
-    drawn: float
-    """As stage 1 draws it."""
+    sampled: float
+    """As stage 1 samples it."""
     conditioned: float
     """By rejection."""
     alike: float | None
     """If all layouts came equally often; None where they are too many to list."""
     distance: float
-    """Total variation between drawn and conditioned, 0 to 1."""
+    """Total variation between sampled and conditioned, 0 to 1."""
     expected: float
     """The distance to be expected of two samples of this size of one law."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """The layouts of one program, as drawn."""
+    """The layouts of one program, as sampled."""
 
     layouts: int | None
     """All there are; None where they are too many to list."""
-    draws: int
+    samples: int
     seen: int
     share: float | None
     """Of the greatest entropy."""
     uniform: float | None
-    """What as many draws of an exactly uniform sampler show."""
+    """What as many samples of an exactly uniform sampler show."""
     accepted: float
     """The share of rejection's tries that the rules accept."""
     parts: dict[str, Part] = field(default_factory=dict)
 
 
-def spread(grammar: str, subject: int | str, draws: int, tries: int, seconds: float) -> Spread:
-    """Study the layouts of so many rooms, or of the furniture of a type of room.
+def spread(grammar: str, subject: int | str, samples: int, tries: int, seconds: float) -> Spread:
+    """Study the layouts of a number of rooms, or of the furniture of a type of room.
 
-    They are listed where that takes no more than so many seconds.
+    They are listed where that takes no more than ``seconds``.
     """
     builder = Builder(find(grammar))
     make: Any = builder.programs.rooms if isinstance(subject, int) else builder.programs.furniture
     listed = every_layout(make(subject, arguments=EVERY), seconds)
     program: Program = make(subject)
-    drawn = Counter(tuple(program.sample(np.random.default_rng([1, i])) or ()) for i in range(draws))
+    sampled = Counter(tuple(program.sample(np.random.default_rng([1, i])) or ()) for i in range(samples))
     conditioned = by_rejection(program, np.random.default_rng(2), tries)
     size = len(listed) if listed else None
-    alike = np.random.default_rng(3).multinomial(draws, np.full(size, 1 / size)) if size else ()
-    found = {name: _part(name, drawn, conditioned, listed) for name in PARTS}
+    alike = np.random.default_rng(3).multinomial(samples, np.full(size, 1 / size)) if size else ()
+    found = {name: _part(name, sampled, conditioned, listed) for name in PARTS}
     return Spread(
         layouts=size,
-        draws=draws,
-        seen=len(drawn),
-        share=share(drawn.values(), size) if size else None,
+        samples=samples,
+        seen=len(sampled),
+        share=share(sampled.values(), size) if size else None,
         uniform=share(alike, size) if size else None,
         accepted=conditioned.total() / tries,
         parts={name: part for name, part in found.items() if part},
@@ -106,7 +106,7 @@ def spread(grammar: str, subject: int | str, draws: int, tries: int, seconds: fl
 
 
 def every_layout(program: Program, seconds: float) -> Counter[Layout] | None:
-    """Each layout once; None past so many seconds."""
+    """Each layout once; None after ``seconds``."""
     deadline, listed = monotonic() + seconds, Counter[Layout]()
     with program._control.solve(yield_=True) as handle:
         for model in handle:
@@ -137,10 +137,10 @@ def by_rejection(program: Program, rng: np.random.Generator, tries: int) -> Coun
 
 
 def _part(
-    name: str, drawn: Counter[Layout], conditioned: Counter[Layout], listed: Counter[Layout] | None
+    name: str, sampled: Counter[Layout], conditioned: Counter[Layout], listed: Counter[Layout] | None
 ) -> Part | None:
     """A part of these layouts; None where they do not have it, or all have the same."""
-    ours, theirs = _values(name, drawn), _values(name, conditioned)
+    ours, theirs = _values(name, sampled), _values(name, conditioned)
     every = _values(name, listed) if listed else None
     values = every or ours | theirs
     if len(values) < 2:
@@ -151,7 +151,7 @@ def _part(
     deviation = np.sqrt(both * (1 - both) * (1 / ours.total() + 1 / theirs.total()))
     return Part(
         values=len(values),
-        drawn=share(ours.values(), len(values)),
+        sampled=share(ours.values(), len(values)),
         conditioned=share(theirs.values(), len(values)),
         alike=float(-(a := np.array([*every.values()]) / every.total()) @ np.log(a) / np.log(len(values)))
         if every

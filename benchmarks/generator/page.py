@@ -12,7 +12,7 @@ def generator_page(report: dict[str, Any], grammar: str) -> str:
     sizes = sorted({rooms for _, rooms in entries if rooms})
     loading = entries["loading", None]
     info = report["machine_info"]
-    solvers = {name for name, rooms in entries if rooms and name.startswith(("decide", "draw"))}
+    solvers = {name for name, rooms in entries if rooms and name.startswith(("decide", "sample"))}
     infos = [entry["extra_info"] for entry in report["benchmarks"]]
     laws = {name: law(points, False) for name, points in series_of(report).items()}
     return PAGE.format(
@@ -106,14 +106,14 @@ the plot has a hollow arrow there, and the fit leaves it out. The original took 
 
 ## The same linear systems, another solver
 The systems of all rooms of 5 houses, every size unknown, as `room.pl` states them. `decide` asks whether each
-has a solution; `draw` fixes every unknown in turn within its projection, with HiGHS by two linear programs
+has a solution; `sample` fixes every unknown in turn within its projection, with HiGHS by two linear programs
 each. HiGHS is called through SciPy: a program for each room, or one for all rooms (`at once`).
 
 | rooms | {solvers} |
 |---|{dashes}|
 {solved}
 
-The generator itself solves less: it draws sizes first and asks CLP(R) whether all can stand so.
+The generator itself solves less: it samples sizes first and asks CLP(R) whether all can stand so.
 
 ## Fitted laws
 Least squares on the logarithms of the medians from 4 rooms on, with 95 % intervals; a method that does not

@@ -1,9 +1,9 @@
 :- module(rejection, [tries_until_valid/3]).
 
-/** <module> The original's method, rewritten: draw every number of a plan, test it, and begin again
+/** <module> The original's method, rewritten: sample every number of a plan, test it, and begin again
 
 De Gasperis, Migliarini and others place the rooms of a house so: sizes and places of all rooms and of the main room
-are drawn at random, all constraints are tested, and `repeat` draws all again if one fails. Rooms only, without
+are sampled, all constraints are tested, and `repeat` samples all again if one fails. Rooms only, without
 furniture; metres; the sizes of grammars/paper. It is spared what slows the original down: a test leaves no choice
 point, and compares numbers instead of posting constraints.
 */
@@ -15,7 +15,7 @@ point, and compares numbers instead of posting constraints.
 
 %!  tries_until_valid(+Count, +Seconds, -Tries) is det.
 %
-%   So many plans of Count rooms were drawn until one was valid; 0 if none was within Seconds.
+%   Tries plans of Count rooms were sampled until one was valid; 0 if none was within Seconds.
 
 tries_until_valid(Count, Seconds, Tries) :-
     nb_setval(tries, 0),
@@ -25,21 +25,21 @@ tries_until_valid(Count, Seconds, Tries) :-
 until_valid(Count) :-
     repeat,
     nb_getval(tries, N0), N is N0 + 1, nb_setval(tries, N),
-    drawn(Count, Main, Rooms),
+    sampled(Count, Main, Rooms),
     once(valid(Rooms, Main)),
     !.
 
-%   drawn(+Count, -Main, -Rooms): rectangles box(X,Y,W,H); a room overlaps the main room, as in the original's files,
-%   and its door, at a drawn place of a drawn wall, must lie in the main room. The main room is drawn in a range that
+%   sampled(+Count, -Main, -Rooms): rectangles box(X,Y,W,H); a room overlaps the main room, as in the original's files,
+%   and its door, at a random place of a random wall, must lie in the main room. The main room is sampled in a range that
 %   takes about as many tries as the original, which needs 7, 1,500, 4,350 and 54,000 for 2, 4, 5 and 6 rooms.
 
-drawn(Count, box(0,0,W,H), Rooms) :-
+sampled(Count, box(0,0,W,H), Rooms) :-
     Least is 2.0 + 2*Count, Most is 4.0 + 3*Count,
     random(Least, Most, W), random(Least, Most, H),
     length(Rooms, Count),
-    maplist(drawn_room(W, H), Rooms).
+    maplist(sampled_room(W, H), Rooms).
 
-drawn_room(W, H, room(box(X,Y,RW,RH),Wall,Door)) :-
+sampled_room(W, H, room(box(X,Y,RW,RH),Wall,Door)) :-
     random_member(Low-High, [3.66-5.18,2.44-3.66,3.05-4.57,4.57-6.1]),
     random(Low, High, RW), random(Low, High, RH),
     West is -RW, random(West, W, X), North is -RH, random(North, H, Y),

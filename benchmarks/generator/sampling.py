@@ -24,7 +24,7 @@ from logic.builder import Builder
 from logic.grammar import find
 
 GRAMMARS = ("family", "paper", "clinic")
-DRAWS: dict[int | str, int] = {
+SAMPLES: dict[int | str, int] = {
     5: 2_184_000,
     4: 222_000,
     "bathroom": 140_000,
@@ -32,7 +32,7 @@ DRAWS: dict[int | str, int] = {
     "bedroom": 50_000,
     "hall": 50_000,
 }
-"""The longest first. Fifty draws and more of each layout, where layouts can be listed."""
+"""The longest first. Fifty samples and more of each layout, where layouts can be listed."""
 TRIES = 150_000
 GAPS = 20_000
 HOUSES = 1000
@@ -92,17 +92,19 @@ def page(spreads: dict[str, Spread], held: list[Law], ranges: dict[str, Any], se
         minutes=seconds / 60,
         versions=versions("clingo"),
         whole=table_rows(
-            (name, f"{s.layouts:,}" if s.layouts else "too many to list", f"{s.draws:,}",
+            (name, f"{s.layouts:,}" if s.layouts else "too many to list", f"{s.samples:,}",
              number(s.share), number(s.uniform), f"{s.accepted:.2f}")
             for name, s in spreads.items()
         ),
         parts=table_rows(
-            (name, part, str(p.values), number(p.drawn), number(p.conditioned), number(p.alike),
+            (name, part, str(p.values), number(p.sampled), number(p.conditioned), number(p.alike),
              f"{p.distance:.3f} ({p.expected:.3f})")
             for name, s in spreads.items()
             for part, p in s.parts.items()
         ),
-        laws=table_rows((law.name, f"{law.draws:,}", f"{law.distance:.4f}", f"{law.p:.2f}") for law in held),
+        laws=table_rows(
+            (law.name, f"{law.samples:,}", f"{law.distance:.4f}", f"{law.p:.2f}") for law in held
+        ),
         ranges=table_rows(
             (name, *(f"{r[key]:.2f}" for key in ("compactness", "furniture")), str(r["cells"]),
              f"{r['share']:.2f}")
@@ -116,25 +118,25 @@ PAGE = """# How evenly are houses sampled?
 `./run bench sampling`, {when}: {minutes:.0f} minutes. {machine}; {versions}. Grammar: `family`.
 
 ## Layouts
-An even draw has the greatest entropy that so many layouts can have. `share` is what is drawn of that,
-corrected for the size of the sample (Miller 1955); `even` is what as many draws of an exactly even sampler
-show by the same formula. `accepted` is for comparison: where all picks are drawn at once, the rules accept
-this share.
+An even sampler has the greatest entropy that this number of layouts can have. `share` is what is sampled of
+that, corrected for the size of the sample (Miller 1955); `even` is what as many samples of an exactly even
+sampler show by the same formula. `accepted` is for comparison: where all picks are sampled at once, the rules
+accept this share.
 
-| | layouts | draws | share | even | accepted |
+| | layouts | samples | share | even | accepted |
 |---|---|---|---|---|---|
 {whole}
 
-The law is not that all layouts are alike. Choices are drawn one by one, in random order, by the grammar's
+The law is not that all layouts are alike. Choices are sampled one by one, in random order, by the grammar's
 weights, each among what the rules and the choices before it leave. Were layouts alike, a bathroom would
 nearly always have all that it may have, as there are more ways to place three pieces than one. So each part
-of the layouts is measured by itself, beside two other laws. `rejection` draws all picks at once, by their
+of the layouts is measured by itself, beside two other laws. `rejection` samples all picks at once, by their
 weights, and begins again until the rules accept them. `alike` takes each layout equally often. All three
 are shares of the greatest entropy of the values that the part can have; where layouts are too many to list,
-of those that were seen. `distance` is the total variation between drawn and rejection, 0 to 1; in brackets,
-what two samples of these sizes of one law show by chance.
+of those that were seen. `distance` is the total variation between sampled and rejection, 0 to 1; in brackets,
+the distance to be expected of two samples of these sizes of one law.
 
-| | part | values | drawn | rejection | alike | distance |
+| | part | values | sampled | rejection | alike | distance |
 |---|---|---|---|---|---|---|
 {parts}
 
@@ -142,7 +144,7 @@ what two samples of these sizes of one law show by chance.
 k things in a row leave k + 1 gaps, uniform on their simplex: each is Beta(1,k) of what all share. The
 greatest Kolmogorov-Smirnov distance of a gap, and the least p-value times the number of gaps, at most 1.
 
-| | draws | distance | p |
+| | samples | distance | p |
 |---|---|---|---|
 {laws}
 
@@ -177,8 +179,8 @@ class Sampling:
         begun, less = monotonic(), 100 if self.fast else 1
         with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
             asked = {
-                subject: pool.submit(spread, "family", subject, draws // less, TRIES // less, 60 / less)
-                for subject, draws in DRAWS.items()
+                subject: pool.submit(spread, "family", subject, samples // less, TRIES // less, 60 / less)
+                for subject, samples in SAMPLES.items()
             }
             found = {subject: future.result() for subject, future in asked.items()}
         order: list[int | str] = sorted(found, key=lambda subject: (isinstance(subject, str), subject))

@@ -1,4 +1,4 @@
-:- module(systems, [stated/2, decided/1, drawn/2]).
+:- module(systems, [stated/2, decided/1, sampled/2]).
 
 /** <module> The linear systems of houses' rooms, every size unknown, kept so that their solution alone is timed */
 
@@ -29,16 +29,16 @@ state(House, room(Type,Layout)) :-
 
 decided(House) :- forall(system(House, System), posted(System)).
 
-%!  drawn(+House, +Seed) is semidet.
+%!  sampled(+House, +Seed) is semidet.
 %
-%   Every unknown of each system is drawn, one by one, in what those before leave it.
+%   Every unknown of each system is sampled, one by one, in what those before leave it.
 
-drawn(House, Seed) :- forall(system(House, System), solution(System, Seed)).
+sampled(House, Seed) :- forall(system(House, System), solution(System, Seed)).
 
 solution(System, Seed) :-
     posted(System),
     term_variables(System, Unknowns),
-    drawn_each(Unknowns, Seed, _).
+    sampled_each(Unknowns, Seed, _).
 
-drawn_each([])     --> [].
-drawn_each([X|Xs]) --> uniform(X), drawn_each(Xs).
+sampled_each([])     --> [].
+sampled_each([X|Xs]) --> uniform(X), sampled_each(Xs).

@@ -104,7 +104,7 @@ def test_house(benchmark: Any, builder: Builder, rooms: int) -> None:
     measure(benchmark, builder, rooms, lambda index: builder.house(Request(rooms), 0, index, INFERENCES))
 
 
-@study("stage 1: clingo draws a layout")
+@study("stage 1: clingo samples a layout")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
     request = Request(rooms)
@@ -159,7 +159,7 @@ def test_workers(benchmark: Any, workers: int) -> None:
 # - the original's method ----------------------------------------------------------------------------------
 
 
-@study("baseline: the original's method, rooms only, drawn and rejected")
+@study("baseline: the original's method, rooms only, sampled and rejected")
 @pytest.mark.parametrize("rooms", REJECTIONS)
 def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
     consult(builder, "rejection.pl")
@@ -240,22 +240,22 @@ def test_decide_with_highs_at_once(
     measure(benchmark, builder, rooms, decide, panel=SOLVERS)
 
 
-@study("the same linear systems: a solution is drawn")
+@study("the same linear systems: a solution is sampled")
 @pytest.mark.parametrize("rooms", ROOMS)
 @pytest.mark.usefixtures("systems")
-def test_draw_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
-    def draw(turn: int) -> None:
-        builder.placer._ask(f"systems:drawn({turn % HOUSES},{turn})")
+def test_sample_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
+    def sample(turn: int) -> None:
+        builder.placer._ask(f"systems:sampled({turn % HOUSES},{turn})")
 
-    measure(benchmark, builder, rooms, draw, panel=SOLVERS)
+    measure(benchmark, builder, rooms, sample, panel=SOLVERS)
 
 
-@study("the same linear systems: a solution is drawn")
+@study("the same linear systems: a solution is sampled")
 @pytest.mark.parametrize("rooms", [rooms for rooms in ROOMS if rooms <= 16])
-def test_draw_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
+def test_sample_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
     """Each unknown in turn, between its least and greatest value: two programs for each."""
 
-    def draw(turn: int) -> None:
+    def sample(turn: int) -> None:
         rng = np.random.default_rng(turn)
         for system in systems[turn % HOUSES]:
             count = system.unknowns
@@ -267,7 +267,7 @@ def test_draw_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: 
                 assert high is not None
                 bounds[unknown] = low + share * (-high - low)
 
-    measure(benchmark, builder, rooms, draw, rounds=HOUSES, panel=SOLVERS)
+    measure(benchmark, builder, rooms, sample, rounds=HOUSES, panel=SOLVERS)
 
 
 def matrices(rows: list[Any]) -> System:

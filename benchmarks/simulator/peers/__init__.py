@@ -1,1 +1,1 @@
-"""Other simulators, each by a script with a Python environment of its own that uv makes."""
+"""Other simulators, each by a script whose Python environment uv makes."""

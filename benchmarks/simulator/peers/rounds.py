@@ -1,6 +1,6 @@
 """What the scripts of all peers share: timed rounds, their median and spread, a row of JSON for each.
 
-Standard library only, as each peer's script has a Python environment of its own. Called by those scripts.
+Standard library only, as each peer's script has another Python environment. Called by those scripts.
 """
 
 import json
@@ -43,7 +43,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
 
     ``low`` and ``high`` are of the slowest and the quickest round; ``processors`` is how many this process
     kept busy, less than 1 where it had to wait, as on a machine that is not quiet. ``libraries`` are what
-    the peer's speed hangs on, told by version. Two calls before the rounds are not timed.
+    the peer's speed depends on, by version. Two calls before the rounds are not timed.
     """
     parser = ArgumentParser(description=f"Environment steps a second of {peer}.")
     parser.add_argument("--rounds", type=int, default=7, help="timed rounds of a row")
@@ -76,7 +76,7 @@ def measure(peer: str, package: str, cases: Sequence[Case], libraries: Sequence[
 
 
 def timed(play: Play, seconds: float) -> tuple[float, float]:
-    """Steps a second, and processors kept busy, over as many plays as it takes to fill so many seconds."""
+    """Steps a second, and processors kept busy, over as many plays as fill these seconds."""
     steps, began, busy = 0, time.perf_counter(), time.process_time()
     while (passed := time.perf_counter() - began) < seconds or not steps:
         steps += play()
