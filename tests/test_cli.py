@@ -132,6 +132,13 @@ def test_ctrl_c_keeps_the_houses_and_ends_within_a_second(tmp_path: Path) -> Non
     assert load(file)
 
 
+def test_the_command_line_imports_no_library_of_a_command() -> None:
+    libraries = {"torch", "taichi", "gymnasium", "clingo", "pyswip", "matplotlib", "pytest"}
+    code = f"import sys, agent.cli; print(sorted({libraries} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
 def test_help_names_every_command_and_every_study() -> None:
     for arguments, table in ((["--help"], COMMANDS), (["bench", "--help"], STUDIES)):
         shown = vitruvius(*arguments).stdout
