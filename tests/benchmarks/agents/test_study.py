@@ -303,3 +303,36 @@ def test_the_page_shows_every_picture_that_is_drawn(study: Study) -> None:
     assert all(content.startswith(b"\x89PNG") for content in drawn.values())
     assert all(f"({name})" in page for name in drawn)
     assert page.count("](agent-") == len(drawn)
+
+
+def test_a_study_does_what_is_left_and_writes_its_page(tmp_path: Path, monkeypatch) -> None:
+    """What trains and measures is replaced; a second call finds all done."""
+    asked: list[str] = []
+
+    def pretend(jobs, workers) -> None:
+        for job in jobs:
+            asked.append(job.name)
+            if "train" in job.command:
+                one = next(e for e in ENTRIES if f"{e.name}-0" == job.folder.name)
+                run = EntryRun(replace(one, steps=round(0.001 * one.steps)), 0, tmp_path)
+                run.folder.path.mkdir()
+                kept(run, run.entry.steps)
+            else:
+                mode = job.command[job.command.index("--targets") + 1]
+                agents = job.command[job.command.index("evaluate") + 1 : job.command.index("--targets")]
+                bank = {"hash": HASH, "file": "bank", "houses": HOUSES}
+                found = record([result(mode, pqn=(0.8,), script=(0.6,))])
+                job.folder.mkdir()
+                content = {"agents": agents, "bank": bank} | found
+                (job.folder / "evaluation.json").write_text(json.dumps(content))
+
+    monkeypatch.setattr("benchmarks.agents.run.run_all", pretend)
+    monkeypatch.setattr("benchmarks.agents.run.training_houses", lambda path, workers: path)
+    monkeypatch.setattr("benchmarks.agents.run.pictures", lambda study: {"agent-scores.png": b""})
+    for _ in range(2):
+        Agents(share=0.001, only=("pqn",), seeds=(0,), out=tmp_path).run()
+    assert asked == ["pqn, seed 0, 0.04 M steps", *(f"measuring, {mode}" for mode in MODES)]
+    page = (tmp_path / "agents.md").read_text()
+    assert "| **pqn** |" in page
+    assert "./run bench agents --share 0.001 --seeds 0" in page
+    assert_tables(page)
