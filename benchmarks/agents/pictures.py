@@ -106,7 +106,7 @@ def _rooms(study: Study) -> Figure:
     axes.set(xlabel="secondary rooms in the house", ylabel="ratio to the oracle", ylim=(-0.03, 1.03))
     axes.set(xlim=(result.rooms.min() - 0.1, result.rooms.max() + 1.1), xticks=np.unique(result.rooms))
     axes.set_title(
-        "Targets in secondary rooms. Solid: agents that learnt; dashed: players that learn nothing", size=9
+        "Targets in secondary rooms. Solid: agents that learnt; dashed: baselines, which learn nothing", size=9
     )
     _plain(axes, "y")
     return figure
