@@ -23,10 +23,10 @@ COMMANDS = {
     "check": ("logic.commands:Check", "Check houses by plain geometry, apart from the rules that made them."),
     "draw": ("logic.commands:Draw", "Draw plans of houses and a contact sheet."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
-    "evaluate": ("agent.commands:Evaluate", "Measure agents in houses that they have not seen."),
-    "record": ("agent.commands:Record", "Film an agent in a house: its rays, its trail and its targets."),
+    "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
+    "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
-    "demo": ("agent.commands:Demo", "Rules to houses to a trained agent and its report, in a few minutes."),
+    "demo": ("agent.evaluation.commands:Demo", "Houses, an agent that learns in them, a report: in minutes."),
     "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
 }
 """By name: where the command is, ``module:Class``, and what it does."""

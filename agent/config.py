@@ -2,9 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 from logic.errors import RequestError
+
+TargetMode = Literal["main", "secondary", "mixed"]
+"""Where targets lie: in the main room, in secondary rooms, or in both."""
+
+TARGET_MODES: tuple[TargetMode, ...] = get_args(TargetMode)
 
 
 @dataclass(frozen=True)
@@ -14,7 +19,7 @@ class Config:
     Raises ``RequestError``, a ``ValueError``, that names the field for a value that no run can have.
     """
 
-    targets: Literal["main", "secondary", "mixed"] = "main"
+    targets: TargetMode = "main"
     """Where targets lie."""
 
     world: Literal["default", "paper"] = "default"

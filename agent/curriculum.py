@@ -3,15 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, get_args
 
 from msgspec.structs import replace
 
+from agent.config import TARGET_MODES, TargetMode
 from logic import House
 from logic.errors import RequestError
-
-Targets = Literal["main", "mixed", "secondary"]
-"""Where targets lie."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +18,7 @@ class Lesson:
     until: float
     """Fraction of the run at which it ends, above 0; the last lesson's is 1."""
 
-    targets: Targets
+    targets: TargetMode
     """Where targets lie."""
 
     rooms: tuple[int, int | None] = (0, None)
@@ -34,8 +31,8 @@ class Lesson:
         """Refuse what no lesson can be."""
         if not 0 < self.until <= 1:
             raise RequestError(f"until must lie above 0 and be at most 1, not {self.until}")
-        if self.targets not in get_args(Targets):
-            raise RequestError(f"targets must be one of {', '.join(get_args(Targets))}, not {self.targets!r}")
+        if self.targets not in TARGET_MODES:
+            raise RequestError(f"targets must be one of {', '.join(TARGET_MODES)}, not {self.targets!r}")
         least, most = self.rooms
         if least < 0 or (most is not None and most < least):
             raise RequestError(f"rooms must be the least and the most of a house, not {self.rooms}")
@@ -102,7 +99,7 @@ def emptied(house: House) -> House:
     return replace(house, rooms=rooms, provenance=None)
 
 
-CURRICULA: dict[Targets, Curriculum] = {
+CURRICULA: dict[TargetMode, Curriculum] = {
     "main": Curriculum(
         (
             Lesson(0.1, "main", (0, 2), furnished=False),

@@ -7,18 +7,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
 from rich.console import Console
+from rich.markdown import Markdown
 
-from agent import checkpoint, report
+from agent import checkpoint
 from agent.banks import geometry_hash
 from agent.checkpoint import Checkpoint
-from agent.config import PRESETS
-from agent.evaluate import Scores, evaluate
+from agent.config import PRESETS, TargetMode
+from agent.evaluation.film import record
+from agent.evaluation.plots import learning_curve
+from agent.evaluation.protocol import measure
+from agent.evaluation.result import HUMAN_RATIO, Result
+from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learner import Progress
 from agent.progress import Report, progress
-from agent.record import record
 from agent.runs import run
-from agent.world import make_worlds
 from logic import House, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
 from logic.files import write_whole
@@ -33,7 +37,7 @@ STEPS, SECONDS = 4_000_000, 130.0
 """Length of the training; where the machine is slow, the clock binds and compresses the schedules."""
 
 GOAL = 0.49
-"""The ratio to the oracle that the agent must exceed: the paper's human reaches 0.48."""
+"""The ratio to the oracle that the agent must exceed: just above ``HUMAN_RATIO``."""
 
 LINES = 5.0
 """Seconds between the lines of progress in a pipe."""
@@ -41,8 +45,11 @@ LINES = 5.0
 SHOWN = 12
 """Plans on the contact sheet."""
 
-RELEASED = "pqn-map"
-"""The agent that comes with the project, which shows what more learning, and a map, are good for."""
+AGENT, RELEASED = "agent", "pqn-map"
+"""The agent of this run, and the one that comes with the project and keeps a map."""
+
+BASELINES = ("random + avoidance", "script", "explorer", "oracle")
+"""What is measured with them."""
 
 FILES = (
     "houses.jsonl",
@@ -55,6 +62,20 @@ FILES = (
 )
 """What the demo writes, beside the folder ``training``: see ``agent.runs``."""
 
+MAIN_ROOM = (
+    f"**Main room: learning.** The network of `{AGENT}` began this run with random weights. It has learnt to "
+    "go to targets that its rays show; it keeps no map. The script and the explorer are written by hand and "
+    "learn nothing."
+)
+
+SECONDARY_ROOMS = (
+    "**Secondary rooms: planning.** Behind doors the search is done by a next-best-view planner over an "
+    "occupancy map, not by learning. `explorer` is that planner alone. "
+    f"`{RELEASED}`, an agent that comes with the project, adds a trained network: a residual over the "
+    "planner's advice, which changes nothing yet. In the benchmark's 256 houses the ratio is 0.66 with it "
+    "and 0.66 without it."
+)
+
 
 def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     """Do it all and write FILES into ``out``; 0 if the agent beats GOAL and random + avoidance, else 1.
@@ -65,79 +86,88 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     for name in FILES:  # so that the folder never shows two runs at once
         (out / name).unlink(missing_ok=True)
     shutil.rmtree(out / "training", ignore_errors=True)
-    with progress("houses", LINES) as tell:
-        houses, held_out = banks(seed, tell)
+    with progress("houses", LINES) as report:
+        houses, held_out = banks(seed, report)
     save(houses, out / "houses.jsonl")
     save(held_out, out / "houses-held-out.jsonl")
 
     config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
     agent, history = run(houses, config, out / "training", name="pqn", every=LINES)
 
-    main = _measured("main", agent, held_out, out / "episode.gif", seed)
-    secondary = _measured(
-        "secondary", checkpoint.load(RELEASED), held_out, out / "episode-secondary.gif", seed
-    )
+    main = _measured("main", AGENT, agent, held_out, out / "episode.gif", seed)
+    released = checkpoint.load(RELEASED)
+    secondary = _measured("secondary", RELEASED, released, held_out, out / "episode-secondary.gif", seed)
     write_whole(out / "plans.png", _plans(held_out))
-    write_whole(out / "learning-curve.png", report.learning_curve(history, main.scores))
+    write_whole(out / "learning-curve.png", learning_curve(history, main.result))
     page = _page(main, secondary, history[-1], seed=seed, seconds=perf_counter() - start)
     write_whole(out / "report.md", page.encode())
 
-    never = f"of {HELD_OUT} houses never seen"
-    titles = (f"Main room {never}: the agent of this run", f"Secondary rooms {never}: the agent {RELEASED}")
-    for title, part in zip(titles, (main, secondary), strict=True):
-        Console().print(report.table(part.lines, title))
+    console = Console()
+    for part, words in ((main, MAIN_ROOM), (secondary, SECONDARY_ROOMS)):
+        console.print("", Markdown(words), score_table(part.result).terminal())
+    console.print("", gain(secondary.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, "training")), sep="\n")
-    return _verdict(main.scores)
+    return _verdict(main.result)
 
 
-def banks(seed: int, tell: Report) -> tuple[list[House], list[House]]:
+def banks(seed: int, report: Report) -> tuple[list[House], list[House]]:
     """Houses to learn in and houses to be measured in, by different seeds, checked, no two the same."""
-    drawn: list[House] = []
+    made: list[House] = []
     for half, number in enumerate((TRAINING, HELD_OUT)):
         for rooms in ROOMS:
             for house in generate(rooms, seed=2 * seed + half, count=number // len(ROOMS), workers=2):
                 if faults := check(house):
                     raise VitruviusError(f"a house of {rooms} rooms, seed {2 * seed + half}: {faults[0]}")
-                drawn.append(house)
-                tell(len(drawn) / (TRAINING + HELD_OUT), f"{len(drawn)} made and checked")
-    if len({geometry_hash(house) for house in drawn}) < len(drawn):
+                made.append(house)
+                report(len(made) / (TRAINING + HELD_OUT), f"{len(made)} made and checked")
+    if len({geometry_hash(house) for house in made}) < len(made):
         raise VitruviusError(f"seed {seed} gave the same house twice. Try another --seed")
-    return drawn[:TRAINING], drawn[TRAINING:]
+    return made[:TRAINING], made[TRAINING:]
 
 
 @dataclass(frozen=True)
 class Part:
-    """What an agent did where targets lay in one kind of room."""
+    """What an agent and the baselines did where targets lay in one kind of room."""
 
-    scores: Scores
-    lines: list[tuple[str, ...]]
+    result: Result
+    agent: str
     filmed: int
+    """The house of the film."""
 
     def film(self) -> str:
         """What the film shows, in words."""
-        agent, oracle = (int(each.targets[self.filmed]) for each in (self.scores.agent, self.scores.oracle))
+        [agent], [oracle] = (self.result.policies[name] for name in (self.agent, "oracle"))
         return (
-            f"Held-out house {self.filmed}: among those with the most rooms, the agent's ratio here is the "
-            f"median. It picked up {agent} targets, the oracle {oracle}. Orange rays see the target."
+            f"The film shows `{self.agent}` in held-out house {self.filmed}, where its ratio is the median "
+            f"of the houses with the most rooms. It picks up {agent.targets[self.filmed]:.0f} targets, the "
+            f"oracle {oracle.targets[self.filmed]:.0f}. Orange rays see the target."
         )
 
 
-def _measured(targets: str, agent: Checkpoint, houses: list[House], film: Path, seed: int) -> Part:
-    """Measure an agent, and film a typical episode."""
-    with progress(f"measuring, {targets}", LINES) as tell:
-        scores = evaluate(agent, make_worlds(houses, len(houses), targets), seed=seed, tell=tell)
-    filmed = _typical(scores, houses)
-    with progress(f"filming, {targets}", LINES) as tell:
-        record(agent, houses[filmed], film, targets=targets, seed=seed + filmed, tell=tell)
-    return Part(scores, report.rows(scores, targets), filmed)
+def gain(result: Result) -> str:
+    """What the released agent's network adds to the planner, in one line."""
+    gain = result.difference(RELEASED, "explorer").signed(3)
+    return f"Ratio of {RELEASED} less explorer, paired by house: {gain}"
 
 
-def _typical(scores: Scores, houses: list[House]) -> int:
+def _measured(
+    mode: TargetMode, name: str, agent: Checkpoint, houses: list[House], film: Path, seed: int
+) -> Part:
+    """Measure an agent beside the baselines, and film a typical episode."""
+    with progress(f"measuring, {mode}", LINES) as report:
+        [result] = measure({name: [agent]}, houses, [mode], seed, report, baselines=BASELINES)
+    filmed = _typical(result, name)
+    with progress(f"filming, {mode}", LINES) as report:
+        record(agent, houses[filmed], film, targets=mode, seed=seed + filmed, report=report)
+    return Part(result, name, filmed)
+
+
+def _typical(result: Result, agent: str) -> int:
     """Of the houses with the most rooms, the one where the agent's ratio is the median."""
-    most = max(len(house.rooms) for house in houses)
-    large = [index for index, house in enumerate(houses) if len(house.rooms) == most]
-    large.sort(key=lambda index: scores.agent.targets[index] / max(1, scores.oracle.targets[index]))
-    return large[len(large) // 2]
+    [scores] = result.policies[agent]
+    ratios = scores.targets / result.oracle.clip(1)
+    large = sorted(np.flatnonzero(result.rooms == result.rooms.max()), key=lambda house: ratios[house])
+    return int(large[len(large) // 2])
 
 
 def _plans(houses: list[House]) -> bytes:
@@ -148,12 +178,16 @@ def _plans(houses: list[House]) -> bytes:
     return picture.getvalue()
 
 
-def _verdict(scores: Scores) -> int:
-    """0 if the agent clearly exceeds the human's ratio and the random walk, else 1, said on stderr."""
-    agent, walk = scores.agent.ratio(scores.oracle), scores.walk.ratio(scores.oracle)
+def _verdict(result: Result) -> int:
+    """0 if the agent clearly exceeds GOAL and the random walk, else 1, said on stderr."""
+    agent, walk = result.ratio(AGENT), result.ratio("random + avoidance")
     if agent.low > max(GOAL, walk.high):
         return 0
-    print(f"the agent's ratio {agent.text()} does not clearly exceed {GOAL}", file=sys.stderr)
+    print(
+        f"the agent's ratio {agent.text()} does not clearly exceed {GOAL}, which is just above the paper's "
+        f"human in another house ({HUMAN_RATIO}), and that of random + avoidance, {walk.text()}",
+        file=sys.stderr,
+    )
     return 1
 
 
@@ -161,25 +195,23 @@ def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: fl
     """The report, in Markdown."""
     paragraphs = (
         "# An agent in houses that it has never seen",
+        MAIN_ROOM,
+        SECONDARY_ROOMS,
+        f"{gain(secondary.result)}.",
         f"From the rules of `family`, {TRAINING} houses of {ROOMS[0]} to {ROOMS[-1]} rooms were made to "
         f"learn in, and {HELD_OUT} by another seed to be measured in. "
         "All passed the independent check; no two are the same. "
-        f"The agent lived {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
+        f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
         f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
         f"All of it took {seconds:.0f} s.",
-        "Targets lie in the main room:",
-        report.markdown(main.lines),
-        f"{report.NOTE} All players but the human met the same starts and targets. The oracle takes the "
-        "shortest way on the true map, one target at a time. Random + avoidance is the paper's random walk "
-        "under the paper's avoidance.",
+        score_table(main.result).markdown(),
         "![Learning curve](learning-curve.png)",
         main.film(),
         "![An episode](episode.gif)",
-        f"Targets lie behind doors, in secondary rooms, for the agent `{RELEASED}`, which comes with the "
-        "project. It has learnt for longer and keeps a map of what its rays have shown:",
-        report.markdown(secondary.lines),
+        score_table(secondary.result).markdown(),
         secondary.film(),
         "![An episode in secondary rooms](episode-secondary.gif)",
+        SCORE_NOTE,
         "Some of the held-out houses:",
         "![Plans](plans.png)",
         "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), "

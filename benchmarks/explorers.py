@@ -27,13 +27,13 @@ from torch import Tensor
 
 from agent import avoidance, policies
 from agent.banks import VALIDATION, bank_hash
-from agent.baselines import baselines
-from agent.commands import Targets
-from agent.evaluate import begin
+from agent.config import TargetMode
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.episodes import reset
+from agent.evaluation.statistics import interquartile_mean
+from agent.evaluation.tables import Table
 from agent.planner import Planner
 from agent.policies import Explorer, Policy, Tracker
-from agent.scoreboard import Sheet
-from agent.statistics import interquartile_mean
 from agent.world import make_worlds, shield
 from benchmarks import told
 from benchmarks.common.houses import ROOMS
@@ -72,7 +72,7 @@ class PlayerFailed(VitruviusError):
 class Explorers:
     """Measure the explorer, and variants of it, in houses of validation seeds."""
 
-    targets: tuple[Targets, ...] = ("secondary",)
+    targets: tuple[TargetMode, ...] = ("secondary",)
     """Where targets lie: two tables for each."""
 
     set: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
@@ -154,7 +154,7 @@ class Explorers:
                 envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
                 what = TELLERS.get(player)
                 tracker = told.Teller(envs, what) if what else Clock(envs.config)
-                policy = baselines(envs, 0)[player]() if player in SOURCES else explorer(envs, tracker)
+                policy = BASELINES[player](envs, 0) if player in SOURCES else explorer(envs, tracker)
                 if isinstance(tracker, told.Teller) and what == told.WALLS:
                     episode(envs, policy, self.steps, len(self.bank))
                     tracker.remember()
@@ -199,7 +199,7 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np
     """Targets (3, E) that a policy picks up in each third of so many steps, environment i in house i modulo
     ``houses``.
     """
-    observation = begin(envs, 0, np.arange(envs.num_envs) % houses)
+    observation = reset(envs, 0, np.arange(envs.num_envs) % houses)
     blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
     policy.begin(envs.num_envs)
     targets = np.zeros((len(THIRDS), envs.num_envs))
@@ -210,13 +210,13 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np
     return targets
 
 
-def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterator[Sheet]:
+def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterator[Table]:
     """A mode's tables, of what players did in houses of so many ``rooms`` (H,) where the oracle picks up
     ``most`` (H,).
     """
     shares = {player: cuts(each["targets"] / most, rooms) for player, each in kept.items()}
     names = shares[AS_IS]
-    yield Sheet(
+    yield Table(
         f"Share of the oracle's targets, {mode}, {len(rooms)} houses",
         ("player", "iqm", *names, "µs of the map"),
         [
@@ -231,7 +231,7 @@ def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterat
     )
     if len(shares) == 1:
         return
-    yield Sheet(
+    yield Table(
         f"The same less that of the explorer as it is, {mode}, and the difference's standard error",
         ("player", *names),
         [

@@ -20,12 +20,12 @@ from scipy.ndimage import label
 from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
+from agent.evaluation.tables import Table
 from agent.planner import BITS, Planner, belief
 from agent.planner.belief import ODDS, SURE, Belief
 from agent.planner.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
 from agent.planner.counts import COUNTS, SINCE
 from agent.policies import Explorer
-from agent.scoreboard import Sheet
 from agent.world import make_worlds, shield
 from benchmarks.common.houses import ROOMS
 from benchmarks.common.processes import say
@@ -204,7 +204,7 @@ def table(free: np.ndarray, asked: np.ndarray) -> tuple[int, ...]:
     return tuple(int(min(round(each), SURE)) if each >= TRIFLE else 0 for each in rising)
 
 
-def sheet(free: np.ndarray, asked: np.ndarray) -> Sheet:
+def sheet(free: np.ndarray, asked: np.ndarray) -> Table:
     """What was measured in H houses (H, 18), beside the code's table."""
     drawn = np.random.default_rng(0).integers(len(free), size=(RESAMPLES, len(free)))
     others = odds(free[drawn].sum(axis=1), asked[drawn].sum(axis=1))
@@ -223,7 +223,7 @@ def sheet(free: np.ndarray, asked: np.ndarray) -> Sheet:
         for k, (found, error, entry, held) in enumerate(rows)
     ]
     lines.append(("seen before", f"{free[ENTRIES]}", f"{asked[ENTRIES]}", f"{SURE}", "", ""))
-    return Sheet(
+    return Table(
         f"What a place counts as a hiding place, {asked[:ENTRIES].sum()} that were never seen",
         ("floor less walls about it", "free", "of", "measured", "table", "in the code"),
         lines,

@@ -16,7 +16,7 @@ class Example(Task):
     """Train an agent by parallel Q-learning and measure it beside the oracle."""
 
     rollout: int = 32
-    """Steps of every world between two updates."""
+    """Steps of every environment between two updates."""
 
     discount: float = 0.99
     """Worth of a reward one step later (gamma)."""
@@ -27,7 +27,7 @@ class Example(Task):
     def run(self) -> None:
         """Learn from all the steps, then play."""
         torch.manual_seed(self.seed)
-        envs, size = self.worlds(), (self.rollout, self.environments)
+        envs, size = self.make_envs(), (self.rollout, self.environments)
         network = nn.Sequential(
             *(nn.Flatten(), nn.Linear(80, 128), nn.LayerNorm(128), nn.ReLU()),
             *(nn.Linear(128, 128), nn.LayerNorm(128), nn.ReLU(), nn.Linear(128, 3)),
@@ -52,7 +52,7 @@ class Example(Task):
                     after, reward, terminated, truncated, info = envs.step(a[t].numpy())
                     ended = torch.from_numpy(terminated | truncated)
                     observation = torch.from_numpy(after)
-                    # Time ran out, so the world would have gone on from where it was.
+                    # Time ran out, so the episode would have gone on from where it was.
                     last = torch.from_numpy(info["final_obs"]) if ended.any() else observation
                     v[t] = network(torch.where(ended[:, None, None], last, observation)).amax(1)
                     r[t], over[t] = torch.from_numpy(reward), ended

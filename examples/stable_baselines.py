@@ -25,7 +25,7 @@ class Example(Task):
 
     def run(self) -> None:
         """Learn from all the steps, then play."""
-        envs, seed = StableBaselinesVecEnv(self.worlds()), self.seed
+        envs, seed = StableBaselinesVecEnv(self.make_envs()), self.seed
         if self.algorithm == "dqn":
             # A batch for every 16 steps: so often is each one seen.
             model = DQN(

@@ -1,15 +1,14 @@
 """What the examples share: their options, our avoidance layer as a wrapper, and the score at the end.
 
 It is that of ``vitruvius evaluate``: an episode in each held-out house, the same starts and the same targets
-in the same order for all players, as a ratio to the oracle. The JSON has the form of that command's, which
-puts it in its tables by ``--beside``.
+in the same order for all policies, as a ratio to the oracle. The JSON has the form of that command's, which
+shows it in its tables by ``--scores``.
 """
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import gymnasium
 import numpy as np
@@ -19,15 +18,17 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from agent import banks, scoreboard
+from agent import banks
 from agent.avoidance import ACTIONS, subsume
-from agent.baselines import baselines
-from agent.evaluate import begin, play
-from agent.protocol import Result
+from agent.config import TargetMode
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.episodes import play
+from agent.evaluation.protocol import shortest_ways
+from agent.evaluation.result import Result
+from agent.evaluation.scores import Bank, ScoreFile, modes_of
 from agent.world import make_worlds, shield
 from logic import load
 from logic.files import write_whole
-from sim import Oracle
 from sim.lookout import Lookout
 
 
@@ -41,14 +42,14 @@ class Task:
     held_out: Path | None = None
     """House file to be measured in; by default the benchmark bank."""
 
-    targets: Literal["main", "secondary", "mixed"] = "main"
+    targets: TargetMode = "main"
     """Where targets lie."""
 
     steps: int = 500_000
     """Environment steps to learn from."""
 
     environments: int = 64
-    """Worlds stepped at once."""
+    """Environments stepped at once."""
 
     avoid: bool = False
     """Put our avoidance layer over the agent: a step into something becomes a turn."""
@@ -57,10 +58,10 @@ class Task:
     """Of the training. Starts and targets that are measured with do not depend on it."""
 
     out: Path | None = None
-    """File for all figures, and each house's, as JSON: vitruvius evaluate --beside FILE shows them."""
+    """File for all figures, and each house's, as JSON: vitruvius evaluate --scores FILE shows them."""
 
-    def worlds(self) -> VectorEnv:
-        """The worlds to learn in. They begin the next episode in the step that ends one."""
+    def make_envs(self) -> VectorEnv:
+        """The environments to learn in. They begin the next episode in the step that ends one."""
         banks.require_training(load(self.houses), self.houses)
         envs = gymnasium.make_vec(
             "sim:Vitruvius/House-v0",
@@ -73,39 +74,38 @@ class Task:
         return Avoiding(envs) if self.avoid else envs
 
     def score(self, name: str, act: Callable[[Tensor], Tensor]) -> Result:
-        """Measure, print and write how good a player is: preferences (E, 3) for observations (E, 40, 2)."""
+        """Measure, print and write how good an agent is: preferences (E, 3) for observations (E, 40, 2)."""
         name += " + avoidance" if self.avoid else ""
         houses = load(self.held_out) if self.held_out else banks.benchmark()
         envs = make_worlds(houses, len(houses), self.targets)
-        begin(envs, seed=0)
-        shortest = np.array([np.inf if way is None else len(way) for way in Oracle(envs).paths()])
-        players = {name: Player(act, envs if self.avoid else None), "oracle": baselines(envs, 0)["oracle"]()}
-        watch = Lookout(envs)
-        scores = {each: (play(each, envs, player, 0, watch=watch),) for each, player in players.items()}
-        result = Result(self.targets, np.array([len(house.rooms) for house in houses]), shortest, scores)
+        policies = {name: Agent(act, envs if self.avoid else None), "oracle": BASELINES["oracle"](envs, 0)}
+        lookout = Lookout(envs)
+        runs = {each: (play(envs, policy, 0, lookout=lookout),) for each, policy in policies.items()}
+        rooms = np.array([len(house.rooms) for house in houses])
+        result = Result(self.targets, rooms, shortest_ways(envs, 0), runs)
         if self.out:
-            file = str(self.held_out or banks.NAME)
-            bank = {"file": file, "houses": len(houses), "hash": banks.bank_hash(houses)}
-            record = {"agents": [name], "steps": self.steps, "bank": bank, "seed": 0, "backend": "continuous"}
-            write_whole(self.out, json.dumps(record | scoreboard.record([result])).encode())
+            bank = Bank(banks.bank_hash(houses), str(self.held_out or banks.NAME), len(houses))
+            modes = modes_of([result])
+            file = ScoreFile(bank, 0, modes, agents=[name], training_steps=self.steps)
+            write_whole(self.out, file.json())
         print(
-            f"{name}, {self.steps:,} steps: {scores[name][0].count().text(1)} targets, "
+            f"{name}, {self.steps:,} steps: {result.targets(name).text(1)} targets, "
             f"{result.ratio(name).text()} of the oracle's, {self.targets}, {len(houses)} houses"
         )
         return result
 
 
 class Avoiding(VectorWrapper):
-    """Worlds under our avoidance layer: an agent's step into something becomes a turn to the left."""
+    """Environments under our avoidance layer: an agent's step into something becomes a turn to the left."""
 
     def __init__(self, env: VectorEnv) -> None:
-        """Guard the worlds' body as its rays tell."""
+        """Guard the body by what its rays show."""
         super().__init__(env)
         self.autoreset_mode: AutoresetMode = env.metadata["autoreset_mode"]  # TorchRL asks for it
         self.shield = shield(env.unwrapped)  # pyright: ignore[reportArgumentType]
 
     def reset(self, **kwargs: Any) -> tuple[Any, dict[str, Any]]:
-        """As the worlds do."""
+        """As the environments do."""
         seen, info = self.env.reset(**kwargs)
         self.allowed = self.allows(seen, info)
         return seen, info
@@ -122,15 +122,15 @@ class Avoiding(VectorWrapper):
         return self.shield(torch.from_numpy(seen), torch.from_numpy(info["blocked"]))
 
 
-class Player:
+class Agent:
     """A function from observations to preferences as a ``Policy``, by itself or under avoidance."""
 
     def __init__(self, act: Callable[[Tensor], Tensor], envs: Any = None) -> None:
-        """Avoid what the body of the worlds meets, if they are given."""
+        """Act under the avoidance layer for the body of ``envs``, if they are given."""
         self.act, self.avoidance, self.interventions = act, shield(envs) if envs else None, 0
 
     def begin(self, environments: int) -> None:
-        """An episode begins: these players remember nothing."""
+        """An episode begins: these agents remember nothing."""
         self.interventions = 0
 
     @torch.no_grad()

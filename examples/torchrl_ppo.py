@@ -31,7 +31,7 @@ class Example(Task):
     def run(self) -> None:
         """Learn from all the steps, then play."""
         torch.manual_seed(self.seed)
-        env = GymWrapper(self.worlds(), categorical_action_encoding=True)
+        env = GymWrapper(self.make_envs(), categorical_action_encoding=True)
         network = TensorDictModule(body(3), in_keys=["observation"], out_keys=["logits"])
         actor = ProbabilisticActor(
             network, in_keys=["logits"], distribution_class=Categorical, return_log_prob=True

@@ -12,13 +12,10 @@ import pytest
 import torch
 from gymnasium.vector import AutoresetMode
 
-from agent import beside
 from agent.banks import benchmark
-from agent.baselines import baselines
-from agent.beside import ScoreError
-from agent.commands import Evaluate
-from agent.world import make_worlds
-from logic import HouseFileError, generate, load, save
+from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.commands import Evaluate
+from logic import HouseFileError, generate, save
 from sim import check_vector_env
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -68,106 +65,39 @@ def test_an_example_learns_plays_and_writes_its_score(name, options, houses, tmp
     run()
     line = capsys.readouterr().out.splitlines()[-1]
     record: dict[str, Any] = json.loads(file.read_text())
-    (player,) = record["agents"]
-    assert line.startswith(f"{player}, 256 steps: ")
-    assert player.endswith(" + avoidance") == options.get("avoid", False)
-    assert record["bank"]["houses"] == 2
+    (agent,) = record["agents"]
+    assert line.startswith(f"{agent}, 256 steps: ")
+    assert agent.endswith(" + avoidance") == options.get("avoid", False)
+    assert (record["bank"]["houses"], record["training_steps"]) == (2, 256)
     mode = record["targets"]["main"]
-    assert set(mode["players"]) == {player, "oracle"}
-    assert mode["players"]["oracle"]["figures"]["ratio"]["value"] == 1
-    (run,) = mode["players"][player]["runs"]
+    assert set(mode["policies"]) == {agent, "oracle"}
+    assert mode["policies"]["oracle"]["figures"]["ratio"]["value"] == 1
+    (run,) = mode["policies"][agent]["runs"]
     assert run["steps"] == 2 * 1500
     if "avoid" in options:
         assert run["interventions"] > 0
         assert run["blocked"] < 100
 
 
-@pytest.fixture(scope="module")
-def score(houses, tmp_path_factory):
-    """What an agent that always turns left did, as an example writes it."""
-    file = tmp_path_factory.mktemp("scores") / "dizzy.json"
+def test_an_examples_scores_are_a_row_of_evaluates_tables(houses, tmp_path, capsys):
+    """An agent that always turns left, beside the references; the oracle did the same for both."""
+    file, out = tmp_path / "score.json", tmp_path / "out"
     task = example("task").Task(houses, held_out=houses, out=file)
     task.score("dizzy", lambda seen: torch.tensor([1.0, 0.0, 0.0]).expand(len(seen), 3))
-    return file
-
-
-def evaluation(houses, *files, out=None):
-    return Evaluate(houses=houses, targets=("main",), beside=files, json=True, out=out)
-
-
-def test_an_examples_score_is_a_row_beside_ours(houses, score, tmp_path, capsys):
-    out = tmp_path / "out"
-    assert evaluation(houses, score, out=out).run() == 0
-    record = json.loads(capsys.readouterr().out)
-    theirs, ours = json.loads(score.read_text())["targets"]["main"], record["targets"]["main"]
-    assert list(ours["players"]) == ["dizzy", *beside.OURS]
-    for player in ("dizzy", "oracle"):
-        assert ours["players"][player]["runs"] == theirs["players"][player]["runs"]
-        assert ours["players"][player]["figures"]["ratio"] == theirs["players"][player]["figures"]["ratio"]
-    assert record["beside"] == [str(score)]
+    capsys.readouterr()
+    assert Evaluate(houses=houses, targets=("main",), scores=(file,), json=True, out=out).run() == 0
+    ours, theirs = json.loads(capsys.readouterr().out), json.loads(file.read_text())
+    assert ours["scores"] == [str(file)]
+    ours, theirs = (each["targets"]["main"]["policies"] for each in (ours, theirs))
+    assert list(ours) == ["dizzy", *REFERENCES]
+    for name in ("dizzy", "oracle"):
+        assert ours[name] == theirs[name]
     assert "| dizzy |" in (out / "evaluation.md").read_text()
-
-
-def test_our_own_evaluation_can_stand_beside_as_well_and_a_second_of_a_name_is_named_for_its_file(
-    houses, score, tmp_path, capsys
-):
-    evaluation(houses, score, out=tmp_path / "first").run()
-    path = tmp_path / "first" / "evaluation.json"
-    again = tmp_path / "evaluation.json"
-    again.write_bytes(path.read_bytes())
-    evaluation(houses, score, path, again).run()
-    record = json.loads(capsys.readouterr().out.splitlines()[-1])
-    players = record["targets"]["main"]["players"]
-    assert list(players)[:3] == ["dizzy", "dizzy (evaluation)", f"dizzy ({again})"]
-    assert players["dizzy"] == players["dizzy (evaluation)"]
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda file: file["bank"].update(hash="0" * 64), "houses of hash 000000000000, here it is"),
-        (lambda file: file.update(seed=1), "seed 1, here it is 0: not comparable"),
-        (lambda file: file.update(backend="grid"), "backend grid, here it is continuous"),
-        (lambda file: file["targets"].update(mixed=file["targets"].pop("main")), "in mixed, here in main"),
-        (lambda file: file.pop("targets"), "missing required field `targets`"),
-        (lambda file: dizzy(file).update(rooms=[1]), "dizzy has not one value for each of 2 houses"),
-        (lambda file: dizzy(file).update(first=["soon", 1]), "Expected `int | null`, got `str`"),
-    ],
-)
-def test_scores_that_cannot_be_compared_are_refused_in_one_line_before_anything_is_played(
-    change, message, houses, score, tmp_path
-):
-    file = json.loads(score.read_text())
-    change(file)
-    path = tmp_path / "other.json"
-    path.write_text(json.dumps(file))
-    with pytest.raises(ScoreError) as refusal:
-        evaluation(houses, path).run()
-    assert str(refusal.value).startswith(f"{path}: ")
-    assert message in str(refusal.value)
-    assert "\n" not in str(refusal.value)
-
-
-@pytest.mark.parametrize("content", [b"", b"[]", b"\xff", None])
-def test_a_file_that_holds_no_scores_is_refused(content, houses, tmp_path):
-    path = tmp_path / "other.json"
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(ScoreError, match=r"no scores|cannot be read"):
-        evaluation(houses, path).run()
-
-
-def test_the_players_that_are_measured_anew_are_all_the_baselines(houses):
-    assert ["paper", *baselines(make_worlds(load(houses), 1), 0)] == list(beside.OURS)
-
-
-def dizzy(file) -> dict[str, Any]:
-    return file["targets"]["main"]["players"]["dizzy"]["runs"][0]
 
 
 def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bump(houses):
     task = example("task")
-    free, avoiding = (task.Task(houses, environments=4, avoid=avoid).worlds() for avoid in (False, True))
+    free, avoiding = (task.Task(houses, environments=4, avoid=avoid).make_envs() for avoid in (False, True))
     assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
     check_vector_env(avoiding, steps=1600, skip=["close"])
     bumps = []
@@ -182,7 +112,7 @@ def test_nobody_learns_in_the_benchmark_bank(tmp_path):
     file = tmp_path / "houses.jsonl"
     save(benchmark()[:1], file)
     with pytest.raises(HouseFileError, match="kept for measuring"):
-        example("task").Task(file).worlds()
+        example("task").Task(file).make_envs()
 
 
 @pytest.mark.parametrize("name", LIBRARIES)

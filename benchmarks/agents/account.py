@@ -22,7 +22,7 @@ import numpy as np
 import torch
 
 from agent.actions import FORWARD
-from agent.evaluate import begin
+from agent.evaluation.episodes import reset
 from agent.policies import Policy
 from sim import HouseVectorEnv
 from sim.lookout import Lookout
@@ -61,7 +61,7 @@ def follow(envs: HouseVectorEnv, policy: Policy, seed: int) -> Account:
 
     The bank must have a house for each environment, and episodes that end by time alone, all at once.
     """
-    observation = begin(envs, seed)
+    observation = reset(envs, seed)
     policy.begin(envs.num_envs)
     search, every = Search(envs), np.arange(envs.num_envs)
     counts = np.zeros((4, envs.num_envs, len(PHASES)), np.int64)

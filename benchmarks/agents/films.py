@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw
 from agent import checkpoint
 from agent.banks import benchmark
 from agent.build import policy_of
-from agent.commands import Targets
+from agent.config import TargetMode
 from agent.planner import BITS, Planner
 from agent.planner.cells import FLAGS
 from agent.planner.counts import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
@@ -39,7 +39,7 @@ class Film:
     house: int = 0
     """Which house."""
 
-    targets: Targets = "secondary"
+    targets: TargetMode = "secondary"
     """Where targets lie."""
 
     out: Path = Path("runs/film.gif")

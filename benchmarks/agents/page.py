@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from agent.protocol import HUMAN_RATIO, SOON, Result
-from agent.scoreboard import WHERE
+from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
+from agent.evaluation.tables import WHERE
 from benchmarks.agents.records import Difference, Entry, Study, by_seed, difference
 from benchmarks.common.pages import table_rows
 
@@ -27,7 +27,7 @@ def agents_page(study: Study) -> str:
         learnt_in=study.learnt_in,
         measured_in=study.measured_in,
         human=HUMAN_RATIO,
-        soon=SOON,
+        soon=SUCCESS_STEPS,
         entries=table_rows(_entry(study, entry) for entry in study.entries),
         externals=_externals(study),
         unfinished=_unfinished(study),

@@ -17,11 +17,11 @@ import tyro
 
 from agent import checkpoint
 from agent.banks import bank_hash, benchmark
-from agent.baselines import baselines
 from agent.build import policy_of
-from agent.commands import Targets
+from agent.config import TargetMode
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.tables import Table
 from agent.policies import Policy
-from agent.scoreboard import Sheet
 from agent.world import make_worlds
 from benchmarks.agents.account import PHASES, Account, follow
 from benchmarks.agents.kept import code, fingerprint
@@ -42,7 +42,7 @@ class Phases:
     houses: Path | None = None
     """House file; by default the benchmark bank."""
 
-    targets: Targets = "secondary"
+    targets: TargetMode = "secondary"
     """Where targets lie."""
 
     seed: int = 0
@@ -61,9 +61,8 @@ class Phases:
             found = checkpoint.load(path)
             make = partial(policy_of, found.network, found.config, envs, self.seed)
             makers[found.name] = fingerprint(found), make
-        for name, make in baselines(envs, self.seed).items():
-            if name in BESIDE:
-                makers[name] = name, make
+        for name in BESIDE:
+            makers[name] = name, partial(BASELINES[name], envs, self.seed)
         accounts = {}
         setting = f"{self.targets}-{self.seed}-{bank_hash(houses)[:8]}-{code()}"
         for name, (key, make) in makers.items():
@@ -79,20 +78,20 @@ class Phases:
         print(page)
 
 
-def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Sheet]:
+def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Table]:
     """The tables, for houses with these numbers of ``rooms`` (H,)."""
     where = f"{len(rooms)} houses"
-    yield Sheet(
+    yield Table(
         f"Share of steps by phase, {where}",
         ("player", *PHASES, "turns", "blocked"),
         [(name, *percents(each)) for name, each in accounts.items()],
     )
-    yield Sheet(
+    yield Table(
         f"Steps of each phase for a target picked up, {where}",
         ("player", *PHASES, "all"),
         [(name, *costs(each)) for name, each in accounts.items()],
     )
-    yield Sheet(
+    yield Table(
         f"Targets picked up, by the phase in which a ray first met them, {where}",
         ("player", "at once", *PHASES[1:], "targets an episode"),
         [
@@ -101,7 +100,7 @@ def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Sheet]:
         ],
     )
     for number in np.unique(rooms):
-        yield Sheet(
+        yield Table(
             f"Share of steps by phase, {number} rooms, {(rooms == number).sum()} houses",
             ("player", *PHASES, "turns", "blocked"),
             [(name, *percents(each.of(rooms == number))) for name, each in accounts.items()],

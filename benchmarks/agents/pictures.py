@@ -8,9 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
-from agent.protocol import HUMAN, HUMAN_RATIO, Result
-from agent.scoreboard import COLOURS, WHERE
-from agent.statistics import Estimate
+from agent.evaluation.plots import COLOURS
+from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
+from agent.evaluation.statistics import Estimate
+from agent.evaluation.tables import WHERE
 from benchmarks.agents.records import Entry, Study, by_seed, difference
 
 AGENTS = ("#1f5ea8", "#c0392b", "#4c9be8", "#7b5ea7", "#2d2d2d", "#8a6d3b")
@@ -106,7 +107,8 @@ def _rooms(study: Study) -> Figure:
     axes.set(xlabel="secondary rooms in the house", ylabel="ratio to the oracle", ylim=(-0.03, 1.03))
     axes.set(xlim=(result.rooms.min() - 0.1, result.rooms.max() + 1.1), xticks=np.unique(result.rooms))
     axes.set_title(
-        "Targets in secondary rooms. Solid: agents that learnt; dashed: baselines, which learn nothing", size=9
+        "Targets in secondary rooms. Solid: agents that learnt; dashed: baselines",
+        size=9,
     )
     _plain(axes, "y")
     return figure

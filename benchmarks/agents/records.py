@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from scipy.stats import trim_mean
 
-from agent.beside import OURS
-from agent.evaluate import Score
-from agent.protocol import Result
-from agent.statistics import Estimate, bootstrap
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.result import Result
+from agent.evaluation.statistics import Estimate, paired_difference
 
 
 @dataclass(frozen=True)
@@ -104,9 +102,9 @@ class Study:
         ]
 
     def baselines(self) -> list[str]:
-        """Players that learn nothing."""
-        players = next(iter(self.results.values())).players
-        return [name for name in OURS if name != "paper" and name in players]
+        """Policies that learn nothing."""
+        policies = next(iter(self.results.values())).policies
+        return [name for name in BASELINES if name in policies]
 
 
 @dataclass(frozen=True)
@@ -130,50 +128,12 @@ def difference(study: Study, changed: Entry) -> Difference:
     result = study.results[changed.targets]
     ours, theirs = (study.seeds(name) for name in (changed.name, changed.beside))
     seeds = [seed for seed in ours if seed in theirs]
-    one = ratios(result, changed.name)[[ours.index(seed) for seed in seeds]]
-    other = ratios(result, changed.beside)[[theirs.index(seed) for seed in seeds]]
-
-    def between(pairs: np.ndarray) -> np.ndarray:
-        """The figure of these pairs, given by their numbers."""
-        chosen = pairs.astype(int)
-        means = (trim_mean(side.ravel()[chosen], 0.25, axis=-1) for side in (one, other))
-        return np.subtract(*means)
-
-    numbers = np.arange(one.size).reshape(one.shape)
-    return Difference(bootstrap(numbers, between), tuple(float(between(row)) for row in numbers))
+    one = result.ratios(changed.name)[[ours.index(seed) for seed in seeds]]
+    other = result.ratios(changed.beside)[[theirs.index(seed) for seed in seeds]]
+    each = (paired_difference(*rows).value for rows in zip(one, other, strict=True))
+    return Difference(paired_difference(one, other), tuple(each))
 
 
-def ratios(result: Result, player: str) -> np.ndarray:
-    """(S, H) share of the oracle's targets by run and house, of the houses where the oracle finds any."""
-    some = result.oracle > 0
-    return result.stacked(player, lambda score: score.targets)[:, some] / result.oracle[some]
-
-
-def by_seed(result: Result, player: str) -> list[float]:
-    """The ratio of each of a player's runs: interquartile mean over the houses."""
-    return [float(trim_mean(row, 0.25)) for row in ratios(result, player)]
-
-
-def result_of(record: dict[str, Any], targets: str) -> Result:
-    """What ``agent.scoreboard.record`` wrote of a target mode, as it was."""
-    players = {
-        name: tuple(
-            Score(
-                name,
-                np.array(run["targets"], float),
-                run["steps"],
-                run["blocked"],
-                run["interventions"],
-                _steps(run["first"]),
-                np.array(run["coverage"]),
-                np.array(run["rooms"]),
-            )
-            for run in player["runs"]
-        )
-        for name, player in record["players"].items()
-    }
-    return Result(targets, np.array(record["rooms"]), _steps(record["shortest"]), players)
-
-
-def _steps(values: list[int | None]) -> np.ndarray:
-    return np.array([np.inf if value is None else value for value in values])
+def by_seed(result: Result, policy: str) -> list[float]:
+    """The ratio of each of a policy's runs: interquartile mean over the houses."""
+    return [float(trim_mean(row, 0.25)) for row in result.ratios(policy)]

@@ -12,11 +12,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from agent.banks import HASH
-from agent.protocol import MODES
+from agent.config import TARGET_MODES
+from agent.evaluation import scores
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
-from benchmarks.agents.records import Entry, Study, result_of
+from benchmarks.agents.records import Entry, Study
 from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, given
 from benchmarks.common.houses import TRAINING, training_houses
 from benchmarks.common.pages import ROOT, machine, revision, versions, write
@@ -68,9 +69,9 @@ class Agents:
         finished = [run for run in runs if run.finished]
         if not finished:
             raise StudyFailed(f"{self.out}: no entry is finished, and external agents alone make no page")
-        places = {mode: out / f"evaluation-{mode}" for mode in MODES}
-        agents = {mode: [run for run in finished if run.plays(mode)] for mode in MODES}
-        late = [mode for mode in MODES if not measured(places[mode], agents[mode])]
+        places = {mode: out / f"evaluation-{mode}" for mode in TARGET_MODES}
+        agents = {mode: [run for run in finished if run.plays(mode)] for mode in TARGET_MODES}
+        late = [mode for mode in TARGET_MODES if not measured(places[mode], agents[mode])]
         run_all([measuring(mode, agents[mode], places[mode]) for mode in late], self.workers)
         if left := [places[mode] for mode in late if not measured(places[mode], agents[mode])]:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
@@ -89,14 +90,14 @@ class Agents:
         begun = [run for run in runs if run.begun]
         came = [run for run in others if run.finished]
         files = {mode: place / "evaluation.json" for mode, place in places.items()}
-        records = {mode: json.loads(file.read_text()) for mode, file in files.items()}
-        results = {mode: result_of(record["targets"][mode], mode) for mode, record in records.items()}
+        records = {mode: scores.load(file) for mode, file in files.items()}
+        results = {mode: scores.result_of(record.targets[mode], mode) for mode, record in records.items()}
         for run in came:
             results[run.agent.targets] = run.joined(results[run.agent.targets])
         made = [*files.values(), *(run.scores for run in came)]
         made += [file for run in begun for file in (run.folder.config, run.folder.agent) if file.exists()]
         days = sorted({str(datetime.fromtimestamp(file.stat().st_mtime, UTC).date()) for file in made})
-        test, seeds = records[MODES[0]]["bank"], " ".join(map(str, self.seeds))
+        test, seeds = records[TARGET_MODES[0]].bank, " ".join(map(str, self.seeds))
         return Study(
             share=self.share,
             command=f"./run bench agents --share {self.share:g} --seeds {seeds}",
@@ -104,7 +105,7 @@ class Agents:
             machine=machine(),
             versions=versions("torch", "taichi", "numpy", revision=revision()),
             learnt_in=f"1025 houses of `family`, 2 to 6 rooms, seeds 102 to 106 (hash `{TRAINING[:12]}`)",
-            measured_in=f"{test['file']}, {test['houses']} houses (hash `{test['hash'][:12]}`)",
+            measured_in=f"{test.file}, {test.houses} houses (hash `{test.hash[:12]}`)",
             entries=tuple(entry for entry in entries if any(run.entry == entry for run in begun)),
             runs=tuple(run.record() for run in begun),
             results=results,

@@ -12,11 +12,12 @@ import numpy as np
 from agent import checkpoint
 from agent.cli import parse
 from agent.config import differences
-from agent.evaluate import Score
-from agent.protocol import Result
+from agent.evaluation import scores
+from agent.evaluation.episodes import EpisodeScores
+from agent.evaluation.result import Result
 from agent.runs import Folder
 from benchmarks.agents.entries import EXTERNALS
-from benchmarks.agents.records import Entry, External, Outcome, result_of
+from benchmarks.agents.records import Entry, External, Outcome
 from benchmarks.common.pages import ROOT
 from benchmarks.common.processes import CLI, Job, failure, why
 from logic.errors import RequestError, VitruviusError
@@ -119,7 +120,8 @@ class ExternalRun:
     @property
     def finished(self) -> bool:
         """Whether it has learnt from all of its steps, and played."""
-        return self.scores.exists() and json.loads(self.scores.read_text())["steps"] == self.agent.steps
+        steps = self.agent.steps
+        return self.scores.exists() and json.loads(self.scores.read_text())["training_steps"] == steps
 
     def training(self, houses: Path) -> Job:
         """What trains and measures it."""
@@ -135,11 +137,11 @@ class ExternalRun:
 
     def joined(self, result: Result) -> Result:
         """The result of its targets with this run too. Raises ``StudyFailed`` where it played for others."""
-        record, mode, name = json.loads(self.scores.read_text()), self.agent.targets, self.agent.name
-        theirs = result_of(record["targets"][mode], mode) if mode in record["targets"] else None
-        if not theirs or name not in theirs.players or not np.array_equal(theirs.oracle, result.oracle):
+        file, mode, name = scores.load(self.scores), self.agent.targets, self.agent.name
+        theirs = scores.result_of(file.targets[mode], mode) if mode in file.targets else None
+        if not theirs or name not in theirs.policies or not np.array_equal(theirs.oracle, result.oracle):
             raise StudyFailed(f"{self.scores}: not of {name}, or not of these houses and targets. Remove it")
-        return with_score(result, theirs.players[name][0])
+        return with_run(result, name, theirs.policies[name][0])
 
 
 def training_command(
@@ -151,10 +153,10 @@ def training_command(
     return "train", given(houses), *said, "--resume"
 
 
-def with_score(result: Result, score: Score) -> Result:
-    """The result with another run of a player: of a new one, before all others, or of one that it has."""
-    runs = {score.player: (*result.players.get(score.player, ()), score)}
-    return replace(result, players=runs | result.players | runs)
+def with_run(result: Result, name: str, run: EpisodeScores) -> Result:
+    """The result with another run of a policy: of a new one, before all others, or of one that it has."""
+    runs = {name: (*result.policies.get(name, ()), run)}
+    return replace(result, policies=runs | result.policies | runs)
 
 
 def finished(folder: Folder, steps: int) -> bool:

@@ -15,8 +15,10 @@ from pathlib import Path
 from statistics import median
 
 from agent.config import PRESETS, PQNConfig
+from agent.evaluation import scores
+from agent.evaluation.statistics import Estimate
+from agent.evaluation.tables import WHERE
 from agent.runs import Folder
-from agent.scoreboard import WHERE
 from benchmarks.agents.entries import BUDGET, RATES
 from benchmarks.agents.runs import StudyFailed, finished, require_same, training_command
 from benchmarks.common.houses import training_houses
@@ -138,12 +140,9 @@ class Throughput:
         rows = [series for series in table if series.preset == preset]
         agents = [str(folder.agent) for series in rows for folder in series.folders]
         _run([*CLI, "evaluate", *agents, "--targets", mode, "--out", str(out)])
-        players = json.loads((out / "evaluation.json").read_text())["targets"][mode]["players"]
-        figures = {series.name: players[series.name]["figures"]["ratio"] for series in rows}
-        return [
-            (name, f"{ratio['value']:.2f} [{ratio['low']:.2f}, {ratio['high']:.2f}], {WHERE[mode]}")
-            for name, ratio in figures.items()
-        ]
+        policies = scores.load(out / "evaluation.json").targets[mode].policies
+        ratios = {series.name: Estimate(**policies[series.name].figures["ratio"]) for series in rows}
+        return [(name, f"{ratio.text()}, {WHERE[mode]}") for name, ratio in ratios.items()]
 
 
 def _run(command: list[str]) -> None:

@@ -13,13 +13,15 @@ import numpy as np
 import torch
 import tyro
 
-from agent import checkpoint, scoreboard
-from agent.banks import VALIDATION
+from agent import checkpoint
+from agent.banks import VALIDATION, bank_hash
 from agent.checkpoint import Checkpoint
-from agent.commands import Targets
+from agent.config import TargetMode
+from agent.evaluation import scores
+from agent.evaluation.protocol import measure
+from agent.evaluation.statistics import Estimate
+from agent.evaluation.tables import Table
 from agent.planner import BITS, Planner
-from agent.protocol import measure
-from agent.statistics import Estimate
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns
 from benchmarks.common.pages import ROOT
@@ -66,7 +68,7 @@ class Transfer:
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Checkpoints; by default those that come with the project."""
 
-    targets: tyro.conf.UseAppendAction[tuple[Targets, ...]] = ()
+    targets: tyro.conf.UseAppendAction[tuple[TargetMode, ...]] = ()
     """Where targets lie; by default in secondary rooms. Repeat for several."""
 
     banks: tuple[str, ...] = (*BANKS, "original")
@@ -89,27 +91,27 @@ class Transfer:
         write_whole(self.out / "transfer.md", "\n\n".join([*page, ""]).encode())
         print("\n\n".join(page))
 
-    def sheets(self, agents: dict[str, list[Checkpoint]], mode: Targets) -> Iterator[scoreboard.Sheet]:
+    def sheets(self, agents: dict[str, list[Checkpoint]], mode: TargetMode) -> Iterator[Table]:
         """The table of a target mode."""
         rows = []
         for name in self.banks:
             if (houses := self.bank(name)) is None:
                 continue
-            figures = self.measured(agents, name, houses, mode)["players"]
-            ratios = [Estimate(**figures[player]["figures"]["ratio"]) for player in (*agents, *BESIDE)]
+            policies = self.measured(agents, name, houses, mode).policies
+            ratios = [Estimate(**policies[policy].figures["ratio"]) for policy in (*agents, *BESIDE)]
             title = BANKS[name].title if name in BANKS else f"the original's house, {len(houses)} episodes"
             rows.append(
                 (
                     title,
                     f"{len({id(house) for house in houses})}",
                     f"{wider(houses):.0%}",
-                    f"{figures['oracle']['figures']['targets']['value']:.1f}",
+                    f"{policies['oracle'].figures['targets']['value']:.1f}",
                     *(ratio.text() for ratio in ratios),
                 )
             )
             print(f"{mode}, {title}: done", flush=True)
         headings = ("houses", "number", f"wider than {reach():.1f} m", "oracle", *agents, *BESIDE)
-        yield scoreboard.Sheet(f"Ratio to the oracle, {mode}", headings, rows)
+        yield Table(f"Ratio to the oracle, {mode}", headings, rows)
 
     def bank(self, name: str) -> list[House] | None:
         """The houses of a bank, made once; None where the original's is not here."""
@@ -123,16 +125,17 @@ class Transfer:
         return load(path)
 
     def measured(
-        self, agents: dict[str, list[Checkpoint]], name: str, houses: list[House], mode: Targets
-    ) -> dict:
-        """The figures of all players in a bank, from the file of an earlier run where there is one."""
+        self, agents: dict[str, list[Checkpoint]], name: str, houses: list[House], mode: TargetMode
+    ) -> scores.ModeScores:
+        """The figures of all policies in a bank, from the file of an earlier run where there is one."""
         key = json.dumps([code(), *(fingerprint(each) for runs in agents.values() for each in runs)])
         path = self.out / f"{name}-{mode}-{hashlib.sha256(key.encode()).hexdigest()[:8]}.json"
         if not path.exists():
             backend = BANKS[name].backend if name in BANKS else "continuous"
             result = next(measure(agents, houses, (mode,), backend=backend))
-            write_whole(path, json.dumps(scoreboard.record([result])).encode())
-        return json.loads(path.read_text())["targets"][mode]
+            bank = scores.Bank(bank_hash(houses))
+            write_whole(path, scores.ScoreFile(bank, 0, scores.modes_of([result]), backend).json())
+        return scores.load(path).targets[mode]
 
 
 def wider(houses: list[House]) -> float:

@@ -1,7 +1,6 @@
-"""The commands, small: the demo's files and verdict, a run's checkpoint, an evaluation and a film from it."""
+"""The demo, small: its houses, its files, what its report says, its verdict."""
 
 import io
-import json
 
 import numpy as np
 import pytest
@@ -9,61 +8,66 @@ from PIL import Image
 from rich.console import Console
 
 from agent import demo as module
-from agent import report
+from agent.banks import geometry_hash
 from agent.checkpoint import load as load_checkpoint
-from agent.commands import Evaluate, Record
-from agent.demo import FILES, banks, demo, geometry_hash
-from agent.evaluate import Score, Scores
+from agent.demo import FILES, banks, demo, gain
+from agent.evaluation.commands import Record
 from logic import House, Rect, RequestError, check, load
-
-SCORES = Scores(
-    Score("agent", np.full(8, 9.0), steps=1000, blocked=2, interventions=30),
-    Score("random + avoidance", np.full(8, 1.0), steps=1000, blocked=100),
-    Score("shortest-path oracle", np.full(8, 10.0)),
-)
+from tests.agent.evaluation.cases import result, scores
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A demo of 8 houses of two rooms and 2,000 steps; it can learn nothing, and says so."""
+    """A demo of 8 houses of two rooms and 2,000 steps: its folder, its exit code, what a terminal shows."""
     out = tmp_path_factory.mktemp("demo") / "runs"
+    console = Console(width=80, file=io.StringIO())
     with pytest.MonkeyPatch.context() as patch:
         for name, value in {"ROOMS": (2,), "TRAINING": 6, "HELD_OUT": 2, "STEPS": 2000, "LINES": 0.0}.items():
             patch.setattr(module, name, value)
+        patch.setattr(module, "Console", lambda: console)
         out.mkdir()
         (out / "report.md").write_text("of an older run")
         code = demo(out, seed=3)
-    return out, code
+    return out, code, console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def test_the_demo_writes_all_its_files_and_nothing_else(made):
-    out, code = made
+    out, code, _ = made
     assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, "training"])
     assert code == 1  # 2,000 steps teach nothing
 
 
 def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
-    out, _ = made
-    houses, held_out = load(out / "houses.jsonl"), load(out / "houses-held-out.jsonl")
+    houses, held_out = load(made[0] / "houses.jsonl"), load(made[0] / "houses-held-out.jsonl")
     assert (len(houses), len(held_out)) == (6, 2)
     assert not any(check(house) for house in houses + held_out)
     assert {geometry_hash(house) for house in houses}.isdisjoint(map(geometry_hash, held_out))
 
 
-def test_the_report_shows_every_player_and_picture(made):
+def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
-    for words in (
-        "agent |",
-        "random + avoidance |",
-        "shortest-path oracle |",
-        "human of the paper |",
-        "0.48",
-    ):
-        assert words in page
-    for picture in ("plans.png", "learning-curve.png", "episode.gif"):
+    main, secondary = page.split("**Targets in secondary rooms, 2 houses**")
+    for agent, part in (("agent", main), ("pqn-map", secondary)):
+        for name in (agent, "random + avoidance", "script", "explorer", "oracle", "human, another house"):
+            assert f"| {name} |" in part
+    for picture in ("plans.png", "learning-curve.png", "episode.gif", "episode-secondary.gif"):
         assert f"]({picture})" in page
         with Image.open(made[0] / picture) as image:
             image.verify()
+
+
+def test_report_and_terminal_say_that_behind_doors_a_planner_searches_and_the_network_adds_nothing(made):
+    for shown in ((made[0] / "report.md").read_text(), made[2]):
+        words = " ".join(shown.split())
+        assert "the search is done by a next-best-view planner over an occupancy map" in words
+        assert "a residual over the planner's advice, which changes nothing yet" in words
+        assert "Ratio of pqn-map less explorer, paired by house: " in words
+        assert "the paper's own house, which is none of these" in words
+
+
+def test_the_terminal_shows_whole_tables_in_80_columns(made):
+    assert "…" not in made[2]
+    assert max(map(len, made[2].splitlines())) <= 80
 
 
 def test_the_film_shows_the_whole_episode(made):
@@ -71,21 +75,9 @@ def test_the_film_shows_the_whole_episode(made):
         assert image.n_frames == 1500 / 4 + 1  # pyright: ignore[reportAttributeAccessIssue]
 
 
-def test_a_checkpoint_of_the_demo_can_be_measured_and_filmed_again(made, tmp_path, capsys):
+def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
     agent, houses = made[0] / "training/agent.safetensors", made[0] / "houses-held-out.jsonl"
     assert load_checkpoint(agent).steps >= 2000
-    assert Evaluate((agent,), houses=houses, targets=("main",), json=True).run() == 0
-    players = json.loads(capsys.readouterr().out)["targets"]["main"]["players"]
-    assert list(players) == [
-        "pqn",
-        "paper",
-        "random + avoidance",
-        "script",
-        "explorer",
-        "searcher",
-        "oracle",
-    ]
-    assert all(len(each["runs"][0]["targets"]) == 2 for each in players.values())
     Record(agent, houses, house=1, out=tmp_path / "film.gif", steps=8).run()
     with Image.open(tmp_path / "film.gif") as image:
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]
@@ -107,23 +99,13 @@ def test_the_hash_is_of_the_shape_alone():
     assert geometry_hash(house) != geometry_hash(House(Rect(0, 0, 5, 5.001), ()))
 
 
-def test_the_table_gives_ratios_to_the_oracle_in_the_same_house():
-    agent, walk, oracle, human = report.rows(SCORES)
-    assert agent == ("agent", "9.0 [9.0, 9.0]", "0.90 [0.90, 0.90]", "2.0", "30.0")
-    assert walk[2:] == ("0.10 [0.10, 0.10]", "100.0", "0.0")
-    assert oracle[:3] == ("shortest-path oracle", "10.0 [10.0, 10.0]", "1")
-    assert human[2] == "0.48"
-
-
-def test_the_table_fits_a_terminal_of_80_columns():
-    console = Console(width=80, file=io.StringIO())
-    console.print(report.table([("shortest-path oracle", *["98.6 [93.6, 99.8]"] * 2, "100.0", "142.0")], ""))
-    shown = console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
-    assert "…" not in shown
-    assert "overruled" in shown
+def test_the_networks_gain_is_the_paired_difference_to_the_planner():
+    both = result(others={"pqn-map": scores([5, 8]), "explorer": scores([6, 10])})
+    assert gain(both) == "Ratio of pqn-map less explorer, paired by house: -0.100 [-0.100, -0.100]"
 
 
 @pytest.mark.parametrize(("targets", "code"), [(9.0, 0), (4.8, 1), (1.0, 1)])
 def test_the_verdict_asks_for_more_than_the_human_and_the_walk(targets, code):
-    agent = Score("agent", np.full(8, targets), steps=1000)
-    assert module._verdict(SCORES._replace(agent=agent)) == code
+    walk = {"random + avoidance": scores(np.full(8, 1.0))}
+    one = result(scores(np.full(8, targets)), oracle=[10] * 8, rooms=[2] * 8, shortest=[9] * 8, others=walk)
+    assert module._verdict(one) == code

@@ -12,7 +12,7 @@ from agent.build import PaperNetwork, network_of
 from agent.config import PRESETS as ALL
 from agent.config import DQNConfig
 from agent.dqn import DQN, Replay, n_step_returns, q_targets
-from agent.evaluate import play
+from agent.evaluation.episodes import play
 from agent.policies import QPolicy, RandomPolicy
 from agent.world import shield
 from logic import House, Rect
@@ -292,6 +292,6 @@ def test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk(envs):
     )
     learner = run(envs, config)
     chance, first = torch.Generator().manual_seed(0), np.zeros(32, int)
-    agent = play("agent", envs, QPolicy(learner.network, shield(envs), chance), 7, houses=first)
-    walk = play("walk", envs, RandomPolicy(PaperRule(chance), chance), 7, houses=first)
+    agent = play(envs, QPolicy(learner.network, shield(envs), chance), 7, houses=first)
+    walk = play(envs, RandomPolicy(PaperRule(chance), chance), 7, houses=first)
     assert agent.targets.mean() > 3 * walk.targets.mean() + 1

@@ -14,7 +14,7 @@ from agent.avoidance import subsume
 from agent.build import network_of
 from agent.checkpoint import Checkpoint, load, save
 from agent.config import PRESETS, PQNConfig
-from agent.evaluate import play
+from agent.evaluation.episodes import play
 from agent.planner import FEATURES, FREE, TAKEN, Planner, mirrored_features
 from agent.planner.cells import FLAGS, SOLID, WAYS
 from agent.planner.counts import KIND, NONE, STALE, THINK
@@ -330,7 +330,7 @@ def test_the_explorer_finds_targets_behind_walls(envs):
     """Far more than a target-blind walk, in every house; and the map knows how many it picked up."""
     worlds = make_worlds(envs.houses, E, "secondary")
     explorer = Explorer(shield(worlds), worlds.config)
-    score = play("explorer", worlds, explorer, seed=0)
+    score = play(worlds, explorer, seed=0)
     assert (score.targets >= 3).all()
     assert score.blocked <= score.steps * 0.001
     found = explorer.tracker.planner.found.numpy()

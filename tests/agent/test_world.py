@@ -1,28 +1,25 @@
-"""The agent in the real simulator: the shield, the mirror, what a rollout keeps, learning, known players."""
+"""The agent in the real simulator: the shield, the mirror, what a rollout keeps, learning."""
 
 import math
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.avoidance import PaperRule
 from agent.build import network_of
-from agent.checkpoint import Checkpoint
 from agent.config import PQNConfig
-from agent.evaluate import evaluate, play, play_oracle
+from agent.evaluation.episodes import play
 from agent.learner import Progress
 from agent.network import QNetwork
-from agent.policies import QPolicy, RandomPolicy
+from agent.policies import RandomPolicy
 from agent.pqn import PQN
 from agent.rollout import Rollout
 from agent.world import make_worlds, shield
 from logic import Door, House, HouseFileError, Rect, Room
 from sim import HouseVectorEnv
-from sim.oracle import Oracle
 from tests.worlds import random_house
 
 E = 16
@@ -62,24 +59,9 @@ def chance(seed: int = 0) -> torch.Generator:
     return torch.Generator().manual_seed(seed)
 
 
-class Guided:
-    """Does what the oracle says."""
-
-    interventions = 0
-
-    def __init__(self, envs: HouseVectorEnv) -> None:
-        self.oracle = Oracle(envs)
-
-    def begin(self, environments: int) -> None:
-        pass
-
-    def __call__(self, observation: torch.Tensor, blocked: torch.Tensor) -> torch.Tensor:
-        return torch.from_numpy(self.oracle.act())
-
-
 def test_in_a_corridor_no_step_that_the_shield_allows_is_blocked(envs):
     """8 m by 0.9 m: 16 bodies walk 1500 steps, through all headings."""
-    score = play("walk", envs, RandomPolicy(shield(envs), chance()), seed=0, houses=everywhere(CORRIDOR))
+    score = play(envs, RandomPolicy(shield(envs), chance()), seed=0, houses=everywhere(CORRIDOR))
     assert score.steps == E * 1500
     assert score.interventions > 1000
     assert score.blocked == 0
@@ -100,10 +82,8 @@ def test_the_shield_lets_a_body_straight_through_a_door(envs):
 
 def test_in_furnished_houses_hardly_a_step_that_the_shield_allows_is_blocked(envs):
     """Rays are 3 degrees apart and end at 58.5: corners beside the body can stay unseen, but rarely."""
-    shielded = play("shielded", envs, RandomPolicy(shield(envs), chance()), seed=0)
-    free = play(
-        "free", envs, RandomPolicy(lambda observation, blocked: torch.ones(E, 3).bool(), chance()), seed=0
-    )
+    shielded = play(envs, RandomPolicy(shield(envs), chance()), seed=0)
+    free = play(envs, RandomPolicy(lambda observation, blocked: torch.ones(E, 3).bool(), chance()), seed=0)
     assert shielded.blocked < 0.05 * free.blocked
 
 
@@ -185,57 +165,6 @@ def test_a_clock_that_runs_out_ends_the_run(envs):
     _, history = trained(envs, replace(SHORT, steps=10**9, seconds=0.5))
     assert history[-1].fraction == 1
     assert history[-1].seconds < 5
-
-
-class Ending:
-    """Worlds that reward and block every step and end for good: world i at step i + 1."""
-
-    num_envs = 3
-
-    def reset(self, seed: int, options: dict) -> tuple[np.ndarray, dict]:
-        self.time = 0
-        return np.zeros((3, 40, 2), np.float32), {}
-
-    def step_torch(self, actions: torch.Tensor) -> tuple:
-        self.time += 1
-        yes, terminated = torch.ones(3).bool(), torch.arange(1, 4) == self.time
-        return torch.zeros(3, 40, 2), torch.ones(3), terminated, ~yes, {"blocked": yes}
-
-
-def test_a_score_is_of_the_first_episode_alone():
-    walk = RandomPolicy(lambda observation, blocked: torch.ones(3, 3).bool(), chance())
-    score = play("walk", cast(HouseVectorEnv, Ending()), walk, seed=0)
-    assert score.targets.tolist() == [1, 2, 3]
-    assert (score.steps, score.blocked) == (6, 6)
-
-
-def test_a_player_that_follows_the_oracle_scores_what_the_oracle_does(envs):
-    guided, oracle = play("guided", envs, Guided(envs), seed=5), play_oracle(envs, seed=5)
-    assert guided.targets.tolist() == oracle.targets.tolist()
-    assert guided.blocked == 0
-    assert guided.ratio(oracle).value == 1
-
-
-def test_an_evaluation_is_a_function_of_its_seed_and_no_one_beats_the_oracle(envs):
-    network = network_of(PQNConfig())
-    scores = evaluate(Checkpoint(network, PQNConfig(), 0), envs, seed=1)
-    assert (scores.oracle.targets >= np.maximum(scores.agent.targets, scores.walk.targets)).all()
-    assert scores.walk.ratio(scores.oracle).value < 0.5
-    again = play("agent", envs, QPolicy(network, shield(envs), chance(1)), seed=1)
-    assert again.targets.tolist() == scores.agent.targets.tolist()
-    other = play("walk", envs, RandomPolicy(PaperRule(rng := chance(2)), rng), seed=2)
-    assert other.targets.tolist() != scores.walk.targets.tolist()
-
-
-def test_the_policies_count_what_their_layer_overrules(envs):
-    rng = chance()
-    walk = play("walk", envs, RandomPolicy(PaperRule(rng), rng), seed=0)
-    assert 0 < walk.interventions < walk.steps
-    left = torch.tensor([[True, False, False]] * E)
-    policy = QPolicy(network_of(PQNConfig()), lambda observation, blocked: left, rng)
-    spin = play("left", envs, policy, seed=0)
-    assert spin.targets.sum() <= E  # it turns on the spot
-    assert 0 < spin.interventions < spin.steps
 
 
 def test_a_house_where_nothing_can_stand_is_refused_as_a_wrong_file():

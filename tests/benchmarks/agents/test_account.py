@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from agent.baselines import baselines
-from agent.evaluate import begin, play
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.episodes import play, reset
 from agent.policies import RandomPolicy
 from agent.world import make_worlds, shield
 from benchmarks.agents.account import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, Search, follow, room_of
@@ -24,7 +24,7 @@ def test_each_step_and_each_target_is_of_one_phase(targets):
     envs = make_worlds(HOUSES, len(HOUSES), targets)
     account = follow(envs, walk(envs), seed=3)
     assert (account.steps.sum(axis=1) == envs.config.steps).all()
-    score = play("walk", envs, walk(envs), 3)
+    score = play(envs, walk(envs), 3)
     assert np.array_equal(account.sighted.sum(axis=1), score.targets)
     assert account.blocked.sum() == score.blocked
     assert (account.turning + account.blocked <= account.steps).all()
@@ -37,7 +37,7 @@ def test_where_targets_lie_anywhere_nothing_is_crossed():
 
 def test_the_searcher_spends_less_on_rooms_that_hold_nothing_than_a_walk_does():
     envs = make_worlds(HOUSES, len(HOUSES), "secondary")
-    searcher = follow(envs, baselines(envs, 3)["searcher"](), seed=3)
+    searcher = follow(envs, BASELINES["searcher"](envs, 3), seed=3)
     left = [
         account.steps[:, [CORNERS, OUT]].sum() / account.steps.sum()
         for account in (searcher, follow(envs, walk(envs), seed=3))
@@ -48,7 +48,7 @@ def test_the_searcher_spends_less_on_rooms_that_hold_nothing_than_a_walk_does():
 def test_a_room_is_new_then_left_and_after_a_pick_up_searched_again():
     """A bare room is seen whole by a turn in its middle."""
     envs = make_worlds([drawn("aaaa....\naaa+....\naaaa....")], 1, "secondary")
-    begin(envs, 0)
+    reset(envs, 0)
     pose = {"house": np.zeros(1, int), "target": np.array([[0.4, 0.4]])}
 
     def be(x: float, y: float) -> None:

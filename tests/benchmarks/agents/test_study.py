@@ -17,16 +17,16 @@ from agent.banks import HASH
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.cli import parse
-from agent.config import differences
-from agent.evaluate import Score
-from agent.protocol import MODES, Result
-from agent.scoreboard import record
+from agent.config import TARGET_MODES, differences
+from agent.evaluation import scores
+from agent.evaluation.episodes import EpisodeScores
+from agent.evaluation.result import Result
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
-from benchmarks.agents.records import Entry, External, Outcome, Study, by_seed, difference, result_of
+from benchmarks.agents.records import Entry, External, Outcome, Study, by_seed, difference
 from benchmarks.agents.run import Agents, measured
-from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, with_score
+from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, with_run
 from logic.errors import RequestError
 
 ROOT = Path(__file__).parents[3]
@@ -34,22 +34,25 @@ ROOT = Path(__file__).parents[3]
 HOUSES = 60
 
 
-def score(name: str, level: float, seed: int = 0) -> Score:
-    """A player that picks up this share of the oracle's 50 targets, more or less."""
+def score(level: float, seed: int = 0) -> EpisodeScores:
+    """A policy that picks up this share of the oracle's 50 targets, more or less."""
     rng = np.random.default_rng(seed)
     targets = np.clip(np.round(50 * level + rng.normal(0, 3, HOUSES)), 0, 50)
     first = np.where(targets > 0, 40.0, np.inf)
-    return Score(name, targets, 1500 * HOUSES, 90, 30, first, np.full((2, HOUSES), 0.5), np.ones(HOUSES))
+    return EpisodeScores(targets, 1500 * HOUSES, 90, 30, first, np.full((2, HOUSES), 0.5), np.ones(HOUSES))
 
 
 def result(targets: str = "main", **levels: tuple[float, ...]) -> Result:
-    """A measurement of players with these levels, one for each run."""
-    players = {
-        name: tuple(score(name, level, k) for k, level in enumerate(runs)) for name, runs in levels.items()
-    }
-    oracle = replace(score("oracle", 1), targets=np.full(HOUSES, 50.0))
+    """A measurement of policies with these levels, one for each run."""
+    policies = {name: tuple(score(level, k) for k, level in enumerate(runs)) for name, runs in levels.items()}
+    oracle = replace(score(1), targets=np.full(HOUSES, 50.0))
     rooms = np.arange(HOUSES) % 5 + 2
-    return Result(targets, rooms, np.full(HOUSES, 30.0), players | {"oracle": (oracle,)})
+    return Result(targets, rooms, np.full(HOUSES, 30.0), policies | {"oracle": (oracle,)})
+
+
+def written(one: Result) -> bytes:
+    """The result as a file of scores holds it."""
+    return scores.ScoreFile(scores.Bank(""), 0, scores.modes_of([one])).json()
 
 
 def entry(name: str, beside: str = "", options: tuple[str, ...] = ()) -> Entry:
@@ -120,8 +123,8 @@ def test_entries_have_names_of_their_own_and_known_companions() -> None:
 
 def test_agents_play_for_all_targets_and_changes_of_them_for_their_own(study: Study, tmp_path: Path) -> None:
     plain, _, bare = study.entries
-    for one, modes in ((plain, list(MODES)), (bare, [bare.targets])):
-        assert [mode for mode in MODES if EntryRun(one, 0, tmp_path).plays(mode)] == modes
+    for one, modes in ((plain, list(TARGET_MODES)), (bare, [bare.targets])):
+        assert [mode for mode in TARGET_MODES if EntryRun(one, 0, tmp_path).plays(mode)] == modes
 
 
 @pytest.mark.parametrize("name", EXTERNALS)
@@ -200,33 +203,26 @@ def test_an_external_agent_is_finished_when_it_has_learnt_from_its_steps_and_pla
     assert not training.begun
     training.scores.parent.mkdir()
     for steps, finished in ((100, False), (EXTERNALS["one-file"].steps, True)):
-        training.scores.write_text(json.dumps({"steps": steps}))
+        training.scores.write_text(json.dumps({"training_steps": steps}))
         assert (training.begun, training.finished) == (True, finished)
 
 
 def test_an_external_agents_scores_join_what_was_measured_with_the_same_targets_alone(tmp_path: Path) -> None:
     training, one = ExternalRun("one-file", 0, tmp_path), result(plain=(0.8,))
     name = training.agent.name
-    theirs = with_score(result(), score(name, 0.4))
-    less = replace(theirs, players=theirs.players | {"oracle": (score("oracle", 0.9),)})
+    theirs = with_run(result(), name, score(0.4))
+    less = replace(theirs, policies=theirs.policies | {"oracle": (score(0.9),)})
     training.scores.parent.mkdir()
-    training.scores.write_text(json.dumps(record([theirs])))
+    training.scores.write_bytes(written(theirs))
     assert training.joined(one).ratio(name) == theirs.ratio(name)
-    other = replace(theirs, targets="secondary")
+    other = replace(theirs, mode="secondary")
     for wrong in (less, other, result(someone=(0.4,))):
-        training.scores.write_text(json.dumps(record([wrong])))
+        training.scores.write_bytes(written(wrong))
         with pytest.raises(StudyFailed, match=f"not of {re.escape(name)}, or not of these houses"):
             training.joined(one)
 
 
 # Figures.
-
-
-def test_a_record_reads_back_as_the_result_that_it_was() -> None:
-    one = result(plain=(0.8, 0.7))
-    again = result_of(json.loads(json.dumps(record([one])))["targets"]["main"], "main")
-    assert again.figures("plain") == one.figures("plain")
-    assert again.by_rooms("plain") == one.by_rooms("plain")
 
 
 def test_differences_are_of_seeds_that_both_have(study: Study) -> None:
@@ -238,18 +234,18 @@ def test_differences_are_of_seeds_that_both_have(study: Study) -> None:
 
 
 def test_the_same_scores_differ_by_nothing_with_certainty(study: Study) -> None:
-    players = study.results["main"].players
-    same = replace(study.results["main"], players=players | {"bare": players["plain"][1:]})
+    policies = study.results["main"].policies
+    same = replace(study.results["main"], policies=policies | {"bare": policies["plain"][1:]})
     found = difference(replace(study, results={"main": same}), study.entry("bare"))
     assert found.all == (0, 0, 0)
 
 
-def test_an_external_agents_runs_are_one_player_before_those_that_learn_nothing() -> None:
+def test_an_external_agents_runs_are_one_policy_before_those_that_learn_nothing() -> None:
     one = result(plain=(0.8, 0.7))
-    agents = [score("theirs", level, seed) for seed, level in enumerate((0.5, 0.6))]
-    both = with_score(with_score(one, agents[0]), agents[1])
-    assert list(both.players) == ["theirs", "plain", "oracle"]
-    assert both.players["theirs"] == tuple(agents)
+    agents = [score(level, seed) for seed, level in enumerate((0.5, 0.6))]
+    both = with_run(with_run(one, "theirs", agents[0]), "theirs", agents[1])
+    assert list(both.policies) == ["theirs", "plain", "oracle"]
+    assert both.policies["theirs"] == tuple(agents)
     assert both.figures("plain") == one.figures("plain")
 
 
@@ -278,7 +274,7 @@ def test_the_page_names_failed_runs(study: Study) -> None:
 def test_external_agents_stand_apart_and_those_that_failed_are_named(study: Study) -> None:
     """They learnt from far fewer steps, so no table has them beside our agents."""
     agent = External("Theirs + avoidance", "examples/theirs.py --avoid", 2_000_000, "main", "what it is")
-    main = with_score(study.results["main"], score(agent.name, 0.4))
+    main = with_run(study.results["main"], agent.name, score(0.4))
     late = Outcome(agent.name, 1, False, "failed, exit code 1: no such library", (), None)
     both = replace(study, results=study.results | {"main": main}, externals=(agent,), absent=(late,))
     page = agents_page(both)
@@ -320,18 +316,17 @@ def test_a_study_does_what_is_left_and_writes_its_page(tmp_path: Path, monkeypat
             else:
                 mode = job.command[job.command.index("--targets") + 1]
                 agents = job.command[job.command.index("evaluate") + 1 : job.command.index("--targets")]
-                bank = {"hash": HASH, "file": "bank", "houses": HOUSES}
-                found = record([result(mode, pqn=(0.8,), script=(0.6,))])
+                found = scores.modes_of([result(mode, pqn=(0.8,), script=(0.6,))])
+                file = scores.ScoreFile(scores.Bank(HASH, "bank", HOUSES), 0, found, agents=agents)
                 job.folder.mkdir()
-                content = {"agents": agents, "bank": bank} | found
-                (job.folder / "evaluation.json").write_text(json.dumps(content))
+                (job.folder / "evaluation.json").write_bytes(file.json())
 
     monkeypatch.setattr("benchmarks.agents.run.run_all", pretend)
     monkeypatch.setattr("benchmarks.agents.run.training_houses", lambda path, workers: path)
     monkeypatch.setattr("benchmarks.agents.run.pictures", lambda study: {"agent-scores.png": b""})
     for _ in range(2):
         Agents(share=0.001, only=("pqn",), seeds=(0,), out=tmp_path).run()
-    assert asked == ["pqn, seed 0, 0.04 M steps", *(f"measuring, {mode}" for mode in MODES)]
+    assert asked == ["pqn, seed 0, 0.04 M steps", *(f"measuring, {mode}" for mode in TARGET_MODES)]
     page = (tmp_path / "agents.md").read_text()
     assert "| **pqn** |" in page
     assert "./run bench agents --share 0.001 --seeds 0" in page

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from agent.statistics import Estimate, bootstrap, interquartile_mean, mean
+from agent.evaluation.statistics import Estimate, bootstrap, interquartile_mean, mean, paired_difference
 
 
 def test_the_outer_quarters_do_not_count():
@@ -26,10 +27,10 @@ def test_the_interval_holds_the_true_figure_about_19_times_in_20():
     assert 85 <= sum(e.low <= 5 <= e.high for e in estimates) < 100
 
 
-def test_the_bootstrap_draws_houses_and_for_each_as_many_of_its_own_runs():
-    """The law of rliable's resamples with tasks drawn too: 2 runs of 2 houses give 4 x 4 houses and runs.
+def test_the_bootstrap_samples_houses_and_for_each_as_many_of_its_own_runs():
+    """The law of rliable's resamples with ``task_bootstrap``: 2 runs of 2 houses give 4 x 4 houses and runs.
 
-    Of equal houses a resample's mean is that of 4 draws from the 2 runs; of equal runs, of 2 houses.
+    Of equal houses a resample's mean is that of 4 samples of the 2 runs; of equal runs, of 2 houses.
     """
     runs = bootstrap(np.array([[0.0, 0.0], [1.0, 1.0]]), spread, resamples=20_000)
     assert runs.low == pytest.approx(np.sqrt(0.25 / 4), abs=0.005)
@@ -43,9 +44,20 @@ def spread(flat: np.ndarray) -> np.ndarray:
     return np.full_like(means, means.std())
 
 
-def test_with_one_run_only_houses_are_drawn():
-    scores = np.random.default_rng(3).random(64)
-    assert interquartile_mean(scores) == interquartile_mean(scores[None])
+@pytest.mark.parametrize("houses", [6, 64, 256])
+def test_with_one_run_the_interval_is_scipys(houses):
+    """Only houses are sampled then, which is the percentile bootstrap of ``scipy.stats``."""
+    scores = np.random.default_rng(3).random(houses)
+
+    def figure(flat, axis):
+        return stats.trim_mean(flat, 0.25, axis=axis)
+
+    theirs = stats.bootstrap(
+        (scores,), figure, n_resamples=2000, method="percentile", rng=np.random.default_rng(0)
+    ).confidence_interval
+    ours = interquartile_mean(scores)
+    assert (ours.low, ours.high) == pytest.approx((theirs.low, theirs.high), rel=1e-12)
+    assert ours == interquartile_mean(scores[None])
 
 
 def test_an_interval_matches_another_implementation_of_the_definition():
@@ -58,6 +70,21 @@ def test_an_interval_matches_another_implementation_of_the_definition():
         figures.append(middle.mean())
     ours = interquartile_mean(scores, resamples=3000)
     assert (ours.low, ours.high) == pytest.approx(np.percentile(figures, [2.5, 97.5]), abs=0.01)
+
+
+def test_a_paired_difference_does_not_vary_with_how_hard_the_houses_are():
+    rng = np.random.default_rng(6)
+    hard, gain = rng.random(64), 0.05 + rng.normal(0, 0.01, 64)
+    found = paired_difference(hard + gain, hard)
+    assert found.value == pytest.approx(0.05, abs=0.02)
+    assert found.high - found.low < (interquartile_mean(hard).high - interquartile_mean(hard).low) / 2
+
+
+def test_equal_scores_differ_by_nothing_whatever_is_resampled():
+    scores = np.random.default_rng(7).random((3, 20))
+    assert paired_difference(scores, scores) == (0, 0, 0)
+    with pytest.raises(ValueError, match="same shape"):
+        paired_difference(scores, scores[:2])
 
 
 def test_a_mean_counts_all():
@@ -78,3 +105,4 @@ def test_what_has_no_mean_is_refused(scores):
 
 def test_an_estimate_reads_as_value_and_interval():
     assert Estimate(0.926, 0.9, 0.951).text() == "0.93 [0.90, 0.95]"
+    assert Estimate(-0.001, -0.01, 0.002).signed(3) == "-0.001 [-0.010, +0.002]"

@@ -1,14 +1,14 @@
-"""Film an episode: the body, its rays and its trail, every few steps."""
+"""Film an agent's episode: the body, its rays and its trail, every few steps."""
 
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import torch
 
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
-from agent.protocol import EYES
+from agent.evaluation.episodes import reset
+from agent.evaluation.protocol import SENSORS
+from agent.progress import Report
 from agent.world import make_worlds
 from logic import House
 from sim.film import Camera, film
@@ -25,15 +25,15 @@ def record(
     targets: str = "main",
     seed: int = 0,
     steps: int | None = None,
-    tell: Callable[[float, str], None] = lambda done, words: None,
+    report: Report = lambda done, words: None,
 ) -> Path:
-    """Write a GIF of the agent's episode in the house, whole or the first so many steps; give back its path.
+    """Write a GIF of the agent's episode in the house, whole or its first ``steps``; its path.
 
     With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    envs = make_worlds([house], 1, targets, preset=EYES[agent.config.world])
+    envs = make_worlds([house], 1, targets, preset=SENSORS[agent.config.world])
     length = min(steps or envs.config.steps, envs.config.steps)
-    observation = torch.as_tensor(envs.reset(seed=seed, options={"house": np.zeros(1, int)})[0])
+    observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)
     policy.begin(1)
     blocked = torch.zeros(1, dtype=torch.bool)
@@ -45,7 +45,7 @@ def record(
         ended = bool(terminated | truncated)
         if step % STRIDE == 0 or ended:
             frames.append(camera.shoot())
-        tell(step / length, f"step {step}")
+        report(step / length, f"step {step}")
         if ended:
             break
     return film(frames, path)

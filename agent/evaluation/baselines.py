@@ -1,0 +1,128 @@
+"""Baselines: policies that learn nothing, which every evaluation shows beside the agents.
+
+| baseline | knows |
+|---|---|
+| random + avoidance | its rays: the paper's random walk under the paper's avoidance rule (``RandomPolicy``) |
+| script | its rays: goes to a target in sight, else looks around and walks at random (``Script``) |
+| explorer | its rays, and a map of what they showed: the planner without a network (``Explorer``) |
+| searcher | the house, but not where the target is |
+| oracle | the house and the target |
+
+The last two read the simulator's state, which no agent may: they bound what an agent can reach.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from agent.avoidance import ACTIONS, FORWARD, LEFT, RIGHT, Layer, PaperRule, random_preference, subsume
+from agent.policies import Explorer, Policy, RandomPolicy
+from agent.world import shield
+from sim import HouseVectorEnv
+from sim.oracle import Oracle
+from sim.searcher import Searcher
+
+FULL_TURN, WALK, DETOUR = 8, 64, 16
+"""Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
+
+CERTAIN = 1e6
+"""A preference above all random ones."""
+
+AHEAD = np.deg2rad(22.5)
+"""Radians: a target further aside is nearer to the next heading."""
+
+
+class Script:
+    """Turn to the target in sight and go there. Without one: look all around, walk at random, look again.
+
+    Where something stands between it and the target it walks at random for a while, or it would stay there.
+    """
+
+    def __init__(self, angles: np.ndarray, avoidance: Layer, generator: torch.Generator) -> None:
+        """For rays at ``angles`` (R,), radians from the heading."""
+        self.angles = torch.tensor(angles, dtype=torch.float32)
+        self.avoidance, self.generator, self.interventions = avoidance, generator, 0
+        self.time = self.detour = torch.zeros(0)
+
+    def begin(self, environments: int) -> None:
+        """Forget all: an episode begins in each of this many environments."""
+        self.interventions, self.time, self.detour = 0, torch.zeros(environments), torch.zeros(environments)
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        allowed, seen = self.avoidance(observation, blocked), observation[..., -1]
+        aside = (seen * self.angles).sum(-1) / seen.sum(-1).clamp(min=1)
+        towards = torch.where(aside > AHEAD, LEFT, torch.where(aside < -AHEAD, RIGHT, FORWARD))
+        sight = seen.any(-1)
+        stuck = sight & (towards == FORWARD) & ~allowed[..., FORWARD]
+        self.detour = torch.where(stuck, DETOUR, (self.detour - 1).clamp(min=0))
+        going, around = sight & (self.detour == 0), ~sight & (self.time % WALK < FULL_TURN)
+        self.time = torch.where(going, 0, self.time + 1)
+
+        wanted = nn.functional.one_hot(torch.where(going, towards, LEFT), ACTIONS)
+        preference = random_preference(allowed, self.generator)
+        preference += CERTAIN * wanted * (going | around)[:, None]
+        actions = subsume(preference, allowed)
+        self.interventions += int((actions != preference.argmax(-1)).sum())
+        return actions
+
+
+class Privileged:
+    """A policy that reads the simulator's state and not the observation: the oracle or the searcher."""
+
+    interventions = 0
+
+    def __init__(self, act: Callable[[], np.ndarray], begin: Callable[[], None] = lambda: None) -> None:
+        """``act`` gives the actions (E,) int64 from where the bodies are."""
+        self.act, self._begin = act, begin
+
+    def begin(self, environments: int) -> None:
+        """Forget all: an episode begins in each environment."""
+        self._begin()
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64; the observation is not read."""
+        return torch.from_numpy(self.act())
+
+
+def random_walk(envs: HouseVectorEnv, seed: int) -> Policy:
+    """Random + avoidance, see above."""
+    generator = torch.Generator().manual_seed(seed)
+    return RandomPolicy(PaperRule(generator), generator)
+
+
+def script(envs: HouseVectorEnv, seed: int) -> Policy:
+    """A ``Script`` for the rays and the body of these environments."""
+    return Script(envs.config.ray_angles, shield(envs), torch.Generator().manual_seed(seed))
+
+
+def explorer(envs: HouseVectorEnv, seed: int) -> Policy:
+    """The planner alone, under the shield."""
+    return Explorer(shield(envs), envs.config)
+
+
+def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
+    """It knows the house, not the target: see ``sim.searcher``."""
+    searcher = Searcher(envs)
+    return Privileged(searcher.act, searcher.begin)
+
+
+def oracle(envs: HouseVectorEnv, seed: int) -> Policy:
+    """It takes a shortest way to each target: see ``sim.oracle``."""
+    return Privileged(Oracle(envs).act)
+
+
+BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
+    "random + avoidance": random_walk,
+    "script": script,
+    "explorer": explorer,
+    "searcher": searcher,
+    "oracle": oracle,
+}
+"""By name, what makes a baseline's policy for environments and a seed. Every other score is a share of the
+oracle's."""
+
+REFERENCES = ("paper", *BASELINES)
+"""What ``vitruvius evaluate`` shows beside all agents: the paper's agent, then the baselines."""

@@ -1,0 +1,193 @@
+"""``vitruvius evaluate``, ``record`` and ``demo``: their options, and what they do.
+
+Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
+"""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import tyro
+
+from agent.config import TARGET_MODES, TargetMode, differences
+from logic.errors import RequestError
+
+if TYPE_CHECKING:
+    from agent.checkpoint import Checkpoint
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Measure agents in houses that they have not seen, beside the paper's agent and the baselines: random +
+    avoidance, a script, the explorer (the planner alone), a searcher that knows the house, and the
+    shortest-path oracle. Each plays one episode a house, with the same starts and targets.
+    """
+
+    agents: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Checkpoints, or names of agents that come with the project (pqn-map, paper). Checkpoints that differ in
+    their training seed alone are runs of one agent. None: the references alone."""
+
+    houses: Path | None = None
+    """House file to measure in; by default the benchmark bank, 256 houses of 2 to 6 rooms."""
+
+    targets: tyro.conf.UseAppendAction[tuple[TargetMode, ...]] = ()
+    """Where targets lie. Repeat for several; by default main, secondary and mixed, one after the other."""
+
+    seed: int = 0
+    """Seeds starts and targets, the same for every policy."""
+
+    backend: str = "continuous"
+    """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
+
+    scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
+    """Scores of external agents in the same houses, seed and targets, to show in the tables: JSON as --json
+    or an example's --out writes it. Repeat for several files."""
+
+    out: Path | None = None
+    """Folder for evaluation.json, evaluation.md and evaluation.png."""
+
+    json: bool = False
+    """Print all figures, and each house's, as JSON."""
+
+    def run(self) -> int:
+        """Print the tables, or the JSON."""
+        import torch
+        from rich.console import Console
+
+        from agent import checkpoint
+        from agent.banks import bank_hash, benchmark, benchmark_path
+        from agent.evaluation.plots import ratio_plot
+        from agent.evaluation.protocol import measure
+        from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
+        from agent.evaluation.tables import NOTE, tables
+        from agent.progress import progress
+        from logic import load
+        from logic.files import write_whole
+
+        torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
+        agents = by_name(self.agents)
+        agents.setdefault("paper", [checkpoint.load("paper")])
+        houses = load(self.houses) if self.houses else benchmark()
+        modes = self.targets or TARGET_MODES
+        others = {path: external(path, houses, modes, self.seed, self.backend) for path in self.scores}
+        with progress("measuring") as report:
+            results = list(measure(agents, houses, modes, self.seed, report, backend=self.backend))
+        for path, policies in others.items():
+            results = [joined(result, policies.get(result.mode, {}), path) for result in results]
+
+        bank = Bank(bank_hash(houses), str(self.houses or benchmark_path().name), len(houses))
+        content = ScoreFile(
+            bank,
+            self.seed,
+            modes_of(results),
+            self.backend,
+            agents=[str(path) for path in self.agents],
+            scores=[str(path) for path in self.scores],
+        ).json()
+        shown = [table for result in results for table in tables(result)]
+        title = f"{bank.file}, hash {bank.hash[:12]}, seed {self.seed}"
+        if self.json:
+            print(content.decode())
+        else:
+            Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{NOTE}")
+        if self.out:
+            page = [f"# Evaluation\n\n{title}", "![Ratios to the oracle](evaluation.png)"]
+            page += [table.markdown() for table in shown]
+            write_whole(self.out / "evaluation.json", content)
+            write_whole(self.out / "evaluation.png", ratio_plot(results))
+            write_whole(self.out / "evaluation.md", "\n\n".join([*page, NOTE, ""]).encode())
+            print(f"{self.out}: evaluation.md, evaluation.png, evaluation.json", file=sys.stderr)
+        return 0
+
+
+def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
+    """The checkpoints of each agent: runs of one agent differ in nothing but their training seeds. An agent
+    whose name is taken by another config is named for its folder too.
+
+    Raises ``CheckpointError`` for a file that is none, ``RequestError`` where that name is taken as well.
+    """
+    from agent import checkpoint
+
+    agents: dict[str, list[Checkpoint]] = {}
+    for path in paths:
+        found = checkpoint.load(path)
+        for runs in agents.values():
+            if runs[0].name == found.name and set(differences(runs[0].config, found.config)) <= {"seed"}:
+                runs.append(found)
+                break
+        else:
+            name = found.name if found.name not in agents else f"{found.name} ({path.parent.name})"
+            if name in agents:
+                raise RequestError(f"{path}: another config than {name}'s, by the same name")
+            agents[name] = [found]
+    return agents
+
+
+@dataclass(frozen=True)
+class Record:
+    """Film an agent in a house: its rays, its trail and its targets."""
+
+    agent: tyro.conf.Positional[Path]
+    """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
+
+    houses: tyro.conf.Positional[Path]
+    """House file."""
+
+    house: int = 0
+    """Which house of the file, from 0."""
+
+    out: Path = Path("episode.gif")
+    """The film."""
+
+    steps: int = 1500
+    """How many steps of the episode to film."""
+
+    targets: TargetMode = "main"
+    """Where targets lie."""
+
+    seed: int = 0
+    """Seeds the start and the targets."""
+
+    def run(self) -> int:
+        """Write the film."""
+        from agent import checkpoint
+        from agent.evaluation.film import record
+        from agent.progress import progress
+        from logic import load
+
+        agent, houses = checkpoint.load(self.agent), load(self.houses)
+        if not 0 <= self.house < len(houses):
+            raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
+        if self.steps < 1:
+            raise RequestError(f"--steps must be 1 or more, not {self.steps}")
+        with progress("filming") as report:
+            record(
+                agent,
+                houses[self.house],
+                self.out,
+                targets=self.targets,
+                seed=self.seed,
+                steps=self.steps,
+                report=report,
+            )
+        print(self.out)
+        return 0
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Rules to houses to a trained agent and its report, in a few minutes."""
+
+    out: Path = Path("runs/demo")
+    """Folder for the report and all that it shows."""
+
+    seed: int = 0
+    """Seeds the houses, those to learn in and those to be measured in, and the training."""
+
+    def run(self) -> int:
+        """Do it all; 1 if the agent does not clearly beat the random walk and the paper's human's ratio."""
+        from agent.demo import demo
+
+        return demo(self.out, self.seed)

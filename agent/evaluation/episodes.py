@@ -1,0 +1,111 @@
+"""One episode in each environment: what a policy picks up there, and how it goes about it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from agent.policies import Policy
+from sim import HouseVectorEnv
+from sim.lookout import Lookout
+
+COVERAGE_STEPS = (500, 1500)
+"""Steps after which coverage is noted, or at the episode's end if that comes before."""
+
+
+@dataclass(frozen=True)
+class EpisodeScores:
+    """What a policy did in H houses, one episode each."""
+
+    targets: np.ndarray
+    """(H,) targets picked up in each house."""
+
+    steps: int
+    """Steps of all episodes together."""
+
+    blocked: int
+    """Moves that walls or furniture blocked, in all episodes."""
+
+    interventions: int
+    """Actions that the avoidance layer changed, in all episodes."""
+
+    first: np.ndarray
+    """(H,) steps until the first target was picked up; infinite where none was."""
+
+    coverage: np.ndarray
+    """(2, H) share of the house that it had seen after each of ``COVERAGE_STEPS``; see ``sim.lookout``."""
+
+    rooms: np.ndarray
+    """(H,) number of secondary rooms that it was in."""
+
+
+def play(
+    envs: HouseVectorEnv,
+    policy: Policy,
+    seed: int,
+    houses: np.ndarray | None = None,
+    lookout: Lookout | None = None,
+) -> EpisodeScores:
+    """Play one episode of the policy in each environment: environment i in house i, or in ``houses[i]``.
+
+    Starts and targets are sampled by (seed + i, episode, counter). They never depend on the policy, so all
+    policies meet the same for one seed. With a ``lookout`` over the environments, coverage and the rooms
+    that the body was in are noted too.
+    """
+    observation = reset(envs, seed, houses)
+    policy.begin(envs.num_envs)
+    targets, playing = torch.zeros(envs.num_envs), torch.ones(envs.num_envs, dtype=torch.bool)
+    first = torch.full((envs.num_envs,), torch.inf)
+    blocked, steps, bumps, time = torch.zeros_like(playing), 0, 0, 0
+    coverage = _Coverage(lookout, envs.num_envs)
+    while playing.any():
+        actions = policy(observation, blocked)
+        observation, reward, terminated, truncated, info = envs.step_torch(actions)
+        time += 1
+        first[(targets == 0) & (reward > 0) & playing] = time
+        targets += reward * playing
+        steps += int(playing.sum())
+        blocked = info["blocked"]
+        bumps += int((blocked & playing).sum())
+        still = playing & ~(terminated | truncated)
+        coverage.note(time, playing.numpy(), still.numpy())
+        playing = still
+    return EpisodeScores(
+        targets.numpy(),
+        steps,
+        bumps,
+        policy.interventions,
+        first.numpy(),
+        coverage.shares,
+        coverage.rooms,
+    )
+
+
+def reset(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> torch.Tensor:
+    """Begin the episodes that ``play`` plays; their first observations (E, R, C)."""
+    houses = np.arange(envs.num_envs) if houses is None else houses
+    return torch.as_tensor(envs.reset(seed=seed, options={"house": houses})[0])
+
+
+class _Coverage:
+    """How much of its house each body has looked at, and its rooms; zeros without a lookout."""
+
+    def __init__(self, lookout: Lookout | None, count: int) -> None:
+        self.lookout = lookout
+        self.shares, self.rooms = np.zeros((len(COVERAGE_STEPS), count)), np.zeros(count, int)
+        if lookout is not None:
+            lookout.begin()
+
+    def note(self, time: int, playing: np.ndarray, still: np.ndarray) -> None:
+        """Look after a step of the environments (E,) bool ``playing``, of which some are ``still``."""
+        if self.lookout is None:
+            return
+        self.lookout.look()
+        ended = playing & ~still
+        if ended.any():
+            self.rooms[ended] = self.lookout.rooms()[ended]
+        if ended.any() or time in COVERAGE_STEPS:
+            share = self.lookout.share()
+            for shares, step in zip(self.shares, COVERAGE_STEPS, strict=True):
+                now = playing if time == step else ended & (time < step)
+                shares[now] = share[now]

@@ -1,0 +1,125 @@
+"""What an evaluation and a training run look like, as PNG files."""
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
+
+from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
+from agent.evaluation.tables import HUMAN_NAME, WHERE
+from agent.learner import Progress
+
+COLOURS = {
+    "agent": "#1f5ea8",
+    "pqn-map": "#1f5ea8",
+    "pqn": "#4f93d8",
+    "paper": "#b04a5a",
+    "random + avoidance": "#8b8f96",
+    "script": "#7a9a3a",
+    "explorer": "#2f9c95",
+    "searcher": "#a5518e",
+    "oracle": "#c96a12",
+}
+"""Of policies, by name."""
+
+OTHER = "#333333"
+"""Of all other policies."""
+
+
+def ratio_plot(results: Sequence[Result]) -> bytes:
+    """For each target mode every policy's ratio to the oracle with its interval, and that by rooms."""
+    figure = Figure(figsize=(4.2 * len(results) + 1, 6), dpi=120, layout="constrained")
+    axes = figure.subplots(2, len(results), squeeze=False, sharey="row")
+    for column, result in enumerate(results):
+        _ratios(axes[0, column], result)
+        _by_rooms(axes[1, column], result)
+    axes[1, 0].set_ylabel("ratio to the oracle")
+    return _png(figure)
+
+
+def learning_curve(history: Sequence[Progress], result: Result | None = None) -> bytes:
+    """Targets per 1500 steps while learning, random actions included, against environment steps.
+
+    At the right stand the policies' targets in the result's houses, with their intervals.
+    """
+    figure = Figure(figsize=(8, 4), dpi=120, layout="constrained")
+    axes = figure.subplots()
+    millions = [progress.steps / 1e6 for progress in history]
+    targets = [progress.targets for progress in history]
+    axes.plot(millions, targets, color=COLOURS["agent"], linewidth=2)
+    place = len(history) * 3 // 5
+    axes.annotate(
+        "while learning",
+        (millions[place], targets[place]),
+        (0, -18),
+        textcoords="offset points",
+        color=COLOURS["agent"],
+    )
+    estimates = {name: result.targets(name) for name in result.policies} if result else {}
+    top = max([*targets, *(estimate.high for estimate in estimates.values())])
+    label = -np.inf
+    for name, estimate in sorted(estimates.items(), key=lambda item: item[1]):
+        colour, at = COLOURS.get(name, OTHER), axes.get_yaxis_transform()
+        label = max(estimate.value, label + 0.06 * top)  # not over the label below it
+        axes.axhline(estimate.value, color=colour, linewidth=1, linestyle="--")
+        interval = [estimate.low, estimate.high]
+        axes.plot([1, 1], interval, color=colour, linewidth=6, alpha=0.4, transform=at, clip_on=False)
+        axes.text(1.02, label, f"{name} {estimate.value:.1f}", color=colour, va="center", transform=at)
+    axes.set(xlabel="environment steps (millions)", ylabel="targets per 1500 steps")
+    axes.set(xlim=(0, millions[-1]), ylim=(0, 1.1 * top + 1e-9))
+    _plain(axes, "y")
+    return _png(figure)
+
+
+def _ratios(axes: Axes, result: Result) -> None:
+    names = list(result.policies)[::-1]
+    for place, name in enumerate(names):
+        ratio, colour = result.ratio(name), COLOURS.get(name, OTHER)
+        axes.plot([ratio.low, ratio.high], [place, place], color=colour, linewidth=6, alpha=0.35)
+        axes.plot(ratio.value, place, "o", color=colour)
+        axes.annotate(
+            f"{ratio.value:.2f}", (ratio.value, place), (0, 7), textcoords="offset points", ha="center"
+        )
+    _human(axes.axvline, result)
+    axes.set_yticks(range(len(names)), names)
+    for label, name in zip(axes.get_yticklabels(), names, strict=False):  # only the first mode has labels
+        label.set_color(COLOURS.get(name, OTHER))
+    axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel="ratio to the oracle")
+    axes.set_title(f"Targets in {WHERE.get(result.mode, result.mode)}")
+    if result.mode in HUMAN:
+        axes.annotate(HUMAN_NAME, (HUMAN_RATIO, -0.5), (3, 0), textcoords="offset points", size=7)
+    _plain(axes, "x")
+
+
+def _by_rooms(axes: Axes, result: Result) -> None:
+    for name in result.policies:
+        ratios, colour = result.by_rooms(name), COLOURS.get(name, OTHER)
+        if name != "oracle":
+            low, high, value = (
+                [getattr(each, end) for each in ratios.values()] for end in ("low", "high", "value")
+            )
+            axes.fill_between(list(ratios), low, high, color=colour, alpha=0.15, linewidth=0)
+            axes.plot(list(ratios), value, "o-", color=colour, markersize=4)
+    _human(axes.axhline, result)
+    axes.set(xlabel="secondary rooms", ylim=(-0.03, 1.06))
+    axes.set_xticks(np.unique(result.rooms))
+    _plain(axes, "y")
+
+
+def _human(line: Any, result: Result) -> None:
+    if result.mode in HUMAN:
+        line(HUMAN_RATIO, color="#555555", linestyle="--", linewidth=1)
+
+
+def _plain(axes: Axes, grid: Any) -> None:
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(axis=grid, alpha=0.25)
+
+
+def _png(figure: Figure) -> bytes:
+    content = io.BytesIO()
+    figure.savefig(content, format="png")
+    return content.getvalue()

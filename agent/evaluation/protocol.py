@@ -1,0 +1,93 @@
+"""The protocol: agents and baselines play one episode in each house of a bank, in each target mode.
+
+All policies meet the same starts and the same targets in the same order: house i's are those of seed + i.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from agent.build import policy_of
+from agent.checkpoint import Checkpoint
+from agent.config import TARGET_MODES
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.episodes import EpisodeScores, play, reset
+from agent.evaluation.result import Result
+from agent.policies import Policy
+from agent.progress import Report
+from agent.world import make_worlds
+from logic import House
+from sim import HouseVectorEnv
+from sim.config import DEFAULT, PAPER, Config
+from sim.lookout import Lookout
+from sim.oracle import Oracle
+
+SENSORS = {
+    "default": DEFAULT,
+    "paper": replace(DEFAULT, first_ray=PAPER.first_ray, sees_angle=PAPER.sees_angle),
+}
+"""By the simulator's preset that an agent learnt in, the configuration that it is measured in: all have the
+default body, and the paper's agents keep the paper's rays."""
+
+
+def measure(
+    agents: Mapping[str, Sequence[Checkpoint]],
+    houses: Sequence[House],
+    modes: Sequence[str] = TARGET_MODES,
+    seed: int = 0,
+    report: Report = lambda done, words: None,
+    *,
+    backend: str = "continuous",
+    baselines: Sequence[str] = tuple(BASELINES),
+) -> Iterator[Result]:
+    """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
+
+    ``baselines`` names some of ``BASELINES``; figures are shares of the oracle's, so it is among them.
+    ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
+    """
+    for number, mode in enumerate(modes):
+        settings = {name: Setting(houses, mode, sensor, backend) for name, sensor in SENSORS.items()}
+        default = settings["default"]
+        policies: list[tuple[str, Setting, Callable[[HouseVectorEnv, int], Policy]]] = [
+            (name, settings[run.config.world], partial(policy_of, run.network, run.config))
+            for name, runs in agents.items()
+            for run in runs
+        ]
+        policies += [(name, default, BASELINES[name]) for name in baselines]
+        scores: dict[str, tuple[EpisodeScores, ...]] = {}
+        for place, (name, setting, make) in enumerate(policies):
+            report((number + place / len(policies)) / len(modes), f"{mode}: {name}")
+            played = play(setting.envs, make(setting.envs, seed), seed, lookout=setting.lookout)
+            scores[name] = (*scores.get(name, ()), played)
+        rooms = np.array([len(house.rooms) for house in houses])
+        yield Result(mode, rooms, shortest_ways(default.envs, seed), scores)
+    report(1.0, f"{len(houses)} houses")
+
+
+def shortest_ways(envs: HouseVectorEnv, seed: int) -> np.ndarray:
+    """(E,) fewest steps from each start to the first target; infinite where no way leads there."""
+    reset(envs, seed)
+    return np.array([np.inf if way is None else len(way) for way in Oracle(envs).paths()])
+
+
+class Setting:
+    """The environments of one sensor, one for each house, and what notes coverage in them.
+
+    Both are made when they are first asked for: most evaluations need one sensor alone.
+    """
+
+    def __init__(self, houses: Sequence[House], mode: str, sensor: Config, backend: str) -> None:
+        """Environments over these houses, with targets of this mode."""
+        self._make = partial(make_worlds, houses, len(houses), mode, preset=sensor, backend=backend)
+
+    @cached_property
+    def envs(self) -> HouseVectorEnv:
+        """An environment for each house."""
+        return self._make()
+
+    @cached_property
+    def lookout(self) -> Lookout:
+        """What notes how much of each house has been looked at."""
+        return Lookout(self.envs)

@@ -1,0 +1,122 @@
+"""What all policies did in one target mode, and the figures of that."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
+from agent.evaluation.statistics import Estimate, interquartile_mean, mean, paired_difference
+
+SUCCESS_STEPS = 300
+"""Steps within which the first target must be picked up for a success."""
+
+
+class Human(NamedTuple):
+    """What the paper's human picked up, and what the oracle does there."""
+
+    targets: int
+    oracle: int
+
+
+HUMAN = {"main": Human(27, 56), "secondary": Human(10, 21)}
+"""By target mode, in the paper's house, which is another house than those of any bank here. The human had
+the whole map in sight."""
+
+HUMAN_RATIO = 0.48
+"""The human's share of the oracle's targets, in both modes."""
+
+DEFINITIONS = {
+    "targets": "picked up in an episode of 1500 steps: interquartile mean over houses and training runs",
+    "ratio": "targets as a share of the oracle's in the same house: interquartile mean",
+    "success": f"share of episodes whose first target was picked up within {SUCCESS_STEPS} steps",
+    "spl": "success weighted by the shortest way's length over the way taken, in steps",
+    "coverage_500": "share of the house looked at after 500 steps: of the places where a target may lie, "
+    "in any room, those where it would have been seen",
+    "coverage_1500": "the same after 1500 steps",
+    "rooms": "share of the secondary rooms that it was in",
+    "blocked": "moves that walls or furniture blocked, per 1000 steps",
+    "interventions": "actions that the avoidance layer changed, per 1000 steps",
+    "human": "share of houses with more targets than the paper's human had in the paper's own house: "
+    f"{HUMAN['main'].targets} in the main room, {HUMAN['secondary'].targets} in secondary rooms",
+}
+"""What each figure is. Those without another word are means; all have 95 % intervals by a stratified
+bootstrap over training runs and houses, but blocked and interventions, over runs."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What all policies did in one target mode, one episode in each of H houses."""
+
+    mode: str
+    """Where targets lay: a name of ``agent.config.TARGET_MODES``."""
+
+    rooms: np.ndarray
+    """(H,) number of secondary rooms of each house."""
+
+    shortest: np.ndarray
+    """(H,) fewest steps from the start to the first target; infinite where no way leads there."""
+
+    policies: dict[str, tuple[EpisodeScores, ...]]
+    """By name, the scores of each training run: of one run for a baseline. The oracle is among them."""
+
+    @property
+    def oracle(self) -> np.ndarray:
+        """(H,) targets that the oracle picked up."""
+        return self.policies["oracle"][0].targets
+
+    def stacked(self, policy: str, value: Callable[[EpisodeScores], np.ndarray]) -> np.ndarray:
+        """A value of each house for each of a policy's runs, (S, H)."""
+        return np.stack([value(scores) for scores in self.policies[policy]])
+
+    def ratios(self, policy: str, rooms: int | None = None) -> np.ndarray:
+        """(S, H') share of the oracle's targets by run and house: of all houses, or of those with this many
+        rooms. A house where the oracle picks up none is left out.
+        """
+        chosen = (self.oracle > 0) & ((self.rooms == rooms) | (rooms is None))
+        return self.stacked(policy, lambda scores: scores.targets)[:, chosen] / self.oracle[chosen]
+
+    def ratio(self, policy: str, rooms: int | None = None) -> Estimate:
+        """The interquartile mean of ``ratios``."""
+        return interquartile_mean(self.ratios(policy, rooms))
+
+    def by_rooms(self, policy: str) -> dict[int, Estimate]:
+        """The ratio in houses of each number of rooms."""
+        return {int(rooms): self.ratio(policy, int(rooms)) for rooms in np.unique(self.rooms)}
+
+    def difference(self, policy: str, other: str) -> Estimate:
+        """How much higher the policy's ratio is than the other's, paired by house; both have as many runs."""
+        return paired_difference(self.ratios(policy), self.ratios(other))
+
+    def targets(self, policy: str) -> Estimate:
+        """Targets in an episode."""
+        return interquartile_mean(self.stacked(policy, lambda scores: scores.targets))
+
+    def figures(self, policy: str) -> dict[str, Estimate]:
+        """The figures of a policy, by name; see ``DEFINITIONS``."""
+        counts = self.stacked(policy, lambda scores: scores.targets)
+        first = self.stacked(policy, lambda scores: scores.first)
+        success = first <= SUCCESS_STEPS
+        coverage = {
+            f"coverage_{step}": mean(self.stacked(policy, lambda scores, k=k: scores.coverage[k]))
+            for k, step in enumerate(COVERAGE_STEPS)
+        }
+        rooms = self.stacked(policy, lambda scores: scores.rooms) / np.maximum(self.rooms, 1)
+        runs = self.policies[policy]
+        blocked, interventions = (
+            np.array([[1000 * getattr(scores, name) / scores.steps] for scores in runs])
+            for name in ("blocked", "interventions")
+        )
+        human = HUMAN.get(self.mode)
+        return {
+            "targets": self.targets(policy),
+            "ratio": self.ratio(policy),
+            "success": mean(success),
+            "spl": mean(success * self.shortest / np.maximum(first, self.shortest)),
+            **coverage,
+            "rooms": mean(rooms),
+            "blocked": mean(blocked),
+            "interventions": mean(interventions),
+            **({"human": mean(counts > human.targets)} if human else {}),
+        }

@@ -1,0 +1,199 @@
+"""Scores as JSON: what ``vitruvius evaluate --json`` prints and the examples write, and how it is read again.
+
+A file says in which bank, with which seed and backend, and for each target mode what each policy did in each
+house. So scores of external agents, of another library or another day, can be shown in the same tables.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+import numpy as np
+
+from agent.banks import bank_hash
+from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
+from agent.evaluation.result import DEFINITIONS, Result
+from logic import House
+from logic.errors import VitruviusError
+
+Figure = dict[str, float]
+"""A value with its interval: ``value``, ``low``, ``high``."""
+
+
+class ScoreError(VitruviusError):
+    """A file of scores is absent, is none, or is of another measurement than the one that it shall join."""
+
+    exit_code = 5
+
+
+class Bank(msgspec.Struct):
+    """The houses, and ``agent.banks.bank_hash`` of them."""
+
+    hash: str
+    file: str = ""
+    houses: int = 0
+
+
+class RunScores(msgspec.Struct):
+    """What a training run did, house by house: see ``EpisodeScores``; ``None`` where no target was found."""
+
+    targets: list[int]
+    first: list[int | None]
+    coverage: list[list[float]]
+    rooms: list[int]
+    steps: Annotated[int, msgspec.Meta(gt=0)]
+    blocked: int
+    interventions: int
+
+
+class PolicyScores(msgspec.Struct):
+    """A policy's training runs and figures."""
+
+    runs: list[RunScores]
+    figures: dict[str, Figure] = {}
+    ratio_by_rooms: dict[int, Figure] = {}
+
+
+class ModeScores(msgspec.Struct):
+    """A ``Result``: what all policies did in a target mode."""
+
+    policies: dict[str, PolicyScores]
+    rooms: list[int] = []
+    shortest: list[int | None] = []
+
+
+class ScoreFile(msgspec.Struct):
+    """A file of scores. Fields with a default are written, and not needed to read it."""
+
+    bank: Bank
+    seed: int
+    targets: dict[str, ModeScores]
+    backend: str = "continuous"
+    agents: list[str] = []
+    scores: list[str] = []
+    training_steps: int | None = None
+    definitions: dict[str, str] = msgspec.field(default_factory=lambda: DEFINITIONS)
+
+    def json(self) -> bytes:
+        """The file's content, on one line."""
+        return msgspec.json.encode(self)
+
+
+def modes_of(results: Iterable[Result]) -> dict[str, ModeScores]:
+    """Results as a file holds them, by target mode."""
+    return {
+        result.mode: ModeScores(
+            {
+                name: PolicyScores(
+                    [_run(scores) for scores in runs],
+                    {key: each._asdict() for key, each in result.figures(name).items()},
+                    {rooms: each._asdict() for rooms, each in result.by_rooms(name).items()},
+                )
+                for name, runs in result.policies.items()
+            },
+            result.rooms.tolist(),
+            _integers(result.shortest),
+        )
+        for result in results
+    }
+
+
+def result_of(mode: ModeScores, name: str) -> Result:
+    """The result that was written as the target mode of this name."""
+    policies = {name: tuple(map(_scores, policy.runs)) for name, policy in mode.policies.items()}
+    return Result(name, np.array(mode.rooms), _reals(mode.shortest), policies)
+
+
+def load(path: Path) -> ScoreFile:
+    """Read a file. Raises ``ScoreError`` where it is absent or none."""
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=ScoreFile)
+    except OSError as error:
+        raise ScoreError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except msgspec.DecodeError as error:  # of what is no JSON, and of JSON that is something else
+        raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --json") from None
+
+
+def external(
+    path: Path, houses: Sequence[House], modes: Sequence[str], seed: int = 0, backend: str = "continuous"
+) -> dict[str, dict[str, tuple[EpisodeScores, ...]]]:
+    """By target mode and name, the scores of a file's external agents: all policies but ``REFERENCES``.
+
+    Raises ``ScoreError`` for a file that is none, or of other houses, another seed, another backend, or none
+    of the modes: its figures could not be compared.
+    """
+    file = load(path)
+    for name, theirs, ours in (
+        ("houses of hash", file.bank.hash[:12], bank_hash(houses)[:12]),
+        ("seed", file.seed, seed),
+        ("backend", file.backend, backend),
+    ):
+        if theirs != ours:
+            raise ScoreError(f"{path}: measured with {name} {theirs}, here it is {ours}: not comparable")
+    found = [mode for mode in modes if mode in file.targets]
+    if not found:
+        raise ScoreError(
+            f"{path}: targets in {', '.join(file.targets)}, here in {', '.join(modes)}: not comparable. "
+            "Choose by --targets"
+        )
+    return {
+        mode: {
+            name: tuple(_whole_scores(path, name, run, len(houses)) for run in policy.runs)
+            for name, policy in file.targets[mode].policies.items()
+            if name not in REFERENCES and policy.runs
+        }
+        for mode in found
+    }
+
+
+def joined(result: Result, policies: Mapping[str, tuple[EpisodeScores, ...]], path: Path) -> Result:
+    """A result with a file's policies above the references; where a name is taken, the file's is added."""
+    agents = {name: runs for name, runs in result.policies.items() if name not in REFERENCES}
+    for policy, runs in policies.items():
+        names = (policy, f"{policy} ({path.stem})", f"{policy} ({path})")
+        agents[next(name for name in names if name not in agents)] = runs
+    references = {name: runs for name, runs in result.policies.items() if name in REFERENCES}
+    return replace(result, policies=agents | references)
+
+
+def _whole_scores(path: Path, name: str, run: RunScores, houses: int) -> EpisodeScores:
+    """A run's scores; every house must have its value."""
+    rows = (run.targets, run.first, run.rooms, *run.coverage)
+    if len(run.coverage) != len(COVERAGE_STEPS) or any(len(row) != houses for row in rows):
+        raise ScoreError(f"{path}: no scores: {name} has not one value for each of {houses} houses")
+    return _scores(run)
+
+
+def _run(scores: EpisodeScores) -> RunScores:
+    return RunScores(
+        scores.targets.astype(int).tolist(),
+        _integers(scores.first),
+        scores.coverage.round(4).tolist(),
+        scores.rooms.astype(int).tolist(),
+        scores.steps,
+        scores.blocked,
+        scores.interventions,
+    )
+
+
+def _scores(run: RunScores) -> EpisodeScores:
+    return EpisodeScores(
+        np.array(run.targets, float),
+        run.steps,
+        run.blocked,
+        run.interventions,
+        _reals(run.first),
+        np.array(run.coverage),
+        np.array(run.rooms),
+    )
+
+
+def _integers(steps: np.ndarray) -> list[int | None]:
+    return [int(step) if np.isfinite(step) else None for step in steps]
+
+
+def _reals(steps: Sequence[int | None]) -> np.ndarray:
+    return np.array([np.inf if step is None else step for step in steps])

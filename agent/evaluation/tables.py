@@ -1,0 +1,117 @@
+"""What an evaluation says, as tables: one renderer for terminals and for Markdown."""
+
+from dataclasses import dataclass
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table as RichTable
+
+from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
+
+WHERE = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
+"""Where targets lie, by target mode, in words."""
+
+HUMAN_NAME = "human, another house"
+"""The paper's human, who never played in the houses of a table."""
+
+SCORE_NOTE = (
+    "All policies meet the same starts and targets. Targets: picked up in an episode of 1500 steps. Ratio: "
+    "to the oracle's in the same house; the oracle knows the house and the target and takes the shortest "
+    "way. Both are interquartile means, with 95 % intervals over training runs and houses. Success: the "
+    f"share of episodes with a first target within {SUCCESS_STEPS} steps. SPL: that times the shortest "
+    "way's length over the way taken. Last column: the share of houses with more targets than the paper's "
+    "human, who played in the paper's own house, which is none of these, with the whole map in sight. "
+    "Random + avoidance is the paper's random walk; the explorer is the planner without a network."
+)
+"""What the columns and rows of ``score_table`` mean."""
+
+NOTE = (
+    f"{SCORE_NOTE} The searcher knows the house, but not where the target is. Seen: the share of the places "
+    "where targets may lie that it had looked at by that step. Rooms: the share of the secondary rooms that "
+    "it was in. Blocked moves, and actions that the avoidance layer overruled: per 1000 steps."
+)
+"""What the columns and rows of all tables mean."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table in words."""
+
+    title: str
+    headings: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+
+    def terminal(self) -> RichTable:
+        """For a terminal of 80 columns."""
+        table = RichTable(
+            title=f"\n{self.title}",
+            title_justify="left",
+            title_style="bold",
+            box=SIMPLE_HEAD,
+            show_edge=False,
+            pad_edge=False,
+            padding=(0, 1, 0, 0),
+        )
+        for place, heading in enumerate(self.headings):
+            table.add_column(heading, no_wrap=True, justify="right" if place else "left")
+        for row in self.rows:
+            table.add_row(*row)
+        return table
+
+    def markdown(self) -> str:
+        """As a Markdown table under its title."""
+        lines = (self.headings, ["---"] * len(self.headings), *self.rows)
+        return f"**{self.title}**\n\n" + "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def tables(result: Result) -> list[Table]:
+    """The three tables of a target mode."""
+    return [score_table(result), behaviour_table(result), rooms_table(result)]
+
+
+def score_table(result: Result) -> Table:
+    """How well each policy does."""
+    human = HUMAN.get(result.mode)
+    rows = []
+    for name, label in _labels(result).items():
+        figures = result.figures(name)
+        means = [figures[key].value for key in ("success", "spl", *(["human"] if human else []))]
+        rows.append((
+            label, figures["targets"].text(1), figures["ratio"].text(2), *(f"{mean:.2f}" for mean in means)
+        ))  # fmt: skip
+    headings = ("policy", "targets", "ratio", "success", "SPL")
+    if human:
+        rows.append((HUMAN_NAME, f"{human.targets} of {human.oracle}", f"{HUMAN_RATIO}", "", "", ""))
+        headings += (f"> {human.targets}",)
+    return Table(f"Targets in {_where(result)}, {len(result.rooms)} houses", headings, rows)
+
+
+def behaviour_table(result: Result) -> Table:
+    """What each policy sees and where it goes."""
+    rows = []
+    for name, label in _labels(result).items():
+        figures = result.figures(name)
+        shares = (f"{figures[key].value:.2f}" for key in ("coverage_500", "coverage_1500", "rooms"))
+        counts = (f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))
+        rows.append((label, *shares, *counts))
+    headings = ("policy", "seen by 500", "by 1500", "rooms", "blocked", "overruled")
+    return Table(f"Behaviour, targets in {_where(result)}", headings, rows)
+
+
+def rooms_table(result: Result) -> Table:
+    """The ratio by number of rooms."""
+    by_rooms = {label: result.by_rooms(name) for name, label in _labels(result).items() if name != "oracle"}
+    headings = ("policy", *(f"{rooms} rooms" for rooms in sorted(set(result.rooms.tolist()))))
+    rows = [(label, *(f"{each.value:.2f}" for each in row.values())) for label, row in by_rooms.items()]
+    return Table(f"Ratio by number of rooms, targets in {_where(result)}", headings, rows)
+
+
+def _where(result: Result) -> str:
+    return WHERE.get(result.mode, result.mode)
+
+
+def _labels(result: Result) -> dict[str, str]:
+    """Each policy's name, with the number of its training runs where there are several."""
+    return {
+        name: name if len(runs) == 1 else f"{name}, {len(runs)} runs"
+        for name, runs in result.policies.items()
+    }

@@ -1,0 +1,107 @@
+"""The protocol: all policies in the same houses, with the same starts and targets."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from agent import checkpoint
+from agent.build import network_of
+from agent.checkpoint import Checkpoint
+from agent.config import PRESETS, TARGET_MODES, PQNConfig
+from agent.evaluation.baselines import BASELINES, REFERENCES
+from agent.evaluation.commands import Evaluate, by_name
+from agent.evaluation.protocol import SENSORS, Setting, measure
+from logic import RequestError, save
+from tests.worlds import random_house
+
+HOUSES = [random_house(seed) for seed in range(4)]
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """The baselines alone, in four small houses."""
+    return next(measure({}, HOUSES, ("secondary",), seed=3))
+
+
+def test_policies_are_ranked_as_what_they_know(measured):
+    counts = {name: runs[0].targets.sum() for name, runs in measured.policies.items()}
+    assert list(counts) == list(BASELINES)
+    assert counts["random + avoidance"] <= counts["searcher"] <= counts["oracle"]
+    assert counts["script"] < counts["searcher"]
+
+
+def test_the_oracles_first_target_is_as_near_as_the_shortest_way(measured):
+    [oracle] = measured.policies["oracle"]
+    assert oracle.first.tolist() == measured.shortest.tolist()
+    assert measured.ratio("oracle").value == 1
+
+
+def test_a_short_evaluation_gives_the_figures_of_the_whole_one(measured):
+    """Fewer baselines, the same episodes: scores depend neither on what else is measured nor on the run."""
+    short = next(measure({}, HOUSES, ("secondary",), seed=3, baselines=("script", "oracle")))
+    assert list(short.policies) == ["script", "oracle"]
+    for name in short.policies:
+        assert short.figures(name) == measured.figures(name)
+
+
+def written(folder, config, name="pqn") -> Path:
+    """A checkpoint of a network that has learnt nothing."""
+    path = folder / f"{config.seed}-{config.steps}" / "agent.safetensors"
+    checkpoint.save(Checkpoint(network_of(config), config, 0, name), path)
+    return path
+
+
+def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_picture_and_json(
+    tmp_path, capsys
+):
+    save(HOUSES[:2], tmp_path / "houses.jsonl")
+    agent, out = written(tmp_path, PQNConfig()), tmp_path / "out"
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", targets=("main",), out=out, json=True).run() == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["agents"] == [str(agent)]
+    assert len(printed["bank"]["hash"]) == 64
+    assert list(printed["targets"]) == ["main"]
+    assert list(printed["targets"]["main"]["policies"]) == ["pqn", *REFERENCES]
+    assert json.loads((out / "evaluation.json").read_text()) == printed
+    assert "| searcher |" in (out / "evaluation.md").read_text()
+    with Image.open(out / "evaluation.png") as image:
+        image.verify()
+
+
+def test_checkpoints_that_differ_in_the_training_seed_alone_are_runs_of_one_agent(tmp_path):
+    same = [written(tmp_path, PQNConfig(seed=seed)) for seed in (0, 1)]
+    other = written(tmp_path, PQNConfig(steps=7))
+    agents = by_name((*same, other))
+    assert {name: len(runs) for name, runs in agents.items()} == {"pqn": 2, "pqn (0-7)": 1}
+
+
+def test_a_third_config_of_the_same_name_and_folder_is_refused(tmp_path):
+    paths = [written(tmp_path / str(k), PQNConfig(steps=7, environments=8 + k)) for k in range(3)]
+    with pytest.raises(RequestError, match=r"another config than pqn \(0-7\)'s, by the same name"):
+        by_name(paths)
+
+
+def test_agents_of_all_presets_are_measured_in_the_same_houses(tmp_path):
+    agents = {name: [checkpoint.load(written(tmp_path, config, name))] for name, config in PRESETS.items()}
+    result = next(measure(agents, HOUSES[:2], ("main",), seed=1, baselines=("oracle",)))
+    assert list(result.policies) == [*PRESETS, "oracle"]
+    for name in PRESETS:
+        [each] = result.policies[name]
+        assert (each.targets <= result.oracle).all()
+        assert each.steps == 2 * 1500
+
+
+def test_an_agent_of_the_papers_simulator_sees_by_the_papers_rays_and_meets_the_same_targets():
+    default, paper = (Setting(HOUSES[:1], "main", SENSORS[name], "continuous").envs for name in SENSORS)
+    for envs in (default, paper):
+        envs.reset(seed=5)
+    assert paper.single_observation_space.shape == (40, 3)
+    assert np.array_equal(default.targets(9), paper.targets(9))
+    assert np.array_equal(default.state["wholes"], paper.state["wholes"])
+
+
+def test_targets_lie_in_the_main_room_in_secondary_rooms_or_in_both():
+    assert TARGET_MODES == ("main", "secondary", "mixed")
