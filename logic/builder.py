@@ -58,9 +58,9 @@ class Builder:
                 try:
                     plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
                     return self._as_house(plan, layout, request, seed, index)
-                except Misfit as misfit:
-                    inferences -= misfit.inferences
-                    self._learn_misfit(misfit, layout, request, nogoods)
+                except Misfit as proof:
+                    inferences -= proof.inferences
+                    self._learn_misfit(proof, layout, request, nogoods)
                     layout = self.layout(request, rng, nogoods)
                 except Infeasible as proof:
                     inferences -= proof.inferences
@@ -134,9 +134,9 @@ class Builder:
             rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
         return Layout(rooms, layout.corners)
 
-    def _learn_misfit(self, misfit: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
-        """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many other misfits."""
-        if misfit.infeasible:
+    def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
+        """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many failures."""
+        if proof.infeasible:
             order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
             for room in layout.rooms:
                 if room.fixed:
@@ -149,8 +149,8 @@ class Builder:
         nogoods.misfits += 1
         if nogoods.misfits == MOST_MISFITS:
             raise LimitReached(
-                f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though smaller "
-                "ones might: try another seed, fewer rooms or smaller types"
+                f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though "
+                "smaller ones might: try another seed, fewer rooms or smaller types"
             )
 
     def _require_known(self, request: Request) -> None:

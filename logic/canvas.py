@@ -15,7 +15,7 @@ Point = tuple[float, float]
 DENSITY = 2
 """Image pixels to a CSS pixel."""
 SMOOTHING = 2
-"""Pillow's shapes have hard edges: they are drawn so many times larger, then scaled down."""
+"""Pillow's shapes have hard edges: they are drawn this many times larger, then scaled down."""
 ASCENT = 0.36
 """Half the height of a capital letter, in font sizes: words are placed by their middle."""
 
@@ -51,8 +51,8 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Words:
-    """Text: ``at`` is the middle of its height, the halo a rim in another colour.
+class Text:
+    """Words: ``at`` is the middle of its height, the halo a rim in another colour.
 
     ``anchor`` says which part of it is there: ``start``, ``middle`` or ``end``.
     """
@@ -65,7 +65,7 @@ class Words:
     halo: str = ""
 
 
-Shape = Block | Oval | Line | Words
+Shape = Block | Oval | Line | Text
 
 
 @dataclass(frozen=True)
@@ -120,14 +120,14 @@ def _element(shape: Shape) -> str:
         case Line(points, stroke, width):
             listed = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
             return f'<polyline points="{listed}" {_paint("", stroke, width)}/>'
-        case Words((x, y), text, size, fill, anchor, halo):
+        case Text((x, y), text, size, fill, anchor, halo):
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
             return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{escape(text)}</text>"
 
 
 def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
-    """Draw a shape with Pillow, so many image pixels to a CSS pixel."""
+    """Draw a shape with Pillow, ``scale`` image pixels to a CSS pixel."""
 
     def length(value: float) -> int:
         return max(1, round(value * scale))
@@ -142,7 +142,7 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
             pen.ellipse(around, fill or None, stroke or None, length(width))
         case Line(points, stroke, width):
             pen.line([(x * scale, y * scale) for x, y in points], stroke, length(width), joint="curve")
-        case Words((x, y), text, size, fill, anchor, halo):
+        case Text((x, y), text, size, fill, anchor, halo):
             place = x * scale, (y + ASCENT * size) * scale
             rim = length(size / 8) if halo else 0
             pen.text(

@@ -14,7 +14,7 @@ import shapely
 
 from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
 from logic.house import BODY, FORMAT, House, Room
-from logic.least import ELONGATION, least_area, side_of
+from logic.least_main_room import ELONGATION, least_area, side_of
 from logic.promises import PROMISES, Promises, arrangement_violations, count_violations, size_violations
 from logic.walk import free_floor, main_space, places_inside, spaces, swept
 

@@ -12,7 +12,7 @@ import msgspec
 from PIL import Image
 
 from logic.boxes import overlap, walls_touched
-from logic.canvas import Block, Box, Drawing, Line, Oval, Shape, Words, png, svg, text_width
+from logic.canvas import Block, Box, Drawing, Line, Oval, Shape, Text, png, svg, text_width
 from logic.files import write_whole
 from logic.house import FORMAT, ORIGINAL, House, Piece, Rect
 
@@ -40,7 +40,7 @@ TITLE, FOOT, MARGIN = 26, 22, 12
 
 
 def plan_svg(house: House, width: int = 720) -> str:
-    """Draw a plan as the text of an SVG file, so many CSS pixels wide."""
+    """Draw a plan as the text of an SVG file, of this width in CSS pixels."""
     drawing = plan(house, width, _height(house, width))
     return svg([((0, 0), drawing)], drawing.width, drawing.height)
 
@@ -52,7 +52,7 @@ def plan_png(house: House, width: int = 720) -> Image.Image:
 
 
 def contact_sheet(houses: Sequence[House], columns: int | None = None, cell: int = 300) -> Image.Image:
-    """Draw many plans on one image, each in a square of so many CSS pixels and in its own scale."""
+    """Draw many plans on one image, each in a square of ``cell`` CSS pixels, as large as it fits."""
     return png(*_sheet(houses, columns, cell))
 
 
@@ -82,7 +82,7 @@ def draw(houses: Iterable[House], out_dir: str | Path, format: Literal["svg", "p
 
 
 def plan(house: House, width: int, height: int) -> Drawing:
-    """Draw a house as large as it goes into so many CSS pixels, with its title and a scale of a metre."""
+    """Draw a house as large as it fits into these CSS pixels, with its title and a scale of a metre."""
     west, north, east, south = _extent(house)
     scale = min((width - 2 * MARGIN) / (east - west), (height - TITLE - FOOT - MARGIN) / (south - north))
     left = (width - scale * (east - west)) / 2 - scale * west
@@ -109,7 +109,7 @@ def plan(house: House, width: int, height: int) -> Drawing:
         shapes.append(_label(room.type, placed(room), taken, size, (INK, room_colour(room.type))))
     main = placed(house.floor)
     shapes.append(_label("main room", main, [placed(room) for room in house.rooms], size, (FAINT, PAPER)))
-    shapes.append(Words((MARGIN, TITLE / 2 + 2), _title(house, width - 2 * MARGIN), 11.5, INK, "start"))
+    shapes.append(Text((MARGIN, TITLE / 2 + 2), _title(house, width - 2 * MARGIN), 11.5, INK, "start"))
     return Drawing(width, height, (*shapes, *_scale_bar(scale, height)))
 
 
@@ -161,7 +161,7 @@ def _piece(piece: Piece, box: Box, front: str, scale: float) -> list[Shape]:
     if piece.type not in LOOKS.pieces:
         size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(piece.type or "?", 1))
         if 6 <= size <= bottom - top:
-            shapes.append(Words(((left + right) / 2, (top + bottom) / 2), piece.type, size, EDGE))
+            shapes.append(Text(((left + right) / 2, (top + bottom) / 2), piece.type, size, EDGE))
     return shapes
 
 
@@ -181,7 +181,7 @@ def _at(box: Box, front: str, across: float, forth: float) -> tuple[float, float
     return left + u * (right - left), top + v * (bottom - top)
 
 
-def _label(text: str, room: Box, taken: list[Box], size: float, colours: tuple[str, str]) -> Words:
+def _label(text: str, room: Box, taken: list[Box], size: float, colours: tuple[str, str]) -> Text:
     """Words in a room, as near to its middle as they keep clear of what is there, smaller at need.
 
     ``colours``: of the words, and of the floor, which is their halo where they must lie on something.
@@ -202,14 +202,14 @@ def _label(text: str, room: Box, taken: list[Box], size: float, colours: tuple[s
         if min(tries)[0] == 0:
             break
     hidden, letter, _, place = min(tries)
-    return Words(place, text, round(-letter, 1), colours[0], halo=colours[1] if hidden else "")
+    return Text(place, text, round(-letter, 1), colours[0], halo=colours[1] if hidden else "")
 
 
 def _scale_bar(scale: float, height: int) -> list[Shape]:
     """A bar of one metre."""
     left, right, y = MARGIN, MARGIN + scale, height - FOOT / 2
     ends = [Line(((x, y - 3), (x, y + 3)), INK, 1.2) for x in (left, right)]
-    return [Line(((left, y), (right, y)), INK, 1.2), *ends, Words((right + 6, y), "1 m", 10, INK, "start")]
+    return [Line(((left, y), (right, y)), INK, 1.2), *ends, Text((right + 6, y), "1 m", 10, INK, "start")]
 
 
 def _title(house: House, width: float) -> str:
@@ -249,7 +249,7 @@ def _extent(house: House) -> Box:
 
 
 def _height(house: House, width: int) -> int:
-    """The height of a plan so wide, CSS pixels: at most one and a half times its width."""
+    """The height of a plan of this width, CSS pixels: at most one and a half times its width."""
     west, north, east, south = _extent(house)
     tall = (width - 2 * MARGIN) * (south - north) / (east - west)
     return round(min(tall, 1.5 * width) + TITLE + FOOT + MARGIN)

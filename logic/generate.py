@@ -165,19 +165,20 @@ class _Worker:
             start_new_session=True,
             env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         )
-        self._answers = selectors.DefaultSelector()
+        assert self._process.stdin
         assert self._process.stdout
-        os.set_blocking(self._process.stdout.fileno(), False)
-        self._answers.register(self._process.stdout, selectors.EVENT_READ)
+        self._questions, self._output = self._process.stdin, self._process.stdout.fileno()
+        self._answers = selectors.DefaultSelector()
+        os.set_blocking(self._output, False)
+        self._answers.register(self._output, selectors.EVENT_READ)
         self._received = b""
         self.ask(opening)
 
     def ask(self, question: dict[str, Any]) -> None:
         """Send a request; that the process is gone shows in its answer."""
-        assert self._process.stdin
         try:
-            self._process.stdin.write(json.dumps(question).encode() + b"\n")
-            self._process.stdin.flush()
+            self._questions.write(json.dumps(question).encode() + b"\n")
+            self._questions.flush()
         except BrokenPipeError:
             pass
 
@@ -187,7 +188,7 @@ class _Worker:
         while b"\n" not in self._received:
             if not self._answers.select(max(0.0, deadline - time.monotonic())):
                 raise LimitReached(late)
-            part = os.read(self._process.stdout.fileno(), 1 << 20)  # pyright: ignore[reportOptionalMemberAccess]
+            part = os.read(self._output, 1 << 20)
             if not part:
                 raise self._died()
             self._received += part

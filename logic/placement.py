@@ -153,15 +153,17 @@ class Placer:
             else f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{room.seed})"
             for room in layout.rooms
         )
-        seed, proof = rng.integers(2**63), "least" if minimal else "quick"
+        seed, proof = rng.integers(2**63), "minimal" if minimal else "quick"
         goal = f"placed(layout([{rooms}],{_list(layout.corners)},{seed},{proof}),{inferences},Json)"
         answer = self._json(goal)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
-        if "cramped" in answer:
-            raise Misfit(answer["cramped"], answer["inferences"])
-        if "refuted" in answer:
-            raise Infeasible({room: _conflict(why) for room, why in answer["refuted"]}, answer["inferences"])
+        if "misfit" in answer:
+            raise Misfit(answer["misfit"], answer["inferences"])
+        if "infeasible" in answer:
+            raise Infeasible(
+                {room: _conflict(why) for room, why in answer["infeasible"]}, answer["inferences"]
+            )
         return answer
 
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
@@ -173,7 +175,7 @@ class Placer:
         self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
     ) -> Conflict | None:
         """A minimal conflict of a room with this furniture, some clauses left out; None if it has places."""
-        reasons = self._json(f"room_clash({type_},{_list(furniture)},{_list(without)},Json)")
+        reasons = self._json(f"room_conflict({type_},{_list(furniture)},{_list(without)},Json)")
         return None if reasons is None else _conflict(reasons)
 
     def version(self) -> str:
@@ -199,8 +201,8 @@ class Placer:
 
 
 def _fixed(number: int, room: FixedRoom) -> str:
-    measures = (room.width, room.depth, room.door, room.along, room.wall)
-    return f"stays({number},{room.side},{','.join(map(repr, measures))})"
+    size, place = (room.width, room.depth, room.door), (room.along, room.wall)
+    return f"fixed({number},{room.side},size({_numbers(size)}),at({_numbers(place)}))"
 
 
 def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:
@@ -215,6 +217,10 @@ def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:
 def _list(symbols: Iterable[Symbol]) -> str:
     """Ground ASP atoms are Prolog terms as they stand."""
     return f"[{','.join(map(str, symbols))}]"
+
+
+def _numbers(numbers: Iterable[float]) -> str:
+    return ",".join(map(repr, numbers))
 
 
 def _quoted(path: Path) -> str:

@@ -5,7 +5,10 @@ from collections.abc import Iterable
 
 
 def closest(name: str, names: Iterable[str]) -> str | None:
-    """The most similar of the names, the one of like length where several are; None if none is."""
+    """The most similar name, of equally similar ones the one nearest in length; None if none is.
+
+    ``difflib.get_close_matches`` would take *beside* for *bde* rather than *bed*.
+    """
 
     def likeness(other: str) -> tuple[float, int]:
         return difflib.SequenceMatcher(None, name, other).ratio(), -abs(len(other) - len(name))

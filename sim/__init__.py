@@ -5,10 +5,9 @@
 
 import gymnasium
 
-from sim.checker import check_vector_env
 from sim.config import DEFAULT, PAPER, Config
+from sim.conformance import check_autoreset_modes, check_vector_env
 from sim.env import HouseEnv
-from sim.modes import check_autoreset_modes
 from sim.oracle import Oracle, shortest_path
 from sim.tasks import Collect, Cover, Reach, Task
 from sim.vector import HouseVectorEnv

@@ -1,4 +1,4 @@
-"""What a world asks of a backend: to take in houses, and to place, move and see in them.
+"""The interface of a backend: it packs houses, and places, moves and sees in them.
 
 A pose is a place on a lattice through the body's first position, so that where a body is depends on the
 steps it made and not on their order, and poses can be counted: ``origin`` (x, y) in metres, and ``cell``
@@ -6,7 +6,7 @@ steps it made and not on their order, and poses can be counted: ``origin`` (x, y
 from east. Rewards, resets, targets and random numbers belong to the world.
 
 A backend is made once for a configuration and holds no house: those are in banks, whose arrays its functions
-are given. So banks come and go, and nothing is compiled anew.
+are given. So another bank needs no compilation.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ WALL, PIECE, TARGET = 1, 2, 3
 
 @dataclass(frozen=True)
 class Bank:
-    """H houses as a backend has packed them: what is in the two arrays is its own affair."""
+    """H houses as a backend has packed them: only that backend knows what the two arrays hold."""
 
     geometries: list[Geometry]
     numbers: Array
@@ -66,7 +66,7 @@ class Backend(Protocol):
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:
-        """The configuration for these houses; ``ValueError`` where the backend cannot have them."""
+        """The configuration for these houses; ``ValueError`` where the backend cannot take them."""
         ...
 
     def pack(self, houses: Sequence[House]) -> Bank:
@@ -80,7 +80,7 @@ class Backend(Protocol):
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Poses (E, 3) (x, y, heading in radians) as origins (E, 2) float32 and cells (E, 3) int32.
 
-        Raises ``ValueError`` for a pose that the backend does not have.
+        Raises ``ValueError`` for a pose that the backend does not allow.
         """
         ...
 
@@ -101,8 +101,8 @@ class Backend(Protocol):
         ...
 
     def prefetch(self, numbers: Any, indices: Any, house: Any, origin: Any, cell: Any) -> Any:
-        """Read some of what a look from a cell reads, that it may be near when it is read again: anything
-        (i32). A backend that has nothing to gain returns 0.
+        """Read some of what a look from a cell reads, so that it is in the cache when it is read again: any
+        number (i32). A backend that gains nothing by it returns 0.
         """
         ...
 

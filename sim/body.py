@@ -26,8 +26,8 @@ class Body:
     @ti.func
     def ahead(self, cell):
         """The cell that is one step forward."""
-        way = self.headings[cell[2]]
-        return ti.Vector([cell[0] + way[0], cell[1] + way[1], cell[2]])
+        forward = self.headings[cell[2]]
+        return ti.Vector([cell[0] + forward[0], cell[1] + forward[1], cell[2]])
 
     @ti.func
     def position(self, origin, cell):

@@ -12,7 +12,7 @@ PIXEL = FOOT / 8.5
 
 @dataclass(frozen=True)
 class Config:
-    """One world. The defaults are the paper's lengths with its quirks taken out; ``PAPER`` has them."""
+    """What environments are like. The defaults are the paper's lengths; ``PAPER`` has its quirks too."""
 
     body: tuple[float, float] = (8 * PIXEL, 8 * PIXEL)
     """Side of the axis-aligned square body, metres: at the headings along an axis, and on a diagonal."""
@@ -55,7 +55,7 @@ class Config:
     """Standard deviation of each distance, metres: normal, cut to 0 and the range."""
 
     dropout: float = 0.0
-    """How often a ray comes back with nothing: as if there were nothing in its range."""
+    """The probability that a ray returns nothing, as if there were nothing in its range."""
 
     target: float = 15 * PIXEL
     """Side of the square target, metres."""
@@ -68,7 +68,7 @@ class Config:
     place nearest to the main room's middle, heading north."""
 
     def __post_init__(self) -> None:
-        """Refuse with ``ValueError`` what no world can be."""
+        """Raise ``ValueError`` for impossible values."""
         lengths = (*self.body, self.step, self.range, self.target)
         if not all(0 < length < float("inf") for length in lengths):
             raise ValueError("body, step, range and target must be positive lengths in metres")
@@ -104,6 +104,6 @@ PAPER = replace(
     sees_angle=True,
     random_start=False,
 )
-"""The original program's world, as measured (its ray casting is made exact: it cut hits to whole pixels)."""
+"""The original program, as measured (its ray casting is made exact: it cut hits to whole pixels)."""
 
 PRESETS = {"default": DEFAULT, "paper": PAPER}

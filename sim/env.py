@@ -6,7 +6,8 @@ import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
 
-from sim.vector import METADATA, Houses, HouseVectorEnv
+from sim.arguments import Houses
+from sim.vector import METADATA, HouseVectorEnv
 
 
 class HouseEnv(gymnasium.Env):

@@ -77,7 +77,7 @@ class Camera:
         self._plan: tuple[House, Image.Image] | None = None
 
     def shoot(self) -> Image.Image:
-        """Draw the environment; at a new episode the trail begins anew."""
+        """Draw the environment; a new episode begins a new trail."""
         scene: Scene = cast(Any, self.envs.unwrapped).scene(self.index)
         if scene.step == 0:
             self.trail.clear()

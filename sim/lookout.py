@@ -190,7 +190,7 @@ def in_steps(length: float, world: World) -> int:
 
 
 def thinned(spots: np.ndarray, pitch: int) -> np.ndarray:
-    """Which of the spots (n, 2) lie on a grid of so many steps, (m,) int; if none does, the first."""
+    """Which of the spots (n, 2) lie on a grid of ``pitch`` steps, (m,) int; if none does, the first."""
     chosen = np.flatnonzero((spots % pitch == 0).all(axis=1))
     return chosen if len(chosen) else np.zeros(1, int)
 

@@ -1,4 +1,4 @@
-"""Random numbers that are a function of a key and a counter: no state, so no order of drawing to keep.
+"""Random numbers that are a function of a key and a counter: no state, so no order of sampling to keep.
 
 Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
 """

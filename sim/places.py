@@ -36,7 +36,7 @@ def places(
     start = free & _within(geometry.floor, body, lattice) & ~_touched(geometry.rooms, body, lattice)
     if not start.any():
         raise ValueError("the body has nowhere to stand in the main room")
-    # Of parts of the house that no way joins, the body lives in the one with most of the main room.
+    # Of parts of the house that no path joins, the body lives in the one with most of the main room.
     reached = survey.part == np.bincount(survey.part[start]).argmax()
 
     spaces, boxes = list(task.spaces(house)), [room.box for room in house.rooms]

@@ -95,14 +95,14 @@ class Rays:
                 nearest[r] = ti.select(hit, ti.min(distance, nearest[r]), nearest[r])
 
     @ti.func
-    def may_see(self, offset, half, way):
+    def may_see(self, offset, half, direction):
         """Whether a square at an offset from the eye may be within the range and the field of view of a look
         in a direction (steps east and south): never False where it is. Most are not, and cost no more.
         """
         radius = half * ti.static(2**0.5)
         away = ti.sqrt(offset[0] * offset[0] + offset[1] * offset[1])
-        length = ti.select((way[0] != 0) & (way[1] != 0), ti.static(2**0.5), 1.0)
-        ahead = (offset[0] * way[0] + offset[1] * way[1]) / length
+        length = ti.select((direction[0] != 0) & (direction[1] != 0), ti.static(2**0.5), 1.0)
+        ahead = (offset[0] * direction[0] + offset[1] * direction[1]) / length
         slack = ti.static(1 + abs(self.widest)) * radius + ti.static(MARGIN)
         return (ahead > ti.static(self.widest) * away - slack) & (
             away < ti.static(self.config.range + MARGIN) + radius

@@ -80,7 +80,7 @@ def _threads() -> set[int]:
 
 
 def _spread(started: list[int], workers: int | None) -> None:
-    """Give each of Taichi's workers, the last threads that it starts, a processor of its own.
+    """Give each of Taichi's workers, the last threads that it starts, its own processor.
 
     Launches are so short that Linux otherwise leaves all of them on the one that wakes them, as if there were
     no other. Only where there are as many workers as processors: else programs would crowd on the first ones.

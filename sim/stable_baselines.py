@@ -1,4 +1,4 @@
-"""Vector environments for Stable-Baselines3, which has an interface of its own.
+"""Vector environments for Stable-Baselines3, which has another interface.
 
 Importing this needs that library, which is not among our dependencies.
 """

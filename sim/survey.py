@@ -20,10 +20,10 @@ Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
 class Survey:
     """What a body can do at the places of a lattice."""
 
-    ways: np.ndarray
+    moves: np.ndarray
     """(X, Y) uint16; bit h: ``forward`` at heading h is not blocked; then ``STRAIGHT`` and ``DIAGONAL``."""
     part: np.ndarray
-    """(X, Y) int32: equal where ways join places that the body can be at with any heading; 0 at others."""
+    """(X, Y) int32: equal where moves join places that the body can be at with any heading; 0 at others."""
 
 
 def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Lattice]) -> list[Survey]:
@@ -42,16 +42,16 @@ def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Latti
         "origins": Array.of(np.concatenate([lattice.origin for lattice in lattices]).astype(np.float32)),
         "rows": Array.of(np.array(rows, np.int32).ravel()),
         "tasks": Array.of(np.stack(tasks, axis=1).astype(np.int32).ravel()),
-        "ways": Array(ti.u16, int(ends[-1])),
+        "moves": Array(ti.u16, int(ends[-1])),
         "part": Array(ti.i32, int(ends[-1])),
         "stack": Array(ti.i32, int(ends[-1])),
     }
     look, join = _kernels(start(), backend)
     Launch(look, arrays)()
     Launch(join, arrays)()
-    ways, part = arrays["ways"].numpy(), arrays["part"].numpy()
+    moves, part = arrays["moves"].numpy(), arrays["part"].numpy()
     return [
-        Survey(ways[first:last].reshape(lattice.shape), part[first:last].reshape(lattice.shape))
+        Survey(moves[first:last].reshape(lattice.shape), part[first:last].reshape(lattice.shape))
         for first, last, lattice in zip(ends, ends[1:], lattices, strict=False)
     ]
 
@@ -69,7 +69,7 @@ def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
         origins: Numbers,
         rows: Indices,
         tasks: Indices,
-        ways: ti.types.ndarray(ti.u16, 1),
+        moves: ti.types.ndarray(ti.u16, 1),
     ):
         for task in range(tasks.shape[0] // 2):
             k, column = tasks[2 * task], tasks[2 * task + 1]
@@ -86,14 +86,14 @@ def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
                     cell = ti.Vector([i, j + row, heading])
                     _, blocked = backend.move(numbers, indices, house, origin, cell, 2)
                     found |= (1 - blocked) << heading
-                ways[at + row] = ti.cast(found, ti.u16)
+                moves[at + row] = ti.cast(found, ti.u16)
 
     @ti.kernel
-    def join(rows: Indices, ways: ti.types.ndarray(ti.u16, 1), part: Indices, stack: Indices):
+    def join(rows: Indices, moves: ti.types.ndarray(ti.u16, 1), part: Indices, stack: Indices):
         for k in range(rows.shape[0] // each):
             number, columns, count, at = 0, rows[each * k + 3], rows[each * k + 4], rows[each * k + 5]
             for seed in range(columns * count):
-                if ways[at + seed] & anywhere == anywhere and part[at + seed] == 0:
+                if moves[at + seed] & anywhere == anywhere and part[at + seed] == 0:
                     number += 1
                     part[at + seed], stack[at], height = number, seed, 1
                     while height > 0:
@@ -102,10 +102,10 @@ def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
                         for heading in ti.static(range(8)):
                             i = place // count + ti.static(steps[heading][0])
                             j = place % count + ti.static(steps[heading][1])
-                            open_ = ways[at + place] >> heading & 1 != 0
+                            open_ = moves[at + place] >> heading & 1 != 0
                             if open_ and i >= 0 and i < columns and j >= 0 and j < count:
                                 there = at + i * count + j
-                                if ways[there] & anywhere == anywhere and part[there] == 0:
+                                if moves[there] & anywhere == anywhere and part[there] == 0:
                                     part[there], stack[at + height] = number, i * count + j
                                     height += 1
 

@@ -1,6 +1,6 @@
 """What an episode asks of the body: where its targets lie, and whether one pick-up is all.
 
-A task of one's own is a class of a few lines, given to an environment as ``targets=``:
+A new task is a class of a few lines, given to an environment as ``targets=``:
 
     @dataclass(frozen=True)
     class Largest:
@@ -81,12 +81,12 @@ def task(targets: Targets) -> Task:
     """
     if isinstance(targets, str) and targets in TARGETS:
         return TARGETS[targets]
-    wish = {"task": targets} if isinstance(targets, str) else targets
-    if not isinstance(wish, dict):
-        if not (callable(getattr(wish, "spaces", None)) and hasattr(wish, "ends_on_pick_up")):
-            raise ValueError(f"targets: {wish!r} is no task, which has spaces(house) and ends_on_pick_up")
-        return wish
-    arguments = dict(wish)
+    given = {"task": targets} if isinstance(targets, str) else targets
+    if not isinstance(given, dict):
+        if not (callable(getattr(given, "spaces", None)) and hasattr(given, "ends_on_pick_up")):
+            raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
+        return given
+    arguments = dict(given)
     name = arguments.pop("task", None)
     if name not in TASKS and (not isinstance(name, str) or ":" not in name):
         raise ValueError(

@@ -1,8 +1,6 @@
 """Many houses at once: a Gymnasium ``VectorEnv``."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,34 +9,24 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from logic import House, load
-from sim.backend import METHODS, Backend
-from sim.config import PRESETS, Config
+from logic import House
+from sim.arguments import Houses, backend_class, configuration, house_list, require
+from sim.backend import Backend
+from sim.config import Config
 from sim.episodes import HOUSE
 from sim.geometry import Geometry
+from sim.kernels import DISABLED, NEXT_STEP, SAME_STEP, SAMPLE, TERMINATED, TRUNCATED
+from sim.options import house_numbers, read_options
+from sim.outputs import Outputs
 from sim.runtime import start
-from sim.tasks import Targets, named
-from sim.world import (
-    BLOCKED,
-    DISABLED,
-    KEEP,
-    NEXT_STEP,
-    SAME_STEP,
-    SAMPLE,
-    TABLES,
-    TERMINATED,
-    TRUNCATED,
-    World,
-)
+from sim.tasks import Targets
+from sim.world import TABLES, World
 
 if TYPE_CHECKING:
     import torch
 
     from sim.film import Camera, Scene
 
-Houses = str | Path | Sequence[House] | dict[str, Any]
-
-BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
 DEVICES = ("cpu", "cuda")
 MODES = {
     AutoresetMode.NEXT_STEP: NEXT_STEP,
@@ -127,26 +115,20 @@ class HouseVectorEnv(VectorEnv):
         """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}: at least one environment")
-        _require("device", device, DEVICES)
-        if not isinstance(preset, Config):
-            _require("preset", preset, PRESETS)
-            preset = PRESETS[preset]
-        if max_episode_steps is not None:
-            if max_episode_steps < 1:
-                raise ValueError(f"max_episode_steps is {max_episode_steps}: at least one step")
-            preset = replace(preset, steps=max_episode_steps)
+        require("device", device, DEVICES)
+        config = configuration(preset, max_episode_steps)
         if render_mode not in (None, *METADATA["render_modes"]):
             raise ValueError(f"unknown render_mode {render_mode!r}: try {METADATA['render_modes'][0]!r}")
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = METADATA | {"autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs, self.device = render_mode, num_envs, device
 
-        make = _backend(backend)
+        make = backend_class(backend)
         start(device)
         self.world = World(
-            preset,
+            config,
             make,
-            _bank(houses),
+            house_list(houses),
             targets,
             num_envs,
             mode=MODES[self.autoreset_mode],
@@ -164,6 +146,7 @@ class HouseVectorEnv(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
+        self._outputs = Outputs(self.world)
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
         self._cameras: list[Camera] | None = None
@@ -191,15 +174,15 @@ class HouseVectorEnv(VectorEnv):
         Episodes under way go on as they are. Raises ``ValueError``, and changes nothing, for other shapes,
         kinds or numbers.
         """
-        self.world.arrays["assigned"].fill(self._numbers("assign", houses, SAMPLE))
+        self.world.arrays["assigned"].fill(house_numbers("assign", houses, self.world, SAMPLE))
 
     def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
         """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
-        Nothing is compiled anew.
+        Nothing is compiled for it.
 
         Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
         """
-        self.world.load(_bank(houses), targets)
+        self.world.load(house_list(houses), targets)
         self._ready, self._cameras = False, None
 
     def reset(
@@ -212,7 +195,7 @@ class HouseVectorEnv(VectorEnv):
         bool, those environments that begin a new episode, all but the first time. ``ValueError`` for wrong
         ones, before anything is changed.
         """
-        mask, option_wholes, option_reals = self._read(options or {})
+        asked = read_options(options or {}, self.world, first=not self._ready)
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
@@ -222,13 +205,13 @@ class HouseVectorEnv(VectorEnv):
                 raise ValueError(f"{len(seed)} seeds for {self.num_envs} environments")
             words = np.array([int(one) % 2**64 for one in seed], np.uint64)
             super().reset(seed=int(seed[0]))
-            self.world.seed(words, mask)
-        self.world.reset(option_wholes, option_reals)
-        flags = self._flags()
-        flags[:, mask] = False
+            self.world.seed(words, asked.mask)
+        self.world.reset(asked.wholes, asked.reals)
+        flags = self._outputs.flags()
+        flags[:, asked.mask] = False
         self.world.arrays["flags"].fill(flags.view(np.uint8).ravel())
         self._ready = True
-        return self._seen(), self._info(flags)
+        return self._outputs.observation(), self._outputs.info(flags)
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One action (E,) for each environment; fresh arrays come back.
@@ -245,10 +228,10 @@ class HouseVectorEnv(VectorEnv):
         self._check(actions)
         self.world.arrays["action"].fill(actions)
         self.world.run("step")
-        flags, observation, reward = self._flags(), self._seen(), self.world.arrays["reward"].numpy()
-        info = self._info(flags)
+        flags, observation = self._outputs.flags(), self._outputs.observation()
+        reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
-            self._tell_finals(flags[TERMINATED] | flags[TRUNCATED], info)
+            info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED], info)
         return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
 
     def step_torch(
@@ -268,28 +251,11 @@ class HouseVectorEnv(VectorEnv):
         given: Any = actions.numpy() if self.device == "cpu" else actions
         self._check(given)
         if self._tensors is None:
-            self._tensors = self._shared()
-        action, told = self._tensors
+            self._tensors = self._outputs.tensors(self.device)
+        action, outputs = self._tensors
         action[:] = given
         self.world.run("step")
-        return told
-
-    def _shared(self) -> tuple[Any, tuple[Any, ...]]:
-        """The actions, and what ``step_torch`` gives, in the world's own memory."""
-        arrays, count = self.world.arrays, self.num_envs
-        shape = count, self.config.rays, self.config.channels
-        flags = arrays["flags"].tensor(np.bool_, (3, count))
-        wholes = arrays["wholes"].tensor(np.int32, arrays["wholes"].shape)
-        info = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
-        if self.autoreset_mode is AutoresetMode.SAME_STEP:
-            info["final_obs"] = arrays["final"].tensor(np.float32, shape)
-        observation, reward = (
-            arrays["observation"].tensor(np.float32, shape),
-            arrays["reward"].tensor(np.float32, (count,)),
-        )
-        told = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
-        action = arrays["action"]
-        return action.view() if self.device == "cpu" else action.tensor(np.int64, (count,)), told
+        return outputs
 
     def launch(self, actions: np.ndarray) -> None:
         """Run the step's kernel alone on actions (E,) int64: for measurements, only on the CPU.
@@ -301,7 +267,7 @@ class HouseVectorEnv(VectorEnv):
 
     def info(self) -> dict[str, np.ndarray]:
         """The info of the environments as they are now: copies, as ``step`` returns them."""
-        return self._info()
+        return self._outputs.info()
 
     def tables(self) -> dict[str, np.ndarray]:
         """What kernels read of the bank, copies: ``numbers`` (n,) float32 and ``indices`` (m,) int32, laid
@@ -325,7 +291,10 @@ class HouseVectorEnv(VectorEnv):
         With them every environment goes on bit for bit, in this or another environment of the same
         arguments.
         """
-        return self.world.state | {"flags": self._flags(), "observation": self._seen()}
+        return self.world.state | {
+            "flags": self._outputs.flags(),
+            "observation": self._outputs.observation(),
+        }
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
@@ -362,8 +331,8 @@ class HouseVectorEnv(VectorEnv):
         """What there is to see of one environment, for ``sim.film``."""
         from sim.film import Scene
 
-        info, column = self._info(), int(self.config.sees_angle)
-        seen, state = self._seen()[index], self.world.environment(index)
+        info, column = self._outputs.info(), int(self.config.sees_angle)
+        seen, state = self._outputs.observation()[index], self.world.environment(index)
         return Scene(
             house=self.houses[info["house"][index]],
             config=self.config,
@@ -387,124 +356,10 @@ class HouseVectorEnv(VectorEnv):
         if least < 0 or greatest >= ACTIONS:
             raise ValueError(f"actions go from 0 to 2, found {least} to {greatest}")
         if self.autoreset_mode is AutoresetMode.DISABLED:
-            flags = self._flags()
+            flags = self._outputs.flags()
             over = flags[TERMINATED] | flags[TRUNCATED]
             if over.any():
                 raise ResetNeeded(
                     f"the episode of environment {int(over.argmax())} has ended: reset it by "
                     'reset(options={"reset_mask": ...})'
                 )
-
-    def _seen(self, name: str = "observation") -> np.ndarray:
-        """Observations (E, R, C) float32: a copy."""
-        return self.world.arrays[name].numpy().view(np.float32).reshape(self.observation_space.shape)
-
-    def _flags(self) -> np.ndarray:
-        """Which environments terminated, were truncated, were blocked (3, E) bool: a copy."""
-        return self.world.arrays["flags"].numpy().view(bool).reshape(3, self.num_envs)
-
-    def _info(self, flags: np.ndarray | None = None, last: bool = False) -> dict[str, np.ndarray]:
-        pose, target, house = self.world.describe(last)
-        flags = self._flags() if flags is None else flags
-        return {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
-
-    def _tell_finals(self, ended: np.ndarray, info: dict[str, Any]) -> None:
-        """Add to an info what was seen last in the episodes that ended in this step."""
-        if not ended.any():
-            return
-        final = self._seen("final")
-        final[~ended] = 0
-        told = self._info(last=True)
-        masks = {f"_{name}": ended.copy() for name in told}
-        info["blocked"][ended] = False
-        info |= {"final_obs": final, "_final_obs": ended, "final_info": told | masks}
-        info["_final_info"] = ended.copy()
-
-    def _read(self, options: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Options as ``World.reset`` takes them, and who begins an episode: (E,) bool."""
-        known = ("house", "pose", "target", "reset_mask")
-        unknown = set(options) - set(known)
-        if unknown:
-            raise ValueError(f"unknown reset option {min(unknown)!r}: there are {', '.join(known)}")
-        count = self.num_envs
-        mask = np.ones(count, bool)
-        option_wholes, option_reals = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
-        option_wholes[:, 0] = self.world.arrays["assigned"].numpy()
-        if options.get("reset_mask") is not None:
-            mask = np.asarray(options["reset_mask"])
-            if mask.shape != (count,) or mask.dtype != bool:
-                raise ValueError(f"option reset_mask: {count} bools, found {mask.dtype} {mask.shape}")
-            if not mask.any():
-                raise ValueError("option reset_mask: it is False everywhere, so there is nothing to reset")
-            if not self._ready and not mask.all():
-                raise ResetNeeded("the first reset is everywhere's: leave out reset_mask")
-        if options.get("house") is not None:
-            option_wholes[:, 0] = self._numbers("option house", options["house"], 0)
-        if options.get("pose") is not None:
-            if options.get("house") is None:
-                raise ValueError("option pose: say in which houses, by option house")
-            poses = _floats("pose", options["pose"], (count, 3))
-            option_reals[:, :2], option_wholes[:, 1:] = self.world.place(option_wholes[:, 0], poses)
-        if options.get("target") is not None:
-            option_reals[:, 2:] = _floats("target", options["target"], (count, 2))
-        option_wholes[~mask, 0] = KEEP
-        return mask, option_wholes, option_reals
-
-    def _numbers(self, name: str, value: Any, least: int) -> np.ndarray:
-        """Numbers (E,) of houses in the bank, from ``least`` on."""
-        given = np.asarray(value)
-        if given.shape != (self.num_envs,) or not np.issubdtype(given.dtype, np.integer):
-            raise ValueError(f"{name}: {self.num_envs} integers, found {given.dtype} {given.shape}")
-        if given.min() < least or given.max() >= len(self.houses):
-            sampled = ", or -1 to sample one" if least == SAMPLE else ""
-            raise ValueError(f"{name}: the bank has houses 0 to {len(self.houses) - 1}{sampled}")
-        return given
-
-
-def _backend(name: str) -> type[Backend]:
-    """A backend of ours by name, or another's as ``module:Class``."""
-    if name in BACKENDS:
-        name = BACKENDS[name]
-    elif ":" not in name:
-        raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
-    try:
-        make = named(name)
-    except (ImportError, AttributeError, TypeError, ValueError) as error:
-        raise ValueError(f"backend {name!r} cannot be had: {error}") from None
-    if not isinstance(make, type):
-        raise ValueError(f"backend {name!r} cannot be had: it is no class")
-    lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
-    if lacking:
-        raise ValueError(f"backend {name!r} cannot be had: it has no {lacking}(), see sim.backend.Backend")
-    return make
-
-
-def _bank(houses: Houses) -> list[House]:
-    if isinstance(houses, dict):
-        from logic import generate
-
-        houses = list(generate(**houses))
-    elif isinstance(houses, str | Path):
-        houses = load(houses)
-    houses = list(houses)
-    if not houses:
-        raise ValueError("no house to simulate: the bank is empty")
-    strange = next((h for h in houses if not isinstance(h, House)), None)
-    if strange is not None:
-        raise ValueError(
-            f"houses must be a path, a request or a list of House, not of {type(strange).__name__}"
-        )
-    return houses
-
-
-def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    array = np.asarray(value, np.float64)
-    if array.shape != shape or not np.isfinite(array).all():
-        found = f"shape {array.shape}" if array.shape != shape else "some that are not finite"
-        raise ValueError(f"option {name}: finite numbers of shape {shape}, found {found}")
-    return array
-
-
-def _require(name: str, value: Any, known: Any) -> None:
-    if value not in known:
-        raise ValueError(f"unknown {name} {value!r}: there are {', '.join(known)}")

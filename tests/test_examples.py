@@ -91,7 +91,8 @@ def test_an_examples_scores_are_a_row_of_evaluates_tables(houses, tmp_path, caps
     ours, theirs = (each["targets"]["main"]["policies"] for each in (ours, theirs))
     assert list(ours) == ["dizzy", *REFERENCES]
     for name in ("dizzy", "oracle"):
-        assert ours[name] == theirs[name]
+        assert ours[name]["runs"] == theirs[name]["runs"]
+        assert ours[name]["figures"]["ratio"] == theirs[name]["figures"]["ratio"]
     assert "| dizzy |" in (out / "evaluation.md").read_text()
 
 

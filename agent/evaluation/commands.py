@@ -3,7 +3,6 @@
 Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 import tyro
 
 from agent.config import TARGET_MODES, TargetMode, differences
+from logic.commands import say
 from logic.errors import RequestError
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class Evaluate:
             write_whole(self.out / "evaluation.json", content)
             write_whole(self.out / "evaluation.png", ratio_plot(results))
             write_whole(self.out / "evaluation.md", "\n\n".join([*page, NOTE, ""]).encode())
-            print(f"{self.out}: evaluation.md, evaluation.png, evaluation.json", file=sys.stderr)
+            say(f"{self.out}: evaluation.md, evaluation.png, evaluation.json")
         return 0
 
 

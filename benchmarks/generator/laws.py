@@ -46,7 +46,7 @@ def on_a_chain(builder: Builder, pieces: int, samples: int) -> np.ndarray:
     """Shares of the gaps around ``pieces`` of 0.5 m on 10 m."""
     names = [f"S{i}" for i in range(pieces)]
     blocks = ",".join(f"block({name},0.5,[at_least(0.0)-[],at_most(9.5)-[]],[])" for name in names)
-    sampled = f"call(chain:draw_chain([{blocks}],0.0),Seed,_),Xs=[{','.join(names)}]"
+    sampled = f"call(chain:chain_sample([{blocks}],0.0),Seed,_),Xs=[{','.join(names)}]"
     seeds = np.random.default_rng(pieces).integers(2**63, size=samples).tolist()
     each = f"findall(Xs,(member(Seed,{seeds}),{sampled}),All)"
     goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
@@ -133,7 +133,7 @@ def _gaps(starts: np.ndarray, ends: np.ndarray, first: float, last: float) -> np
 def laws(builder: Builder, samples: int) -> list[Law]:
     """The table of the study."""
     found = [
-        held(f"gaps on a chain of {k}, by `draw_chain`", on_a_chain(builder, k, samples))
+        held(f"gaps on a chain of {k}, by `chain_sample`", on_a_chain(builder, k, samples))
         for k in (1, 2, 3, 5, 8)
     ]
     for k, pieces in enumerate((["toilet"], ["toilet", "sink"], ["toilet", "sink", "shower"]), start=1):

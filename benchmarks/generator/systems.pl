@@ -3,9 +3,9 @@
 /** <module> The linear systems of houses' rooms, every size unknown, kept so that their solution alone is timed */
 
 :- use_module(library(apply)).
-:- use_module('../../logic/rules/draw').
 :- use_module('../../logic/rules/furnish').
 :- use_module('../../logic/rules/linear').
+:- use_module('../../logic/rules/sample').
 
 %   system(?House, ?System): constraints as in linear.pl, of one room.
 
@@ -20,7 +20,7 @@ stated(House, Rooms) :-
     maplist(state(House), Rooms).
 
 state(House, room(Type,Layout)) :-
-    furnish:whole_system(Type, Layout, _, System),
+    whole_system(Type, Layout, _, System),
     assertz(system(House, System)).
 
 %!  decided(+House) is semidet.
@@ -38,7 +38,4 @@ sampled(House, Seed) :- forall(system(House, System), solution(System, Seed)).
 solution(System, Seed) :-
     posted(System),
     term_variables(System, Unknowns),
-    sampled_each(Unknowns, Seed, _).
-
-sampled_each([])     --> [].
-sampled_each([X|Xs]) --> uniform(X), sampled_each(Xs).
+    all_projections_sample(Unknowns, Seed, _).

@@ -10,7 +10,7 @@ import numpy as np
 from sim import HouseVectorEnv
 from sim.body import SKIN
 from sim.continuous import Continuous
-from sim.continuous.pack import CELL
+from sim.continuous.layout import CELL
 from sim.rays import MARGIN, SEAM
 
 SOURCE = Path(__file__).with_name("step.c")

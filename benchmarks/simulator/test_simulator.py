@@ -22,7 +22,7 @@ from benchmarks.simulator.c_loop import Loop, compiler, version
 from benchmarks.simulator.cores import confined, processors
 from logic import House, generate, save
 from sim import DEFAULT, Config, HouseVectorEnv
-from sim.continuous import pack
+from sim.continuous.layout import lines_listed as listed_at
 from sim.runtime import start
 
 ENVIRONMENTS = [1, 16, 256, 4096, 65536]
@@ -250,7 +250,7 @@ def c_compiler() -> list[str]:
 def lines_listed(envs: HouseVectorEnv) -> float:
     """How many lines a look meets: those listed for the eye's cell and its heading, on average."""
     info = envs.info()
-    return float(pack.lines_listed(envs.tables(), info["house"], info["pose"]).mean())
+    return float(listed_at(envs.tables(), info["house"], info["pose"]).mean())
 
 
 def cast(envs: HouseVectorEnv, eye: np.ndarray, heading: np.ndarray) -> np.ndarray:

@@ -1,4 +1,5 @@
-:- module(chain, [chain_constraints//2, packed_constraints//3, draw_chain//2, nowhere/1]).
+:- module(chain, [chain_constraints//2, all_chains_constraints//2, packed_constraints//3, chain_sample//2, all_chains_sample//2,
+                  before_all/1]).
 
 /** <module> Things in a row, at least a gap apart: pieces along a wall, rooms along the main room's
 
@@ -8,7 +9,7 @@ at(E)-Reasons on its Start, and Apart are the reasons why it keeps the gap to th
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(draw).
+:- use_module(sample).
 
 %!  chain_constraints(+Blocks, +Gap)// describes the constraints of a chain, see linear.pl.
 
@@ -17,6 +18,11 @@ chain_constraints([block(S,L,Bounds,_)|Blocks], Gap) -->
     bounded(Bounds, S),
     apart(Blocks, S, L, Gap),
     chain_constraints(Blocks, Gap).
+
+%!  all_chains_constraints(+Chains, +Gap)// describes the constraints of several chains.
+
+all_chains_constraints([], _)               --> [].
+all_chains_constraints([Chain|Chains], Gap) --> chain_constraints(Chain, Gap), all_chains_constraints(Chains, Gap).
 
 bounded([], _) --> [].
 bounded([Bound-Why|Bounds], S) --> [Constraint-Why], { bound(Bound, S, Constraint) }, bounded(Bounds, S).
@@ -44,20 +50,27 @@ upper([Bound-Why|Bounds], S) -->
     ( { Bound = at_most(E) } -> [(S =< E)-Why] ; [] ),
     upper(Bounds, S).
 
-%!  draw_chain(+Blocks, +Gap)// is semidet.
+%!  chain_sample(?Blocks, +Gap)// is semidet.
 %
-%   Fixes every Start, where all else is known, so that the gaps between them share what is left over uniformly
+%   Every Start is a number, where all else is known, and the gaps between them share what is left over uniformly
 %   (uniformly on their simplex, where no bound inside the chain cuts it). Fails if they do not fit. The bounds
 %   of a row are known in one pass from each end, so this needs no solver.
 
-draw_chain(Blocks, Gap) -->
-    { latest(Blocks, Gap, Latest, Free, _) },
-    { nowhere(Before) },
-    placed(Blocks, Latest, Before, Gap, Free).
+chain_sample(Blocks, Gap) -->
+    { latest(Blocks, Gap, Latest, Free, _),
+      before_all(Before) },
+    starts_sample(Blocks, Latest, Before, Gap, Free).
 
-%!  nowhere(-After): before all that there is.
+%!  all_chains_sample(?Chains, +Gap)// is semidet: several chains, one by one.
 
-nowhere(-1.0e9).
+all_chains_sample([], _)               --> [].
+all_chains_sample([Chain|Chains], Gap) --> chain_sample(Chain, Gap), all_chains_sample(Chains, Gap).
+
+%!  before_all(-After) is det.
+%
+%   After is a place before all that there is.
+
+before_all(-1.0e9).
 
 %   latest(+Blocks, +Gap, -Latest, -Free, -Before): the greatest Start of each block, how many of them are not at a
 %   fixed place, and what the first block's end must not pass.
@@ -80,11 +93,11 @@ low([Bound-_|Bounds], Low0, Low) :-
     ( Bound = at_most(_) -> Low1 = Low0 ; arg(1, Bound, E), Low1 is max(Low0, E) ),
     low(Bounds, Low1, Low).
 
-placed([], [], _, _, _) --> [].
-placed([block(S,L,Bounds,_)|Blocks], [Late|Lates], After, Gap, Free) -->
+starts_sample([], [], _, _, _) --> [].
+starts_sample([block(S,L,Bounds,_)|Blocks], [Late|Lates], After, Gap, Free) -->
     { low(Bounds, After, Low), Low - Late < 1.0e-6 },
     (   { memberchk(at(_)-_, Bounds) }
     ->  { S = Low, Free1 = Free }
-    ;   between_ends(Low, Late, Free, S), { Free1 is Free - 1 } ),
+    ;   interval_sample(Low, Late, Free, S), { Free1 is Free - 1 } ),
     { After1 is S + L + Gap },
-    placed(Blocks, Lates, After1, Gap, Free1).
+    starts_sample(Blocks, Lates, After1, Gap, Free1).

@@ -1,34 +1,50 @@
-:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3, room_clash/4,
-                 room_system/3]).
+:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3,
+                 room_conflict/4, room_system/3]).
 
 /** <module> Stage 2: from a layout to a house
 
 The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
-    grammar.pl     the grammar's clauses and their extremes
-    room.pl        a room's furniture, as a linear system; stretch.pl, island.pl: what stands at its walls, in its middle
-    linear.pl      linear constraints as data: posted to CLP(R), or asked for what clashes
-    furnish.pl     a random solution for a room, or why it has none
-    main_room.pl   the rooms around the main room
-    chain.pl       things in a row, at least a gap apart: furniture along a wall, rooms along a side
-    draw.pl        random numbers
-    plan.pl        from the rooms' frames to the house's plan
+    lint.pl            what must not be in a grammar's .pl files, found without loading them
+    grammar_files.pl   the files, loaded
+    origins.pl         where their clauses stand
+    grid.pl            metres, or cells of a grid
+    lengths.pl         the grammar's lengths, and the extremes of its sizes
+    reports.pl         whether they can be used
+    laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
+
+    records.pl         what a room consists of; record_access.pl: its fields, compiled to unifications
+    reasons.pl         why a constraint binds
+    room.pl            a room's furniture, as a linear system
+    links.pl           what stands along a wall; stretch.pl: as a chain; island.pl: what stands in the middle
+    chain.pl           things in a row, at least a gap apart: furniture along a wall, rooms along a side
+    linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
+    sample.pl          random numbers
+    furnish.pl         a random solution for a room, or why it has none
+    main_room.pl       the rooms around the main room
+    plan.pl            from the rooms' frames to the house's plan
 */
 
 :- use_module(library(apply)).
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
-:- use_module(grammar, except([room_system/4])).
+:- use_module(furnish).
+:- use_module(grammar_files).
+:- use_module(grid).
+:- use_module(lengths).
+:- use_module(linear).
 :- use_module(lint).
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
-:- use_module(furnish).
+:- use_module(record_access).
+:- use_module(records).
+:- use_module(reports).
 
 %!  grammar_problems(+Files, -Json) is det.
 %
-%   Json lists [File,Line,Column,Text] of what is wrong with the grammar's files. They are read first, and loaded only
-%   if there is nothing in them that must not be run.
+%   Json lists [File,Line,Column,Text] for what is wrong with the grammar's files. They are read first, and loaded only
+%   where they hold nothing that must not be run.
 
 grammar_problems(Files, Json) :-
     file_problems(Files, Read),
@@ -40,125 +56,130 @@ grammar_problems(Files, Json) :-
 %
 %   Furniture is a list of furniture(Type,Pieces). Json gives the named lengths, and for each type the extremes of
 %   the room and of each of its pieces: a list of numbers, null where the grammar has no clause, or a text that
-%   says why the clause is of no use.
+%   says why the clause cannot be used.
 
 grammar_lengths(Furniture, Names, Json) :-
-    maplist(named, Names, Lengths),
-    maplist(furnished_type, Furniture, Types),
+    maplist(name_report, Names, Lengths),
+    maplist(type_report, Furniture, Types),
     as_json(_{lengths:Lengths, types:Types}, Json),
-    forall(member(furniture(Type,_), Furniture), ignore(catch(warm(Type), _, true))).
+    forall(member(furniture(Type,_), Furniture), ignore(catch(warm_up(Type), _, true))).
 
-%   What SWI-Prolog loads at first use counts as inferences: an empty room spares the first house that.
+%   What SWI-Prolog loads at first use counts as inferences: an empty room keeps them out of the first house's.
 
-warm(Type) :- placed(layout([room(0,Type,north,[],1)],[],1,quick), 1 000 000, _).
+warm_up(Type) :- placed(layout([room(0,Type,north,[],1)],[],1,quick), 1 000 000, _).
 
-named(Name, [Name,Report]) :- length_report(Name, Report).
+name_report(Name, [Name,Report]) :- length_report(Name, Report).
 
-furnished_type(furniture(Type,Pieces), [Type,Room,Reports]) :-
+type_report(furniture(Type,Pieces), [Type,Room,Reports]) :-
     room_report(Type, Room),
-    maplist(piece_of(Type), Pieces, Reports).
+    maplist(type_piece_report(Type), Pieces, Reports).
 
-piece_of(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Report).
+type_piece_report(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Report).
 
 %!  placed(+Layout, +Limit, -Json) is det.
 %
-%   Layout is layout(Rooms,Corners,Seed,Proof): Rooms are room(R,Type,Side,Atoms,Seed) in clockwise order. Json is the
-%   plan, or {"refuted": [[R,Reasons]..]} for rooms that no sizes and places satisfy, each with a clash (least or
-%   quick: see furnish.pl): lists of [holds,Atom], [fails,Atom] and [clause,Clause]; or {"limit": true} past so many
-%   inferences.
+%   Layout is layout(Rooms,Corners,Seed,Proof): Rooms are, in clockwise order, room(R,Type,Side,Atoms,Seed) or
+%   fixed(R,Side,size(Width,Depth,Door),at(Along,Wall)), see main_room.pl. Json is one of these, with "inferences":
+%
+%       {"floor":.., "rooms":..}            the plan, with "corner" where rooms are fixed
+%       {"infeasible": [[R,Reasons]..]}     no sizes and places satisfy these rooms. Reasons are those of a conflict
+%                                           (minimal or quick, as Proof is): [holds,Atom], [fails,Atom], [clause,Clause]
+%       {"misfit": Any}                     the rooms do not fit between the fixed ones; Any: nor with any other sizes
+%       {"limit": true}                     that takes more inferences than Limit
 
 placed(Layout, Limit, Json) :-
     statistics(inferences, Before),
-    call_with_inference_limit(house(Layout, Answer), Limit, Result),
+    call_with_inference_limit(house_answer(Layout, Answer), Limit, Result),
     statistics(inferences, After),
     Inferences is After - Before,
     ( Result == inference_limit_exceeded -> Reply = _{limit:true} ; Reply = Answer.put(inferences, Inferences) ),
     as_json(Reply, Json).
 
-house(layout(Rooms,Corners,Seed,Proof), Answer) :-
-    maplist(furnished_room(Proof), Rooms, Furnished, Clashes),
-    append(Clashes, Refuted),
-    retractall(kept(_,_)),
-    (   Refuted == []
-    ->  maplist(rigid, Furnished, Rigid),
-        placed_around(Rigid, Corners, Furnished, Seed, Answer)
-    ;   maplist(keep, Rooms, Furnished),
-        Answer = _{refuted:Refuted} ).
+house_answer(layout(Rooms,Corners,Seed,Proof), Answer) :-
+    maplist(finished_room(Proof), Rooms, Finished, Conflicts),
+    append(Conflicts, Infeasible),
+    retractall(finished(_,_)),
+    (   Infeasible == []
+    ->  maplist(outline, Finished, Outlines),
+        placed_around(Outlines, Corners, Seed, Finished, Answer)
+    ;   maplist(store_finished, Rooms, Finished),
+        Answer = _{infeasible:Infeasible} ).
 
-%   kept(?Seed, ?Room): where some rooms of a house are refuted, the others wait for the next try.
+%   finished(?Seed, ?Room): where some rooms of a house are infeasible, the others wait for the next try.
 
-:- dynamic kept/2.
+:- dynamic finished/2.
 
-keep(stays(_,_,_,_,_,_,_), _).
-keep(room(_,_,_,_,Seed), _-Room) :- ( var(Room) -> true ; assertz(kept(Seed, Room)) ).
+store_finished(fixed(_,_,_,_), _).
+store_finished(room(_,_,_,_,Seed), _-Room) :- ( var(Room) -> true ; assertz(finished(Seed, Room)) ).
 
-furnished_room(_, stays(_,Side,W,D,Door,Along,Wall), Side-kept(W,D,Door,stays(Along,Wall)), []) :- !.
-furnished_room(_, room(_,_,Side,_,Seed), Side-Room, []) :- kept(Seed, Room), !.
-furnished_room(Proof, room(R,Type,Side,Layout,Seed), Side-Room, Clashes) :-
+%   finished_room(+Proof, +Room, -Finished, -Conflicts): Finished is Side-Room, and Conflicts is empty or [[R,Reasons]].
+
+finished_room(_, fixed(_,Side,Size,Place), Side-fixed(Size,Place), []) :- !.
+finished_room(_, room(_,_,Side,_,Seed), Side-Room, []) :- finished(Seed, Room), !.
+finished_room(Proof, room(R,Type,Side,Layout,Seed), Side-Room, Conflicts) :-
     call(furnished(Type, Layout, Proof, Answer), Seed, _),
-    (   Answer = clash(Reasons)
-    ->  maplist(reason, Reasons, Told), Clashes = [[R,Told]]
-    ;   Room = Answer, Clashes = [] ).
+    (   Answer = infeasible(Why)
+    ->  maplist(reason_record, Why, Reasons), Conflicts = [[R,Reasons]]
+    ;   Room = Answer, Conflicts = [] ).
 
-rigid(Side-room(_,W,D,Door,_,_,_), r(Side,W,D,Door,free)).
-rigid(Side-kept(W,D,Door,Place), r(Side,W,D,Door,Place)).
+outline(Side-fixed(size(W,D,Door),at(Along,Wall)), outline(Side,W,D,Door,fixed(Along,Wall))) :- !.
+outline(Side-Room, outline(Side,W,D,Door,free)) :- room_width(Room, W), room_depth(Room, D), room_door(Room, Door).
 
-%   Where rooms of another house stay, Answer has the corner of the main room too; or says that the rooms do not fit
-%   between them, and if that is so whatever their sizes.
-
-placed_around(Rigid, Corners, Furnished, Seed, Answer) :-
-    memberchk(r(_,_,_,_,stays(_,_)), Rigid), !,
-    (   call(around_kept(Rigid, Corners, Main, at(West,North), Starts), Seed, _)
-    ->  plan(Main, Starts, Furnished, Plan),
+placed_around(Outlines, Corners, Seed, Finished, Answer) :-
+    memberchk(outline(_,_,_,_,fixed(_,_)), Outlines), !,
+    (   call(main_room_between(Outlines, Corners, Main, at(West,North), Starts), Seed, _)
+    ->  house_plan(Main, Starts, Finished, Plan),
         Answer = Plan.put(corner, [West,North])
-    ;   maplist(narrowest, Rigid, Narrow),
-        ( hopeless(Narrow, Corners) -> Hopeless = true ; Hopeless = false ),
-        Answer = _{cramped:Hopeless} ).
-placed_around(Rigid, Corners, Furnished, Seed, Answer) :-
-    call(around(Rigid, Corners, Main, Starts), Seed, _),
-    plan(Main, Starts, Furnished, Answer).
+    ;   maplist(narrowest, Outlines, Narrow),
+        ( infeasible_between(Narrow, Corners) -> Any = true ; Any = false ),
+        Answer = _{misfit:Any} ).
+placed_around(Outlines, Corners, Seed, Finished, Answer) :-
+    call(main_room_around(Outlines, Corners, Main, Starts), Seed, _),
+    house_plan(Main, Starts, Finished, Answer).
 
-narrowest(r(Side,_,D,Door,free), r(Side,Least,D,Door,free)) :- !,
-    findall(W, ( clause(grammar:room_size(Type,_,_), _), room_extent(Type, W, _, _, _) ), Ws),
+narrowest(outline(Side,_,D,Door,free), outline(Side,Least,D,Door,free)) :- !,
+    findall(W, ( clause(grammar:room_size(Type,_,_), _), room_extent(Type, W-_, _) ), Ws),
     min_list(Ws, Least).
-narrowest(Room, Room).
+narrowest(Fixed, Fixed).
 
-reason(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
-reason(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
-reason(Clause, [clause,Text])       :- functor(Clause, size, _), !, term_string(Clause, Text).
-reason(Atom, [holds,Text])          :- term_string(Atom, Text).
+reason_record(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
+reason_record(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
+reason_record(Clause, [clause,Text])       :- functor(Clause, size, _), !, term_string(Clause, Text).
+reason_record(Atom, [holds,Text])          :- term_string(Atom, Text).
 
 %!  grammar_origins(+Clauses, -Json) is det.
 %
 %   Json lists [Clause,File,Line], see origins.pl.
 
 grammar_origins(Clauses, Json) :-
-    origins(Clauses, Origins),
+    clause_origins(Clauses, Origins),
     as_json(Origins, Json).
 
 %!  grammar_sized(-Json) is det.
 %
 %   Json lists [Predicate,Name,File,Line] of the clauses that give sizes, see origins.pl.
 
-grammar_sized(Json) :- sized(Clauses), as_json(Clauses, Json).
+grammar_sized(Json) :- size_clauses(Clauses), as_json(Clauses, Json).
 
-%!  room_clash(+Type, +Layout, +Without, -Json) is det.
+%!  room_conflict(+Type, +Layout, +Without, -Json) is det.
 %
-%   Json is a least clash, as in placed/3, of a room with this furniture where the clauses Without are left out; or null
-%   where there is none.
+%   Json lists the reasons, as in placed/3, of a minimal conflict of a room with this furniture where the clauses Without are
+%   left out; or is null where there is none.
 
-room_clash(Type, Layout, Without, Json) :-
-    (   least_clash(Type, Layout, Without, Reasons)
-    ->  maplist(reason, Reasons, Told)
-    ;   Told = null ),
-    as_json(Told, Json).
+room_conflict(Type, Layout, Without, Json) :-
+    (   conflict_without(Type, Layout, Without, Why)
+    ->  maplist(reason_record, Why, Reasons)
+    ;   Reasons = null ),
+    as_json(Reasons, Json).
 
 %!  room_system(+Type, +Layout, -Json) is det.
 %
-%   Json lists the rows of the linear system of one room (linear.pl), all sizes unknown.
+%   Json lists the rows of the linear system of one room (linear.pl), all sizes unknown: what another solver is compared
+%   with.
 
 room_system(Type, Layout, Json) :-
-    linear_system(Type, Layout, Rows),
+    whole_system(Type, Layout, _, System),
+    rows(System, Rows),
     as_json(Rows, Json).
 
 as_json(Value, Text) :-

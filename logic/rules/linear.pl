@@ -1,10 +1,9 @@
-:- module(linear, [posted/1, clash/2, clash_among/2, rows/2]).
+:- module(linear, [posted/1, minimal_conflict/2, quick_conflict/2, rows/2]).
 
 /** <module> A linear system as data
 
-A constraint is (A =< B)-Reasons or (A = B)-Reasons: linear expressions, and why it binds, as the atoms of stage 1
-(not(Atom) for one that does not hold) and the grammar's clauses: length(Name), size(RoomType),
-size(RoomType,Piece). Data can be posted, and can be asked which part of it clashes.
+A constraint is (A =< B)-Why or (A = B)-Why: linear expressions, and why it binds (reasons.pl). Data can be posted to
+CLP(R), searched for a part that has no solution, and handed to another solver.
 */
 
 :- use_module(library(apply)).
@@ -26,31 +25,31 @@ post(A = B)  :- ground(B), !, V is B, ( var(A), \+ attvar(A) -> A = V ; ground(A
 post(A =< B) :- {A =< B}.
 post(A = B)  :- {A = B}.
 
-%!  clash(+Constraints, -Clash) is semidet.
+%!  minimal_conflict(+Constraints, -Conflict) is semidet.
 %
-%   Clash is a least part of them that has no solution: leave one out and there is one. Fails if the whole has
+%   Conflict is a minimal part of them that has no solution: leave one out and there is one. Fails if the whole has
 %   one. (The additive method of Tamiz, Mardle and Jones: what makes all before it fail is needed.)
 
-clash(Constraints, Clash) :- clash(Constraints, [], Clash).
+minimal_conflict(Constraints, Conflict) :- conflict_with(Constraints, [], Conflict).
 
-clash(Constraints, Needed, Clash) :-
+conflict_with(Constraints, Needed, Conflict) :-
     (   \+ posted(Needed)
-    ->  Clash = Needed
+    ->  Conflict = Needed
     ;   culprit(Constraints, Needed, Before, Culprit),
-        clash(Before, [Culprit|Needed], Clash) ).
+        conflict_with(Before, [Culprit|Needed], Conflict) ).
 
-%!  clash_among(+Constraints, -Clash) is semidet.
+%!  quick_conflict(+Constraints, -Conflict) is semidet.
 %
-%   Clash is the constraints up to the first that does not fit: a clash, not a least one, found in one go.
+%   Conflict is the constraints up to the first that does not fit: found at once, but not a minimal one.
 
-clash_among(Constraints, [Culprit|Before]) :- culprit(Constraints, [], Before, Culprit).
+quick_conflict(Constraints, [Culprit|Before]) :- culprit(Constraints, [], Before, Culprit).
 
 culprit(Constraints, Needed, Before, Culprit) :-
     findall(Count, ( posted(Needed), fitting(Constraints, 0, Count) ), [Count]),
     length(Before, Count),
     append(Before, [Culprit|_], Constraints).
 
-%   fitting(+Constraints, +Count0, -Count): so many of them, in order, can be posted.
+%   fitting(+Constraints, +Count0, -Count): Count - Count0 of them, in order, can be posted.
 
 fitting([], Count, Count).
 fitting([C|Cs], Count0, Count) :-

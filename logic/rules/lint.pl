@@ -26,16 +26,16 @@ file_problems(Files, Problems) :-
 %   file_terms(+File, -Terms): term(File,Line,Column,Kind) with Kind clause(Head,Body), directive(Goal), error(Text).
 
 file_terms(File, Terms) :-
-    setup_call_cleanup(open(File, read, In, [encoding(utf8)]), terms(In, File, Terms), close(In)).
+    setup_call_cleanup(open(File, read, In, [encoding(utf8)]), stream_terms(In, File, Terms), close(In)).
 
-terms(In, File, Terms) :-
+stream_terms(In, File, Terms) :-
     catch(read_term(In, Term, [module(lint), term_position(Position), subterm_positions(Places), syntax_errors(error)]),
           error(syntax_error(What), Where), true),
     (   nonvar(What)
     ->  error_place(Where, Line, Column),
         format(string(Text), "syntax error: ~w", [What]),
         Terms = [term(File,Line,Column,error(Text))|Rest],
-        terms(In, File, Rest)
+        stream_terms(In, File, Rest)
     ;   Term == end_of_file
     ->  Terms = []
     ;   stream_position_data(line_count, Position, Line),
@@ -43,7 +43,7 @@ terms(In, File, Terms) :-
         Column is Before + 1,
         kind(Term, Places, Kind),
         Terms = [term(File,Line,Column,Kind)|Rest],
-        terms(In, File, Rest) ).
+        stream_terms(In, File, Rest) ).
 
 error_place(stream(_,Line,Before,_), Line, Column) :- !, Column is Before + 1.
 error_place(file(_,Line,Before,_), Line, Column)   :- !, Column is Before + 1.

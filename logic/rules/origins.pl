@@ -1,37 +1,37 @@
-:- module(origins, [origins/2, sized/1]).
+:- module(origins, [clause_origins/2, size_clauses/1]).
 
 /** <module> Where the grammar's clauses stand in its files */
 
 :- use_module(library(apply)).
-:- use_module(grammar).
+:- use_module(grammar_files).
 
-%!  origins(+Clauses, -Origins) is det.
+%!  clause_origins(+Clauses, -Origins) is det.
 %
 %   Clauses are length(Name), size(RoomType) or size(RoomType,Piece). Origins are [Clause,File,Line] for those that the
 %   grammar states, each with the place of the first clause for it.
 
-origins(Clauses, Origins) :- convlist(origin, Clauses, Origins).
+clause_origins(Clauses, Origins) :- convlist(clause_origin, Clauses, Origins).
 
-origin(Clause, [Text,File,Line]) :-
-    head(Clause, Head),
+clause_origin(Clause, [Text,File,Line]) :-
+    clause_head(Clause, Head),
     once(clause(grammar:Head, _, Reference)),
     clause_property(Reference, file(File)),
     clause_property(Reference, line_count(Line)),
     term_string(Clause, Text).
 
-%!  sized(-Clauses) is det.
+%!  size_clauses(-Clauses) is det.
 %
 %   Clauses are [Predicate,Name,File,Line] for each clause that gives a named type of room or piece its size.
 
-sized(Clauses) :-
+size_clauses(Clauses) :-
     findall([Predicate,Name,File,Line],
-            ( sizes(Predicate, Head, Name), clause(grammar:Head, _, Reference), atom(Name),
+            ( size_head(Predicate, Head, Name), clause(grammar:Head, _, Reference), atom(Name),
               clause_property(Reference, file(File)), clause_property(Reference, line_count(Line)) ),
             Clauses).
 
-sizes(room_size,  room_size(Name,_,_),    Name).
-sizes(piece_size, piece_size(Name,_,_,_), Name).
+size_head(room_size,  room_size(Name,_,_),    Name).
+size_head(piece_size, piece_size(Name,_,_,_), Name).
 
-head(length(Name), Head) :- Head =.. [Name,_].
-head(size(Type),    room_size(Type,_,_)).
-head(size(_,Piece), piece_size(Piece,_,_,_)).
+clause_head(length(Name), Head) :- Head =.. [Name,_].
+clause_head(size(Type),    room_size(Type,_,_)).
+clause_head(size(_,Piece), piece_size(Piece,_,_,_)).

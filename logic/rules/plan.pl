@@ -1,57 +1,67 @@
-:- module(plan, [plan/4]).
+:- module(plan, [house_plan/4]).
 
 /** <module> From the rooms' own frames to the house's plan
 
-The main room's north-west corner is (0,0); x grows east, y grows south.
+The main room's north-west corner is (0,0); x grows east, y grows south. A box is box(X,Y,Width,Height). A frame is
+frame(Side,Main,Start): that of a room on this side of the main room, which starts there clockwise along it.
 */
 
 :- use_module(library(apply)).
+:- use_module(library(apply_macros)).
 :- use_module(library(lists)).
-:- use_module(draw).
-:- use_module(grammar).
+:- use_module(grid).
+:- use_module(lengths).
+:- use_module(record_access).
+:- use_module(records).
 
-%!  plan(+Main, +Starts, +Rooms, -Plan) is det.
+%!  house_plan(+Main, +Starts, +Rooms, -Plan) is det.
 %
-%   Plan is a dict as in a house file, in metres, its rooms in a list. Rooms are Side-Room, each with where it starts.
+%   Plan is a dict as in a house file, in metres, its rooms in a list. Rooms are Side-Room, each with its start; the plan
+%   of a fixed room is null.
 
-plan(Main, Starts, Rooms, _{floor:Floor, rooms:Plans}) :-
+house_plan(Main, Starts, Rooms, _{floor:Floor, rooms:Plans}) :-
     Main = main(W,H),
     rectangle(frame(north,Main,0.0), box(0,-H,W,H), Floor),
     maplist(room_plan(Main), Rooms, Starts, Plans).
 
-room_plan(_, _-kept(_,_,_,_), _, null) :- !.
-room_plan(Main, Side-room(Type,W,D,Door,_,Stretches,islands(_,Islands)), Start, Plan) :-
+room_plan(_, _-fixed(_,_), _, null) :- !.
+room_plan(Main, Side-Room, Start, Plan) :-
+    room_type(Room, Type), room_width(Room, W), room_depth(Room, D), room_door(Room, Door),
+    room_stretches(Room, Stretches), room_islands(Room, Islands),
     length_of(door_width, DoorWidth),
     Frame = frame(Side,Main,Start),
     rectangle(Frame, box(0,0,W,D), Outline),
     rectangle(Frame, box(Door,0,DoorWidth,0), DoorPlan),
-    maplist(stretch_plan(Frame, W, D), Stretches, OnWalls),
+    maplist(stretch_plan(Frame, Room), Stretches, OnWalls),
     maplist(island_plan(Frame), Islands, Free),
     append([Free|OnWalls], Pieces),
     Plan = Outline.put(_{type:Type, door:DoorPlan, children:Pieces}).
 
 % - along the walls -----------------------------------------------------------------------------------
 
-stretch_plan(Frame, W, D, stretch(Name,Links,Blocks), Pieces) :-
-    block_starts(Blocks, Starts),
-    link_plans(Links, Starts, 0, stands(Frame,W,D,Name), Plans),
+stretch_plan(_, _, stretch(_,[],_), []) :- !.
+stretch_plan(Frame, Room, stretch(Name,Links,Blocks), Pieces) :-
+    maplist(block_start, Blocks, Starts),
+    link_plans(Links, Starts, 0, stands(Frame,Room,Name), Plans),
     findall(Piece, nested(Plans, Piece), Pieces).
 
-block_starts(Blocks, Starts) :- findall(S, member(block(S,_,_,_), Blocks), Starts).
+block_start(block(Start,_,_,_), Start).
 
-%   link_plans(+Links, +Starts, +At, +Stands, -Plans): a link stands At the end of the one that it is joined to, or at
-%   the next start. The first link of a stretch has a block of its own too.
+%   link_plans(+Links, +Starts, +At, +Stands, -Plans): Plans are Role-Plan. A link stands At the end of the one that it is
+%   joined to, or at the next start. The first link of a stretch starts a block too.
 
 link_plans([], _, _, _, []).
-link_plans([link(Gap,Role,item(F,_,_,_),Along,Out,Front,_)|Links], Starts, At, Stands, [Role-Plan|Plans]) :-
-    ( Starts = [S|Later], ( Gap = apart-_ ; At == 0 ) -> true ; S = At, Later = Starts ),
-    Stands = stands(Frame,W,D,Name),
-    on_wall(Name, W, D, S, Along, Out, Box),
+link_plans([Link|Links], Starts, At, Stands, [Role-Plan|Plans]) :-
+    link_gap(Link, Gap), link_role(Link, Role), link_item(Link, item(F,_,_,_)),
+    link_along(Link, Along), link_out(Link, Out), link_front(Link, Front),
+    ( Starts = [Start|Later], ( Gap = apart-_ ; At == 0 ) -> true ; Start = At, Later = Starts ),
+    Stands = stands(Frame,Room,Name),
+    wall_box(Name, Room, Start, Along-Out, Box),
     rectangle(Frame, Box, Outline),
     front(Name, Front, Way),
-    facing(Frame, Way, Orientation),
+    orientation(Frame, Way, Orientation),
     Plan = Outline.put(_{type:F, orientation:Orientation, children:[]}),
-    End is S + Along,
+    End is Start + Along,
     link_plans(Links, Later, End, Stands, Plans).
 
 nested(Plans, Piece) :-
@@ -59,65 +69,89 @@ nested(Plans, Piece) :-
     findall(Child, member(with(Plan.type-K)-Child, Plans), Children),
     Piece = Plan.put(children, Children).
 
-%   on_wall(+Stretch, +W, +D, +Start, +Length, +Depth, -Box): in the room's frame.
+%   wall_box(+Name, +Room, +Start, +Sizes, -Box): in the room's frame; Sizes are along the stretch and out from it.
 
-on_wall(front_left,  _, _, S, L, Depth, box(S,0,L,Depth)).
-on_wall(front_right, W, _, S, L, Depth, box(X,0,L,Depth))  :- X is W - S - L.
-on_wall(back,        _, D, S, L, Depth, box(S,Y,L,Depth))  :- Y is D - Depth.
-on_wall(left,        _, _, S, L, Depth, box(0,S,Depth,L)).
-on_wall(right,       W, _, S, L, Depth, box(X,S,Depth,L))  :- X is W - Depth.
+wall_box(front_left,  _, S, L-D, box(S,0,L,D)).
+wall_box(front_right, Room, S, L-D, box(X,0,L,D)) :- room_width(Room, W), X is W - S - L.
+wall_box(back,        Room, S, L-D, box(S,Y,L,D)) :- room_depth(Room, Depth), Y is Depth - D.
+wall_box(left,        _, S, L-D, box(0,S,D,L)).
+wall_box(right,       Room, S, L-D, box(X,S,D,L)) :- room_width(Room, W), X is W - D.
 
-%   front(+Stretch, +Front, -Way): where the front of what stands on a stretch faces, in the room's frame.
+%   front(+Name, +Front, -Way): where the front of what stands on a stretch faces, in the room's frame.
 
-front(front_left,  out, inwards).    front(front_left,  far, right).      front(front_left,  near, left).
-front(front_right, out, inwards).    front(front_right, far, left).       front(front_right, near, right).
-front(back,        out, outwards).   front(back,        far, right).      front(back,        near, left).
-front(left,        out, right).      front(left,        far, inwards).    front(left,        near, outwards).
-front(right,       out, left).       front(right,       far, inwards).    front(right,       near, outwards).
+front(Name, Front, Way) :- ways(Name, Ways), way(Front, Ways, Way).
+
+ways(front_left,  ways(inwards,right,left)).
+ways(front_right, ways(inwards,left,right)).
+ways(back,        ways(outwards,right,left)).
+ways(left,        ways(right,inwards,outwards)).
+ways(right,       ways(left,inwards,outwards)).
+
+way(out,  ways(Way,_,_), Way).
+way(far,  ways(_,Way,_), Way).
+way(near, ways(_,_,Way), Way).
 
 % - in the middle -----------------------------------------------------------------------------------------
 
-island_plan(Frame, island(item(F,_,_,_),Across,Inwards,block(X0,_,_,_),block(Y0,_,_,_),Seats,Front), Plan) :-
+island_plan(Frame, Island, Plan) :-
+    island_item(Island, item(F,_,_,_)), island_across(Island, Across), island_inwards(Island, Inwards),
+    island_xblock(Island, block(X0,_,_,_)), island_yblock(Island, block(Y0,_,_,_)),
+    island_seats(Island, Seats), island_front(Island, Front),
     ( memberchk(seat(left,item(_,_,Left,_)), Seats)         -> X is X0 + Left ; X = X0 ),
     ( memberchk(seat(outwards,item(_,_,Outer,_)), Seats)    -> Y is Y0 + Outer ; Y = Y0 ),
     rectangle(Frame, box(X,Y,Across,Inwards), Outline),
-    facing(Frame, Front, Orientation),
+    orientation(Frame, Front, Orientation),
     maplist(seat_plan(Frame, box(X,Y,Across,Inwards)), Seats, Children),
     Plan = Outline.put(_{type:F, orientation:Orientation, children:Children}).
 
 seat_plan(Frame, Box, seat(Hand,item(G,L,D,_)), Plan) :-
-    seat_box(Hand, Box, L, D, Seat, Front),
+    seat_box(Hand, Box, L-D, Seat, Front),
     rectangle(Frame, Seat, Outline),
-    facing(Frame, Front, Orientation),
+    orientation(Frame, Front, Orientation),
     Plan = Outline.put(_{type:G, orientation:Orientation, children:[]}).
 
-%   seat_box(+Hand, +Box, +Length, +Depth, -Seat, -Front): at the middle of a side, facing it.
+%   seat_box(+Hand, +Box, +Sizes, -Seat, -Front): at the middle of a side, facing it.
 
-seat_box(left,     box(X,Y,_,H), L, D, box(SX,SY,D,L), right)    :- SX is X - D, middle(Y, H, L, SY).
-seat_box(right,    box(X,Y,W,H), L, D, box(SX,SY,D,L), left)     :- SX is X + W, middle(Y, H, L, SY).
-seat_box(outwards, box(X,Y,W,_), L, D, box(SX,SY,L,D), inwards)  :- SY is Y - D, middle(X, W, L, SX).
-seat_box(inwards,  box(X,Y,W,H), L, D, box(SX,SY,L,D), outwards) :- SY is Y + H, middle(X, W, L, SX).
+seat_box(left,     box(X,Y,_,H), L-D, box(SX,SY,D,L), right)    :- SX is X - D, middle(Y, H, L, SY).
+seat_box(right,    box(X,Y,W,H), L-D, box(SX,SY,D,L), left)     :- SX is X + W, middle(Y, H, L, SY).
+seat_box(outwards, box(X,Y,W,_), L-D, box(SX,SY,L,D), inwards)  :- SY is Y - D, middle(X, W, L, SX).
+seat_box(inwards,  box(X,Y,W,H), L-D, box(SX,SY,L,D), outwards) :- SY is Y + H, middle(X, W, L, SX).
 
 middle(Start, Size, Length, Middle) :-
     ( lattice(whole) -> Middle is Start + floor((Size-Length)/2) ; Middle is Start + (Size-Length)/2 ).
 
-% - from a room's frame to the house's -----------------------------------------------------------------------
+% - from a room's frame to the house's --------------------------------------------------------------------
 
-%   rectangle(+Frame, +Box, -Dict): the frame of a room on one side of the main room, whose rooms start so far
-%   clockwise along it, turned and moved to its place.
+%   rectangle(+Frame, +Box, -Dict): a box of a room's frame, turned and moved to its place in the house, in metres.
 
-rectangle(frame(Side,Main,S), Box, _{x:MX, y:MY, width:MW, height:MH}) :-
-    turned(Side, Main, S, Box, X, Y, W, H),
-    maplist(metres, [X,Y,W,H], [MX,MY,MW,MH]).
+rectangle(Frame, Box, _{x:MX, y:MY, width:MW, height:MH}) :-
+    house_box(Frame, Box, box(X,Y,W,H)),
+    metres(X, MX), metres(Y, MY), metres(W, MW), metres(H, MH).
 
-turned(north, _,          S, box(X,Y,W,H), PX, PY, W, H) :- PX is S + X, PY is -Y - H.
-turned(east,  main(MW,_), S, box(X,Y,W,H), PX, PY, H, W) :- PX is MW + Y, PY is S + X.
-turned(south, main(MW,MH), S, box(X,Y,W,H), PX, PY, W, H) :- PX is MW - S - X - W, PY is MH + Y.
-turned(west,  main(_,MH), S, box(X,Y,W,H), PX, PY, H, W) :- PX is -Y - H, PY is MH - S - X - W.
+house_box(frame(Side,Main,S), Box, House) :- side_box(Side, Main, S, Box, House).
 
-facing(_, none, "") :- !.
-facing(frame(Side,_,_), Front, Orientation) :-
-    nth0(I, [north,east,south,west], Side),
-    nth0(J, [inwards,right,outwards,left], Front),
+side_box(north, _,           S, box(X,Y,W,H), box(PX,PY,W,H)) :- PX is S + X, PY is -Y - H.
+side_box(east,  main(MW,_),  S, box(X,Y,W,H), box(PX,PY,H,W)) :- PX is MW + Y, PY is S + X.
+side_box(south, main(MW,MH), S, box(X,Y,W,H), box(PX,PY,W,H)) :- PX is MW - S - X - W, PY is MH + Y.
+side_box(west,  main(_,MH),  S, box(X,Y,W,H), box(PX,PY,H,W)) :- PX is -Y - H, PY is MH - S - X - W.
+
+%   orientation(+Frame, +Front, -Orientation): the point of the compass that a front faces, "" for none.
+
+orientation(_, none, "") :- !.
+orientation(frame(Side,_,_), Front, Orientation) :-
+    side_quarters(Side, I),
+    front_quarters(Front, J),
     K is (I + J) mod 4,
     nth0(K, ["N","E","S","W"], Orientation).
+
+%   side_quarters(?Side, -Quarters), front_quarters(?Front, -Quarters): clockwise from north and from inwards.
+
+side_quarters(north, 0).
+side_quarters(east,  1).
+side_quarters(south, 2).
+side_quarters(west,  3).
+
+front_quarters(inwards,  0).
+front_quarters(right,    1).
+front_quarters(outwards, 2).
+front_quarters(left,     3).

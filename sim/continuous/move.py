@@ -5,7 +5,7 @@ import numpy as np
 from sim.backend import Bank, Lattice
 from sim.body import SKIN, Body
 from sim.config import Config
-from sim.continuous.pack import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, HEADER, ROOMS, cell_of, end_of, listed
+from sim.continuous.layout import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, HEADER, ROOMS, cell_of, end_of, listed
 from sim.geometry import Geometry
 from sim.runtime import ti
 

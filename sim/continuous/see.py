@@ -3,7 +3,7 @@
 from sim.backend import TARGET
 from sim.body import Body
 from sim.config import Config
-from sim.continuous.pack import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
+from sim.continuous.layout import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
 from sim.rays import Rays
 from sim.runtime import ti
 

@@ -88,7 +88,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
         header[k] = at, *part.size
         stands = part.stands.T.ravel()  # a row of cells after the other, as they are looked up
         numbers = row + np.cumsum(stands) - 1
-        cells.append(np.where(stands, part.ways.T.ravel() | numbers << ROW, 0))
+        cells.append(np.where(stands, part.moves.T.ravel() | numbers << ROW, 0))
         row, at = row + int(stands.sum()), at + stands.size
     indices = np.concatenate([header.ravel(), *cells]).astype(np.int32)
     count = len(directions(config))
@@ -151,12 +151,12 @@ class _Part:
             x, y, x_end, _ = span(box)
             self.level[x:x_end, y] = WALL
         self.stands = inside & ~filled
-        self.ways = self._ways()
+        self.moves = self._moves()
 
-    def _ways(self) -> np.ndarray:
+    def _moves(self) -> np.ndarray:
         """What a body can do in each cell (columns, rows): bits of the headings that are open, and STANDS.
 
-        On a diagonal it needs both cells beside its way, and no wall in between.
+        On a diagonal it needs both cells beside its path, and no wall in between.
         """
         # go[d][i, j]: from a cell to its neighbour east, north, west or south.
         columns, rows = self.size
@@ -169,7 +169,7 @@ class _Part:
             else:
                 edge = self.level[:, 1:] if south > 0 else self.level[:, :-1]
             go.append(self.stands & there & (edge == 0))
-        ways = self.stands.astype(np.int64) << STANDS | self.stands.astype(np.int64) << (STANDS + 1)
+        moves = self.stands.astype(np.int64) << STANDS | self.stands.astype(np.int64) << (STANDS + 1)
         for heading in range(8):
             if heading % 2 == 0:
                 open_ = go[heading // 2]
@@ -181,15 +181,15 @@ class _Part:
                     & go[two]
                     & _after(go[one], HEADINGS[2 * two])
                 )
-            ways |= open_.astype(np.int64) << heading
-        return ways
+            moves |= open_.astype(np.int64) << heading
+        return moves
 
 
-def _after(go: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """A table of cells as read from the neighbour one ``way`` away, False outside."""
+def _after(go: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """A table of cells as read from the neighbour one ``step`` away, False outside."""
     columns, rows = go.shape
     around = np.pad(go, 1)
-    return around[1 + way[0] : 1 + way[0] + columns, 1 + way[1] : 1 + way[1] + rows]
+    return around[1 + step[0] : 1 + step[0] + columns, 1 + step[1] : 1 + step[1] + rows]
 
 
 def _jobs(k: int, part: _Part) -> np.ndarray:
@@ -245,7 +245,7 @@ def _kernel(program: Any, config: Config) -> Any:
                 for axis in ti.static(range(2)):
                     over, slope = rays.table[2 * axis * count + k], rays.table[(2 * axis + 1) * count + k]
                     place, last = (column, columns) if ti.static(axis == 0) else (row, rows)
-                    way = ti.select(over > 0, 1, -1)
+                    sign = ti.select(over > 0, 1, -1)
                     line = place + ti.select(over > 0, 1, 0)
                     searching = 1
                     while searching and line >= 0 and line <= last:
@@ -265,7 +265,7 @@ def _kernel(program: Any, config: Config) -> Any:
                             if met != 0 and (distance < nearest or met < kind):
                                 nearest, kind, searching = distance, met, 0
                             other += 1
-                        line += way
+                        line += sign
                 numbers[job * count + k] = nearest
                 if ti.static(sees_kind):
                     numbers[jobs.shape[0] // 3 * count + job * count + k] = ti.cast(kind, ti.f32)

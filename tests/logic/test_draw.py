@@ -11,7 +11,7 @@ from PIL import Image, ImageColor
 
 from logic import House, Rect
 from logic.boxes import excess, overlap
-from logic.canvas import DENSITY, Block, Line, Words, text_width
+from logic.canvas import DENSITY, Block, Line, Text, text_width
 from logic.draw import (
     MARK,
     PAPER,
@@ -91,7 +91,7 @@ def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
 
 def test_every_room_is_labelled_clear_of_its_furniture() -> None:
     drawing = plan(HOUSE, 300, 300)
-    words = [shape for shape in drawing.shapes if isinstance(shape, Words)]
+    words = [shape for shape in drawing.shapes if isinstance(shape, Text)]
     labels = {word.text: word for word in words}
     assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
     furniture = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.radius]
@@ -106,7 +106,7 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
         assert all(overlap((x - half, y - size / 2, x + half, y + size / 2), box) < 0 for box in furniture)
 
 
-def test_the_bar_is_a_metre_long() -> None:
+def test_the_scale_bar_is_a_metre_long() -> None:
     drawing = plan(HOUSE, 300, 300)
     floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
     bar = drawing.shapes[-4]
@@ -114,7 +114,7 @@ def test_the_bar_is_a_metre_long() -> None:
     assert bar.points[1][0] - bar.points[0][0] == pytest.approx((floor.box[2] - floor.box[0]) / 4.2)
 
 
-def test_unknown_types_have_a_colour_and_a_name_that_stay() -> None:
+def test_an_unknown_type_always_has_the_same_colour_and_shows_its_name() -> None:
     names = ["study", "library", "greenhouse", "cellar", "corridor", ""]
     colours = [room_colour(name) for name in names]
     assert len(set(colours)) == len(names)
@@ -141,7 +141,7 @@ def test_the_title_says_where_the_house_comes_from_as_far_as_it_fits() -> None:
     words = "family · seed 7 · house 12 · 4 rooms · 66 m²"
 
     def titles(width: int) -> set[str]:
-        return {shape.text for shape in plan(made, width, 300).shapes if isinstance(shape, Words)}
+        return {shape.text for shape in plan(made, width, 300).shapes if isinstance(shape, Text)}
 
     assert words in titles(300)
     assert "house 12 · 4 rooms · 66 m²" in titles(200)

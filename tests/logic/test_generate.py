@@ -88,7 +88,7 @@ def test_types_are_exact_counts() -> None:
         assert (types.count("bedroom"), types.count("hall")) == (3, 0)
 
 
-def test_types_and_furniture_keep_their_ranges() -> None:
+def test_houses_have_types_and_furniture_within_the_ranges_asked_for() -> None:
     asked = {"bed": 1, "bedroom.wardrobe": (1, None), "shower": (0, 0)}
     houses = list(generate(rooms=7, types={"bedroom": (2, 3), "hall": (1, None)}, furniture=asked, count=5))
     for house in houses:
@@ -152,7 +152,7 @@ def test_houses_on_a_grid_keep_every_promise_with_every_edge_on_a_cell(cell: flo
             )
 
 
-def test_a_house_off_its_grid_is_seen() -> None:
+def test_check_reports_a_house_off_its_grid() -> None:
     house = next(generate(rooms=2, cell=0.3))
     record = house.to_dict()
     record["R0"]["children"][0]["width"] += 0.05
@@ -300,7 +300,7 @@ def test_rules_that_never_end_meet_the_limit(edited: Edit) -> None:
         next(generate(rooms=3, grammar=edited("sizes.pl", "piece_size(toilet,", loop)))
 
 
-def test_hidden_files_are_no_rules(edited: Edit) -> None:
+def test_hidden_files_of_a_grammar_are_not_read(edited: Edit) -> None:
     folder = edited("sizes.pl", "passage(0.42).", "passage(0.42).  % größer als der Körper")
     (folder / ".#rooms.lp").symlink_to("nowhere")
     (folder / "old.lp").mkdir()

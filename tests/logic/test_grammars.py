@@ -25,7 +25,7 @@ def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) ->
         assert len(house.rooms) == rooms
 
 
-def test_a_clinic_has_rooms_of_its_own() -> None:
+def test_the_clinic_grammar_has_room_types_that_family_lacks() -> None:
     clinic = {room.type for house in generate(rooms=12, grammar="clinic", count=5) for room in house.rooms}
     family = {room.type for house in generate(rooms=12, grammar="family", count=5) for room in house.rooms}
     assert len(clinic) >= 6
@@ -87,7 +87,7 @@ def named(mutant: tuple[str, int, int, str]) -> str:
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=named)
-def test_no_rule_of_the_family_is_dead(mutant: tuple[str, int, int, str], tmp_path: Path) -> None:
+def test_every_rule_of_the_family_grammar_matters(mutant: tuple[str, int, int, str], tmp_path: Path) -> None:
     """Changed in one place, the grammar makes houses that the check by family's promises refuses."""
     folder = mutated(mutant, tmp_path / "family")
     for house in sample(folder):

@@ -264,7 +264,7 @@ def test_nothing_of_a_refused_grammar_is_run(tmp_path: Path) -> None:
     assert not (tmp_path / "trace").exists()
 
 
-def test_the_command_tells_each_finding_on_a_line(tmp_path: Path) -> None:
+def test_the_lint_command_prints_each_finding_on_a_line(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", folder)
     (folder / "sizes.pl").write_text((folder / "sizes.pl").read_text().replace("room_gap", "room_gab"))

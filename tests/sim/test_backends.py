@@ -39,18 +39,18 @@ def make(**arguments) -> HouseVectorEnv:
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.parametrize("mode", AutoresetMode)
-def test_the_documented_backend_keeps_all_promises_in_every_mode(mode, preset):
+def test_the_backend_in_the_docs_conforms_in_every_autoreset_mode(mode, preset):
     envs = make(autoreset_mode=mode, preset=preset, max_episode_steps=20)
     check_vector_env(envs, steps=100, options={"house": [0, 1, 0]})
 
 
-def test_its_modes_tell_the_same_episodes():
+def test_its_autoreset_modes_give_the_same_episodes():
     check_autoreset_modes(lambda mode: make(autoreset_mode=mode, max_episode_steps=20), steps=60)
 
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.parametrize("by_ray", [False, True])
-def test_it_is_the_continuous_one_where_there_is_nothing_but_a_main_room(preset, by_ray):
+def test_it_equals_the_continuous_backend_in_a_house_of_a_main_room_alone(preset, by_ray):
     """Rays within 1e-5 m, moves, starts and targets the same, in both shapes of the loop."""
     arguments = {"num_envs": 200, "houses": EMPTY, "preset": preset, "by_ray": by_ray}
     ours, theirs = make(**arguments), make(**arguments | {"backend": "continuous"})
@@ -72,7 +72,7 @@ def test_it_is_the_continuous_one_where_there_is_nothing_but_a_main_room(preset,
     assert different < 1e-5 * plan.size * ours.config.rays
 
 
-def test_it_has_all_that_an_environment_has():
+def test_an_environment_with_it_swaps_banks_restores_states_renders_and_has_an_oracle():
     envs = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=4, houses=HOUSES[:1], backend=NAME)
     bare = envs.unwrapped
     assert isinstance(bare, HouseVectorEnv)
@@ -89,7 +89,7 @@ def test_it_has_all_that_an_environment_has():
             envs.reset(options={"house": info["house"], "pose": [pose] * 4})
 
 
-def test_rooms_that_it_cannot_reach_are_named():
+def test_targets_in_rooms_that_it_cannot_reach_are_refused_with_the_room():
     with pytest.raises(ValueError, match=re.escape("house 0 of 2: the body cannot reach room R0 (hall)")):
         make(houses=HOUSES[1:], targets="secondary")
 
@@ -121,6 +121,6 @@ def test_a_class_that_lacks_a_method_is_refused_by_its_name(method, monkeypatch)
         make(backend="main_room:Lacking")
 
 
-def test_the_page_tells_of_every_method():
+def test_the_docs_page_describes_every_method_of_a_backend():
     rows = re.findall(r"^\| `(\w+)\(", PAGE.read_text(), re.MULTILINE)
     assert rows == ["__init__", *METHODS]

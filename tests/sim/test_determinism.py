@@ -1,6 +1,6 @@
 """An environment is a function of its seed: not of the batch, the threads, the loop or what others do.
 
-The goldens are made anew by ``./run python -m tests.sim.test_determinism``, and say in what they differ.
+The goldens are made again by ``./run python -m tests.sim.test_determinism``, and say in what they differ.
 """
 
 import hashlib
@@ -44,10 +44,10 @@ def actions(count: int, steps: int = STEPS) -> np.ndarray:
     return np.random.default_rng(3).choice(3, p=[0.15, 0.15, 0.7], size=(steps, count))
 
 
-def told(
+def outputs(
     envs: HouseVectorEnv, plan: np.ndarray, seed: int | None, others: Any = None
 ) -> Iterator[list[np.ndarray]]:
-    """All that is told of each step of a plan (T, E), from a reset on; without a seed, from where it is.
+    """All outputs of each step of a plan (T, E), from a reset on; without a seed, from where it is.
 
     Where nothing resets by itself, those that ended are reset before the next step, and so are ``others``
     (T, E) bool, whether they ended or not.
@@ -84,7 +84,7 @@ def same(one: Any, other: Any) -> bool:
 
 
 def digest(steps: Iterator[list[np.ndarray]]) -> str:
-    """A hash of all that is told."""
+    """A hash of all outputs."""
     total = hashlib.sha256()
     for parts in steps:
         for array in parts:
@@ -94,15 +94,15 @@ def digest(steps: Iterator[list[np.ndarray]]) -> str:
 
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("by_ray", [False, True])
-def test_an_environment_alone_is_itself_among_4096(mode, by_ray):
+def test_an_environment_gives_the_same_outputs_alone_and_among_4096(mode, by_ray):
     """Bit for bit, through several episodes."""
     envs, plan, ends = make(autoreset_mode=mode, by_ray=by_ray), actions(BATCH), 0
     chosen = [0, 1, 77, BATCH - 1]
     singles = [
-        told(make(count=1, autoreset_mode=mode, by_ray=by_ray), plan[:, i : i + 1], seed=11 + i)
+        outputs(make(count=1, autoreset_mode=mode, by_ray=by_ray), plan[:, i : i + 1], seed=11 + i)
         for i in chosen
     ]
-    for together, *alone in zip(told(envs, plan, seed=11), *singles, strict=True):
+    for together, *alone in zip(outputs(envs, plan, seed=11), *singles, strict=True):
         for i, one in zip(chosen, alone, strict=True):
             assert same([array[i : i + 1] for array in together], one)
         ends += sum(array[chosen].sum() for array in together[5:7])
@@ -110,23 +110,23 @@ def test_an_environment_alone_is_itself_among_4096(mode, by_ray):
 
 
 @pytest.mark.parametrize("mode", AutoresetMode)
-def test_both_shapes_of_the_loop_tell_the_same(mode):
+def test_the_loop_by_environment_and_the_loop_by_ray_give_the_same_outputs(mode):
     """One task for each environment, or one for each environment and ray."""
     plan = actions(BATCH)
-    runs = [told(make(autoreset_mode=mode, by_ray=by_ray), plan, seed=5) for by_ray in (False, True)]
+    runs = [outputs(make(autoreset_mode=mode, by_ray=by_ray), plan, seed=5) for by_ray in (False, True)]
     for one, other in zip(*runs, strict=True):
         assert same(one, other)
 
 
-def test_resets_of_others_change_nothing():
+def test_resets_of_other_environments_change_nothing():
     """Whoever else is reset, when and how often: an environment goes on as it does alone."""
     count, kept = 64, [3, 40]
     plan = actions(count)
     others = np.random.default_rng(1).random(plan.shape) < 0.2
     others[:, kept] = False
     mode = AutoresetMode.DISABLED
-    quiet = told(make(count=count, autoreset_mode=mode), plan, seed=2)
-    busy = told(make(count=count, autoreset_mode=mode), plan, seed=2, others=others)
+    quiet = outputs(make(count=count, autoreset_mode=mode), plan, seed=2)
+    busy = outputs(make(count=count, autoreset_mode=mode), plan, seed=2, others=others)
     apart = 0
     for one, other in zip(quiet, busy, strict=True):
         assert same([array[kept] for array in one], [array[kept] for array in other])
@@ -148,11 +148,12 @@ def threaded() -> list[str]:
     plan = actions(700)
     kinds = [(AutoresetMode.SAME_STEP, False), (AutoresetMode.NEXT_STEP, True)]
     return [
-        digest(told(make(count=700, autoreset_mode=mode, by_ray=by_ray), plan, 1)) for mode, by_ray in kinds
+        digest(outputs(make(count=700, autoreset_mode=mode, by_ray=by_ray), plan, 1))
+        for mode, by_ray in kinds
     ]
 
 
-def test_the_number_of_threads_changes_nothing():
+def test_the_number_of_threads_changes_no_output():
     programs = [
         subprocess.Popen([sys.executable, "-c", THREADS, count], stdout=subprocess.PIPE, text=True, cwd=ROOT)
         for count in "12"
@@ -169,7 +170,7 @@ def golden(preset: str) -> dict[str, Any]:
     )
     bits, last = {name: hashlib.sha256() for name in names}, []
     totals = np.zeros(4)
-    for parts in told(envs, actions(32, 400), seed=2026):
+    for parts in outputs(envs, actions(32, 400), seed=2026):
         for name, array in zip(names, parts, strict=False):
             bits[name].update(array.tobytes())
         totals += [array.sum() for array in parts[4:8]] or 0
@@ -196,7 +197,7 @@ def test_a_seed_gives_the_golden_trajectories(preset):
 def test_a_state_saved_and_restored_goes_on_bit_for_bit(mode, tmp_path):
     count, half = 50, STEPS // 2
     plan, envs = actions(count), make(count=count, autoreset_mode=mode)
-    for _ in told(envs, plan[:half], seed=8):
+    for _ in outputs(envs, plan[:half], seed=8):
         pass
     saved: dict[str, Any] = {**envs.state}
     np.savez(tmp_path / "state.npz", **saved)
@@ -217,21 +218,21 @@ def rest(envs: HouseVectorEnv, plan: np.ndarray) -> Iterator[list[np.ndarray]]:
     over = flags[0] | flags[1]
     if envs.autoreset_mode is AutoresetMode.DISABLED and over.any():
         envs.reset(options={"reset_mask": over})
-    yield from told(envs, plan, seed=None)
+    yield from outputs(envs, plan, seed=None)
 
 
 @pytest.mark.parametrize("by_ray", [False, True])
-def test_another_bank_is_taken_in_without_compiling_and_is_as_if_made_for_it(by_ray):
+def test_set_houses_compiles_nothing_and_equals_a_new_environment(by_ray):
     envs, plan = make(count=40, by_ray=by_ray), actions(40)
-    before = list(told(envs, plan, seed=4))
+    before = list(outputs(envs, plan, seed=4))
     compiled = compilations()
     envs.set_houses(OTHERS)
-    swapped = list(told(envs, plan, seed=4))
+    swapped = list(outputs(envs, plan, seed=4))
     assert compilations() < compiled + LAUNCHES
-    for one, other in zip(swapped, told(make(OTHERS, 40, by_ray=by_ray), plan, seed=4), strict=True):
+    for one, other in zip(swapped, outputs(make(OTHERS, 40, by_ray=by_ray), plan, seed=4), strict=True):
         assert same(one, other)
     envs.set_houses(HOUSES)
-    for one, other in zip(before, told(envs, plan, seed=4), strict=True):
+    for one, other in zip(before, outputs(envs, plan, seed=4), strict=True):
         assert same(one, other)
 
 
@@ -241,7 +242,7 @@ def compilations() -> float:
     return program.get_total_compilation_time()
 
 
-def test_compiling_is_noticed():
+def test_the_count_of_compilations_notices_one():
     make(count=1)
     before = compilations()
     # Of a kind that no earlier run has left in Taichi's cache.

@@ -68,7 +68,7 @@ def test_spaces_and_metadata_are_complete(envs):
     assert shapes == {"pose": (COUNT, 3), "blocked": (COUNT,), "house": (COUNT,), "target": (COUNT, 2)}
 
 
-def test_what_step_returns_is_the_callers_own(envs):
+def test_step_returns_fresh_arrays(envs):
     first = envs.step(np.full(COUNT, 2))
     kept = [np.copy(array) for array in first[:4]]
     envs.step(np.zeros(COUNT, int))
@@ -76,7 +76,7 @@ def test_what_step_returns_is_the_callers_own(envs):
         np.testing.assert_array_equal(array, copy)
 
 
-def test_tensors_say_the_same_and_are_not_copied(envs):
+def test_step_torch_returns_the_same_as_step_without_copies(envs):
     plan = np.random.default_rng(0).integers(0, 3, (30, COUNT))
     by_arrays = [envs.step(action) for action in plan]
     envs.reset(seed=0)
@@ -88,6 +88,19 @@ def test_tensors_say_the_same_and_are_not_copied(envs):
         np.testing.assert_array_equal(out[4]["blocked"].numpy(), info["blocked"])
         assert before is None or out[0].data_ptr() == before
         before = out[0].data_ptr()
+
+
+def test_launch_runs_the_step_and_info_is_what_step_returned():
+    one, other = (HouseVectorEnv(HOUSES, num_envs=COUNT) for _ in range(2))
+    info = one.reset(seed=0)[1]
+    other.reset(seed=0)
+    for actions in PLAN:
+        info = one.step(actions)[4]
+        other.launch(actions)
+    for name, value in one.state.items():
+        np.testing.assert_array_equal(other.state[name], value)
+    for name, value in info.items():
+        np.testing.assert_array_equal(one.info()[name], value)
 
 
 def test_options_give_each_environment_its_house_pose_and_target(envs):
@@ -102,7 +115,7 @@ def test_options_give_each_environment_its_house_pose_and_target(envs):
     assert options.keys() == {"house", "pose", "target"}
 
 
-def test_a_request_is_generated():
+def test_houses_may_be_a_request_for_the_generator():
     generate = pytest.importorskip("logic.generate")
     assert generate
     envs = HouseVectorEnv({"rooms": 2, "seed": 0, "count": 2})
@@ -113,8 +126,8 @@ PLAN = np.random.default_rng(0).choice(3, p=[0.2, 0.2, 0.6], size=(20, COUNT))
 HALF = 10
 
 
-def told(envs, plan) -> list[np.ndarray]:
-    """All that is told of each step of a plan (T, E)."""
+def outputs(envs, plan) -> list[np.ndarray]:
+    """All outputs of each step of a plan (T, E)."""
     parts = []
     for actions in plan:
         *arrays, info = envs.step(actions)
@@ -124,9 +137,9 @@ def told(envs, plan) -> list[np.ndarray]:
 
 @pytest.fixture(scope="module")
 def usual(made):
-    """What is told when nothing goes wrong, and of a reset after that."""
+    """The outputs when nothing goes wrong, and of a reset after that."""
     made.reset(seed=0)
-    parts = told(made, PLAN)
+    parts = outputs(made, PLAN)
     observation, info = made.reset()
     return [*parts, observation, *info.values()]
 
@@ -134,10 +147,10 @@ def usual(made):
 @contextmanager
 def unharmed(envs, usual, error, message):
     """An error, before and after which the environments go on as if nothing had been asked of them."""
-    parts = told(envs, PLAN[:HALF])
+    parts = outputs(envs, PLAN[:HALF])
     with pytest.raises(error, match=re.escape(message)):
         yield
-    parts += told(envs, PLAN[HALF:])
+    parts += outputs(envs, PLAN[HALF:])
     observation, info = envs.reset()
     for one, other in zip([*parts, observation, *info.values()], usual, strict=True):
         np.testing.assert_array_equal(one, other)
@@ -259,11 +272,11 @@ def test_a_wrong_state_is_refused_and_changes_nothing(envs, usual):
             envs.state = state
 
 
-def test_a_grid_takes_no_house_that_is_off_it_and_goes_on():
+def test_the_grid_backend_refuses_other_banks_and_goes_on_as_before():
     text = "aaaaa.bbb\naa+aa.bbb\n......+bb\n......bbb\n......bbb"
     envs = HouseVectorEnv([worlds.drawn(text, cell=0.45)], num_envs=COUNT, backend="grid")
     envs.reset(seed=0)
-    usual = told(envs, PLAN)
+    usual = outputs(envs, PLAN)
     observation, info = envs.reset()
     usual += [observation, *info.values()]
     for house, message in (
@@ -275,12 +288,12 @@ def test_a_grid_takes_no_house_that_is_off_it_and_goes_on():
             envs.set_houses([house])
 
 
-def test_an_ended_environment_is_not_stepped_and_goes_on_after_its_reset():
+def test_with_autoreset_disabled_an_ended_environment_needs_a_reset():
     envs = HouseVectorEnv(HOUSES, COUNT, targets="mixed", max_episode_steps=HALF, autoreset_mode="Disabled")
     stories = []
     for misuse in (False, True):
         envs.reset(seed=0)
-        parts = told(envs, PLAN[:HALF])
+        parts = outputs(envs, PLAN[:HALF])
         if misuse:
             message = "the episode of environment 0 has ended: reset it by"
             with pytest.raises(ResetNeeded, match=message):
@@ -296,7 +309,7 @@ def test_an_ended_environment_is_not_stepped_and_goes_on_after_its_reset():
                 envs.step(PLAN[HALF])
             envs.state = state
         envs.reset(options={"reset_mask": np.ones(COUNT, bool)})
-        stories.append([*parts, *told(envs, PLAN[HALF:])])
+        stories.append([*parts, *outputs(envs, PLAN[HALF:])])
     for one, other in zip(*stories, strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -314,7 +327,7 @@ print("went on")
 """
 
 
-def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_there():
+def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_works():
     done = subprocess.run(
         [sys.executable, "-c", NO_CUDA],
         capture_output=True,
@@ -357,12 +370,12 @@ def test_wrong_arguments_are_refused(message):
         ("unknown collision", {"collision": "none"}),
     ],
 )
-def test_a_configuration_that_no_world_can_have_is_refused(message, wrong):
+def test_an_impossible_configuration_is_refused(message, wrong):
     with pytest.raises(ValueError, match=message):
         Config(**wrong)
 
 
-def test_steps_and_pictures_wait_for_a_reset(bank):
+def test_step_and_render_before_the_first_reset_are_errors(bank):
     env = gymnasium.make("sim:Vitruvius/House-v0", houses=bank, max_episode_steps=None).unwrapped
     with pytest.raises(ResetNeeded):
         env.step(0)

@@ -78,7 +78,7 @@ CHANGES = {
 
 
 def walk(envs: HouseVectorEnv, house: np.ndarray, pose: np.ndarray, target: np.ndarray, plan: np.ndarray):
-    """What is told of each step of a plan (T, E): seen, poses, blocked; and if a target was picked up."""
+    """The outputs of each step of a plan (T, E): seen, poses, blocked; and if a target was picked up."""
     seen, info = envs.reset(seed=0, options={"house": house, "pose": pose, "target": target})
     rows = [(seen, info["pose"], info["blocked"], np.zeros(len(pose), bool))]
     for actions in plan:

@@ -16,7 +16,7 @@ def as_lines(rows: np.ndarray) -> shapely.MultiLineString:
 
 @pytest.mark.parametrize("original", [False, True])
 @pytest.mark.parametrize("seed", range(20))
-def test_walls_are_the_references(seed, original):
+def test_walls_equal_those_of_the_reference(seed, original):
     house = worlds.random_house(seed, original)
     shape = geometry(house)
     ours = shapely.union_all([as_lines(shape.verticals), as_lines(shape.horizontals)])

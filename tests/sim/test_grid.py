@@ -29,7 +29,7 @@ def pair():
     ]
 
 
-def test_rays_are_the_continuous_ones(pair):
+def test_rays_on_the_grid_equal_those_of_the_continuous_backend(pair):
     """At poses that both have, within 1e-5 m, and they hit the same things."""
     grid, continuous = pair
     for seed in range(4):
@@ -67,7 +67,7 @@ def brute(text: str, place: tuple[int, int], way: tuple[int, int]) -> bool:
     return step(x, y, dx, 0) and step(x + dx, y, 0, dy) and step(x, y, 0, dy) and step(x, y + dy, dx, 0)
 
 
-def test_moves_are_the_drawings():
+def test_moves_on_the_grid_follow_the_drawn_walls_and_pieces():
     """From every cell at every heading: one cell, or blocked; a diagonal needs both cells beside it."""
     poses, expected = [], []
     for y, row in enumerate(ROOMS.split("\n")):
@@ -86,7 +86,7 @@ def test_moves_are_the_drawings():
     assert 0.2 < info["blocked"].mean() < 0.8
 
 
-def test_a_body_is_its_cell_at_all_headings():
+def test_a_body_on_the_grid_fills_its_cell_at_all_headings():
     envs = HouseVectorEnv(HOUSES, backend="grid")
     assert envs.config.body == pytest.approx((CELL, CELL))
     assert envs.config.step == pytest.approx(CELL)
@@ -95,7 +95,7 @@ def test_a_body_is_its_cell_at_all_headings():
         assert not envs.step([action])[4]["blocked"]
 
 
-def test_targets_and_starts_are_middles_of_cells():
+def test_targets_and_starts_lie_in_the_middle_of_cells():
     envs = HouseVectorEnv(HOUSES, num_envs=200, backend="grid", targets="mixed")
     _, info = envs.reset(seed=0)
     for place in (info["pose"][:, :2], info["target"]):
@@ -103,13 +103,13 @@ def test_targets_and_starts_are_middles_of_cells():
         np.testing.assert_allclose(steps, np.round(steps), atol=1e-4)
 
 
-def test_the_oracle_finds_ways_on_the_grid():
+def test_the_oracle_finds_paths_on_the_grid():
     envs = HouseVectorEnv(HOUSES, num_envs=20, backend="grid", targets="mixed", max_episode_steps=200)
     envs.reset(seed=0)
     assert (Oracle(envs).play() > 3).all()
 
 
-def test_what_it_says_of_kinds_is_what_the_continuous_backend_says():
+def test_kinds_of_hits_on_the_grid_equal_those_of_the_continuous_backend():
     config = replace(DEFAULT, sees_kind=True)
     both = []
     for backend in ("grid", "continuous"):
@@ -133,7 +133,7 @@ def test_houses_off_the_grid_are_refused():
         HouseVectorEnv([replace_cell(HOUSES[0], 0.35)], backend="grid")
 
 
-def test_one_bank_has_one_cell():
+def test_a_bank_of_houses_on_different_grids_is_refused():
     made = [replace_cell(HOUSES[0], cell) for cell in (0.3, 0.45)]
     with pytest.raises(ValueError, match=re.escape("grids of different cells, [0.3, 0.45] m")):
         HouseVectorEnv(made, backend="grid")

@@ -28,7 +28,7 @@ def test_no_package_imports_one_above_it(package, above):
     assert not {module for module, _ in imported(package) if module.split(".")[0] in above}
 
 
-def test_sim_takes_of_logic_houses_and_nothing_else():
+def test_sim_imports_only_houses_from_logic():
     taken = {(module, name) for module, name in imported("sim") if module.split(".")[0] == "logic"}
     assert {module for module, _ in taken} == {"logic"}
     assert {name for _, name in taken} <= ALLOWED

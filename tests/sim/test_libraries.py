@@ -56,18 +56,18 @@ def plan(steps: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("mode", AutoresetMode)
-def test_every_mode_keeps_all_promises(mode):
+def test_our_environment_conforms_in_every_autoreset_mode(mode):
     check_vector_env(houses(mode, "paper"), steps=100, options={"house": [0, 1, 0]}, skip=["close"])
 
 
-def test_pictures_of_different_houses_and_closing_keep_their_promises():
+def test_rendering_houses_of_different_sizes_and_closing_conform():
     envs = HouseVectorEnv(HOUSES, COUNT, max_episode_steps=STEPS, render_mode="rgb_array")
     check_vector_env(envs, steps=30)
     envs.reset(options={"house": [0, 1, 0]})
     assert len({picture.shape for picture in envs.render() or ()}) == 1
 
 
-def test_all_modes_tell_the_same_episodes():
+def test_our_autoreset_modes_give_the_same_episodes():
     check_autoreset_modes(lambda mode: Unclosed(houses(mode, "paper")), steps=150)
 
 
@@ -78,7 +78,7 @@ def singles():
 
 
 @pytest.mark.parametrize("mode", AutoresetMode)
-def test_every_mode_does_what_gymnasiums_does_with_single_environments(mode, singles):
+def test_every_autoreset_mode_equals_gymnasiums_sync_vector_env_of_single_environments(mode, singles):
     ours = houses(mode, "paper")
     theirs = SyncVectorEnv([lambda one=one: one for one in singles], autoreset_mode=mode)
     np.testing.assert_array_equal(ours.reset(seed=3)[0], theirs.reset(seed=3)[0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
-from sim.continuous.pack import CELL
+from sim.continuous.layout import CELL
 from tests import worlds
 from tests.reference import Boxes, sights, stopped
 
@@ -72,7 +72,7 @@ def put(envs: HouseVectorEnv, posed) -> tuple[np.ndarray, np.ndarray]:
     return seen, info["pose"].astype(float)
 
 
-def test_what_is_seen_is_the_nearest_of_all(envs, posed):
+def test_rays_hit_the_nearest_of_all_lines_of_the_house(envs, posed):
     config = envs.config
     seen, pose = put(envs, posed)
     angle = 45.0 * posed[2][:, None] + config.first_ray - config.ray_spacing * np.arange(config.rays)
@@ -91,7 +91,7 @@ def test_what_is_seen_is_the_nearest_of_all(envs, posed):
 
 
 @pytest.mark.parametrize("action", [0, 1, 2])
-def test_what_is_in_the_way_is_so_among_all(envs, posed, action):
+def test_moves_are_blocked_just_where_some_box_of_the_house_is_in_the_path(envs, posed, action):
     config = envs.config
     _, before = put(envs, posed)
     _, _, _, _, info = envs.step(np.full(envs.num_envs, action))

@@ -37,7 +37,7 @@ def stepped():
 
 
 @pytest.mark.parametrize("step", [DEFAULT.step, 0.3, 3.0])
-def test_moves_are_the_references(stepped, step):
+def test_moves_equal_those_of_the_reference(stepped, step):
     """At steps of any length: a swept body tunnels through nothing."""
     config, decided = replace(DEFAULT, step=step), 0
     for house in worlds.RANDOM:

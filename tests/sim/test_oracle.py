@@ -84,7 +84,7 @@ def coarse():
     return envs, origin, transitions(HOUSE, origin, COARSE)
 
 
-def test_ways_are_shortest(coarse):
+def test_paths_of_the_oracle_are_shortest(coarse):
     """Each leg of an episode takes exactly as many steps as an exhaustive search says."""
     envs, origin, moved = coarse
     oracle, world = Oracle(envs), envs.world
@@ -101,8 +101,8 @@ def test_ways_are_shortest(coarse):
             assert steps == expected
 
 
-def test_paths_are_as_short_and_lead_to_the_target(coarse):
-    """From poses anywhere, in a batch: paths are told without a step, and end with the pick-up."""
+def test_paths_from_any_pose_are_shortest_and_lead_to_the_target(coarse):
+    """From poses anywhere, in a batch: paths take no step of the environment, and end with the pick-up."""
     _, origin, moved = coarse
     rng, count = np.random.default_rng(0), 40
     envs = HouseVectorEnv([HOUSE], num_envs=count, targets="mixed", preset=COARSE)
@@ -143,7 +143,7 @@ def test_an_episode_played_is_the_same_as_stepped(config):
     assert (played > 0).all()
 
 
-def test_it_finds_the_way_from_wherever_the_body_is():
+def test_the_oracle_finds_the_path_from_wherever_the_body_is():
     """Off the house's own lattice too, and when the agent wanders off between two questions."""
     envs = HouseVectorEnv([HOUSE], num_envs=4, targets="secondary", preset=replace(DEFAULT, steps=2000))
     rng = np.random.default_rng(0)
@@ -158,7 +158,7 @@ def test_it_finds_the_way_from_wherever_the_body_is():
     assert (found >= 2).all()
 
 
-def test_the_shortest_path_of_one_pose_and_target():
+def test_shortest_path_answers_for_one_pose_and_target():
     """Straight ahead the number of actions is plain; behind a wall there is none."""
     house = worlds.drawn("a+a\n...\n...\n...", cell=1.2)
     reach = (DEFAULT.body[0] + DEFAULT.target) / 2
@@ -184,7 +184,7 @@ def replace_door(house):
     return msgspec.structs.replace(house, rooms=(narrow, *house.rooms[1:]))
 
 
-def test_banks_are_swapped_under_an_oracle():
+def test_an_oracle_follows_its_environments_to_another_bank():
     envs = HouseVectorEnv([HOUSE], targets="secondary", preset=COARSE)
     oracle = Oracle(envs)
     for houses in ([worlds.random_house(2)], [HOUSE]):
@@ -196,7 +196,7 @@ def test_banks_are_swapped_under_an_oracle():
             assert not truncated
 
 
-def test_more_episodes_than_are_searched_at_once(monkeypatch):
+def test_an_oracle_plays_more_episodes_than_it_searches_at_once(monkeypatch):
     envs = HouseVectorEnv([HOUSE], num_envs=5, targets="mixed", preset=replace(COARSE, steps=100))
     envs.reset(seed=0)
     whole = Oracle(envs).play()
@@ -220,7 +220,7 @@ def test_an_episode_of_1500_steps_takes_at_most_a_fifth_of_a_second():
     assert min(seconds[1:]) < 0.2
 
 
-def test_on_a_grid_it_plays_as_it_steps():
+def test_on_a_grid_an_episode_played_equals_one_stepped():
     """The grid's own body, step and lattice."""
     cell = 0.3
     house = worlds.drawn("aaaa\naAaa\na+aa\n....\n....", cell=3 * cell)

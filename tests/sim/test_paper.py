@@ -39,7 +39,7 @@ def test_every_collision_is_found_and_none_is_false(replay):
     assert terminated[~trace["collided"]].sum() <= 5
 
 
-def test_poses_and_rewards_are_the_recordings(replay):
+def test_poses_and_rewards_equal_those_of_the_original_program(replay):
     trace, pose, (_, reward, _, _, info) = replay
     np.testing.assert_allclose(info["pose"], pose, atol=1e-4)
     np.testing.assert_array_equal(reward, trace["reward"])

@@ -109,7 +109,7 @@ SHARES = {"random": 0.5, "drawn": 0.2, "generated": 0.2, "golden": 0.1}
 
 
 @pytest.mark.parametrize("bank", BANKS)
-def test_a_million_rays_at_random_are_the_references(envs, bank):
+def test_a_million_random_rays_equal_those_of_the_reference(envs, bank):
     envs.set_houses(BANKS[bank]())
     rng, tally = np.random.default_rng(0), Tally()
     boxes = [Boxes.of(shape) for shape in envs.world.bank.geometries]
@@ -133,7 +133,7 @@ def test_a_million_rays_at_random_are_the_references(envs, bank):
 
 
 @pytest.mark.parametrize("bank", BANKS)
-def test_a_million_rays_aimed_at_corners_are_the_references_and_none_leaks(envs, bank):
+def test_a_million_rays_aimed_at_corners_equal_those_of_the_reference_and_none_leaks(envs, bank):
     """At the ends of lines: each stops there or before, and no later than the reference says."""
     envs.set_houses(BANKS[bank]())
     rng, tally = np.random.default_rng(1), Tally()

@@ -12,9 +12,9 @@ HOUSE = worlds.random_house(3)
 GRID = worlds.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)
 
 
-def bits(array, first, count):
-    """The first ``count`` bits of an array's words from the first on."""
-    words = array.numpy()[first : first - (-count // WORD)].astype("<u8")
+def bits(words, count):
+    """The first ``count`` bits of words."""
+    words = words[: -(-count // WORD)].astype("<u8")
     return np.unpackbits(words.view(np.uint8), bitorder="little")[:count].astype(bool)
 
 
@@ -24,9 +24,8 @@ def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend)
     one = HouseVectorEnv([house], targets="mixed", backend=backend)
     one.reset(seed=0)
     lookout = Lookout(one)
-    number = int(lookout._total[0])
-    places = lookout.arrays["spots"].numpy().reshape(-1, 2)
-    targets = lookout.arrays["origins"].numpy() + one.config.step * places
+    targets = lookout.spots[0]
+    number = len(targets)
     many = HouseVectorEnv([house], num_envs=number, targets="mixed", backend=backend)
     for seed in range(12):
         _, info = one.reset(seed=seed)
@@ -36,7 +35,7 @@ def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend)
         shown = many.reset(seed=0, options=options)[0][..., 1].any(axis=1)
         half = (one.config.body[0] + one.config.target) / 2 - 1e-5
         under = (np.abs(targets - pose[:, :2]) < half).all(axis=1)
-        seen = bits(lookout.arrays["seen"], 0, number)
+        seen = bits(lookout.seen[0], number)
         assert (seen == (shown | under)).mean() > 0.998  # but for a ray along a target's edge
         assert lookout.share()[0] == seen.sum() / number
 
@@ -56,6 +55,17 @@ def test_what_was_seen_stays_seen_until_the_next_reset():
     envs.reset(seed=0)
     lookout.begin()
     assert (lookout.share() == first).all()
+
+
+def test_what_one_environment_forgets_the_others_keep():
+    envs = HouseVectorEnv([HOUSE], num_envs=3, targets="mixed")
+    envs.reset(seed=0)
+    lookout = Lookout(envs)
+    lookout.begin()
+    before = lookout.seen.copy()
+    assert before.any(axis=1).all()
+    lookout.forget(np.array([False, True, False]))
+    np.testing.assert_array_equal(lookout.seen, before * np.array([[1], [0], [1]], np.uint64))
 
 
 def test_a_room_counts_once_the_eye_is_in_it():
@@ -94,7 +104,7 @@ def test_the_target_is_always_where_the_searcher_still_looks(targets):
     for _ in range(400):
         action = searcher.act()
         place = np.rint((envs.world.state["reals"][0, 2:] - origin) / envs.config.step).astype(int)
-        left = bits(searcher.arrays["left"], 0, len(spots))
+        left = bits(searcher.arrays["left"].numpy(), len(spots))
         assert searcher.arrays["notes"].numpy()[0, KNOWN] == 1 or left[(spots == place).all(axis=1)].all()
         found += envs.step(action)[1].sum()
     assert found > 2

@@ -14,7 +14,7 @@ COUNT, STEPS = 400, 40
 HOUSES = worlds.RANDOM[:4]
 
 
-def told(envs: HouseVectorEnv, seed: int = 0, first: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def outputs(envs: HouseVectorEnv, seed: int = 0, first: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What is seen in all steps, poses and targets and rewards: (T, E, ...) each."""
     plan = np.random.default_rng(0).choice(3, p=[0.2, 0.2, 0.6], size=(STEPS, COUNT))
     seen, info = envs.reset(seed=seed + first)
@@ -28,15 +28,15 @@ def told(envs: HouseVectorEnv, seed: int = 0, first: int = 0) -> tuple[np.ndarra
 
 @pytest.fixture(scope="module")
 def exact():
-    return told(HouseVectorEnv(HOUSES, num_envs=COUNT, preset=EXACT))
+    return outputs(HouseVectorEnv(HOUSES, num_envs=COUNT, preset=EXACT))
 
 
 @pytest.fixture(scope="module")
 def rough():
-    return told(HouseVectorEnv(HOUSES, num_envs=COUNT, preset=ROUGH))
+    return outputs(HouseVectorEnv(HOUSES, num_envs=COUNT, preset=ROUGH))
 
 
-def test_a_rough_sensor_changes_nothing_but_what_is_seen(exact, rough):
+def test_a_noisy_sensor_changes_only_observations(exact, rough):
     np.testing.assert_array_equal(exact[1], rough[1])
     np.testing.assert_array_equal(exact[2], rough[2])
 
@@ -76,16 +76,16 @@ def test_errors_of_rays_and_of_steps_are_independent(exact, rough):
         assert both.mean() == pytest.approx(0, abs=4 / np.sqrt(len(both)))
 
 
-def test_errors_depend_neither_on_the_loop_nor_on_the_batch(rough):
-    by_ray = told(HouseVectorEnv(HOUSES, num_envs=COUNT, preset=ROUGH, by_ray=True))
+def test_sensor_errors_depend_neither_on_the_loop_nor_on_the_number_of_environments(rough):
+    by_ray = outputs(HouseVectorEnv(HOUSES, num_envs=COUNT, preset=ROUGH, by_ray=True))
     for one, other in zip(rough, by_ray, strict=True):
         np.testing.assert_array_equal(one, other)
-    alone = told(HouseVectorEnv(HOUSES, num_envs=1, preset=ROUGH), first=123)
+    alone = outputs(HouseVectorEnv(HOUSES, num_envs=1, preset=ROUGH), first=123)
     for one, other in zip(rough, alone, strict=True):
         np.testing.assert_array_equal(one[:, 123:124], other)
 
 
-def test_an_error_is_drawn_anew_each_step():
+def test_sensor_errors_are_sampled_again_at_each_step():
     envs = HouseVectorEnv(HOUSES, num_envs=COUNT, preset=ROUGH)
     envs.reset(seed=0)
     before = envs.step(np.zeros(COUNT, int))[0]
@@ -105,9 +105,9 @@ def test_columns_are_the_angle_the_distance_and_what_is_hit(exact, rough):
     assert (kinds.mean(axis=(0, 1, 2)) > 0.01).all()
 
 
-def test_the_default_tells_the_same_without_the_kinds(exact):
-    seen, poses, _ = told(HouseVectorEnv(HOUSES, num_envs=COUNT))
+def test_without_kinds_the_distances_are_the_same(exact):
+    seen, poses, _ = outputs(HouseVectorEnv(HOUSES, num_envs=COUNT))
     np.testing.assert_array_equal(seen[..., 0], exact[0][..., 0])
     np.testing.assert_array_equal(poses, exact[1])
-    # Of hits at one distance the target comes last where kinds are told and where not.
+    # Of hits at one distance the target comes last where kinds are observed and where not.
     np.testing.assert_array_equal(seen[..., 1], exact[0][..., 3])

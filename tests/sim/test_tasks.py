@@ -1,4 +1,4 @@
-"""Tasks: where their targets lie, when they end, what is foretold; covering a house, counted by hand."""
+"""Tasks: where their targets lie, when they end, which targets come next; covering a house, by hand."""
 
 import json
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ def test_targets_lie_in_the_tasks_spaces(targets):
             assert not lie_in(coming, rooms).any()
 
 
-def test_what_is_foretold_comes_whatever_the_player_does():
+def test_the_targets_that_peek_shows_come_whatever_the_agent_does():
     envs = HouseVectorEnv(HOUSES, num_envs=COUNT, targets="mixed", max_episode_steps=400)
     envs.reset(seed=5)
     coming, found = envs.targets(20), []
@@ -99,8 +99,8 @@ def test_a_room_is_reached_once_and_that_ends_the_episode(mode):
         _, reward, terminated, truncated, info = envs.step(oracle.act())
         np.testing.assert_array_equal(terminated, reward == 1)
         assert not truncated.any()
-    told = info["final_info"] if mode is AutoresetMode.SAME_STEP else info
-    reached = np.abs(told["pose"][terminated, :2] - at[terminated]).max(axis=1)
+    last = info["final_info"] if mode is AutoresetMode.SAME_STEP else info
+    reached = np.abs(last["pose"][terminated, :2] - at[terminated]).max(axis=1)
     assert (reached < DEFAULT.target / 2 + max(DEFAULT.body)).all()
 
 
@@ -112,12 +112,12 @@ def test_a_house_without_such_a_room_is_refused():
 
 
 def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
-    wish = {"task": "tests.sim.test_tasks:Largest", "first": 1}
+    given = {"task": "tests.sim.test_tasks:Largest", "first": 1}
     save([ONE], tmp_path / "house.jsonl")
     houses = str(tmp_path / "house.jsonl")
-    made: Any = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=3, houses=houses, targets=wish)
+    made: Any = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=3, houses=houses, targets=given)
     assert made.unwrapped.world.task == Largest(1)
-    assert json.loads(made.spec.to_json())["kwargs"]["targets"] == wish
+    assert json.loads(made.spec.to_json())["kwargs"]["targets"] == given
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
         (5, "5 is no task"),
     ],
 )
-def test_no_task_is_told_as_such(targets, message):
+def test_an_object_that_is_no_task_is_refused(targets, message):
     with pytest.raises(ValueError, match=message):
         HouseVectorEnv([ONE], targets=targets)
 
@@ -179,6 +179,6 @@ def test_each_new_square_of_floor_is_covered_once(mode):
     assert total > 5 * COUNT
 
 
-def test_squares_have_a_size():
+def test_cover_refuses_a_square_without_a_size():
     with pytest.raises(ValueError, match="cell is 0"):
         Cover(HouseVectorEnv([ONE]), 0)

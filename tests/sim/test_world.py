@@ -40,7 +40,7 @@ def alone():
     return HouseVectorEnv(HOUSES, num_envs=1, targets="mixed", max_episode_steps=50)
 
 
-def test_a_batch_of_n_equals_n_singles(batch, alone):
+def test_n_environments_together_equal_n_single_ones(batch, alone):
     """Through several episodes, environment i of seed s is bit for bit the one of seed s + i alone."""
     plan = actions(6)
     together = rollout(batch, plan, seed=11)
@@ -57,7 +57,7 @@ def test_the_same_seed_is_the_same_trajectory_and_another_is_not(batch):
     assert (first[0] != other[0]).any(axis=(0, 2, 3)).all()
 
 
-def test_the_first_draws_of_seed_0_are_known(batch):
+def test_the_first_random_houses_and_starts_of_seed_0_are_known(batch):
     """A golden: these change only if the random numbers or the places change, and then results do."""
     _, info = batch.reset(seed=0)
     assert info["house"].tolist() == [2, 6, 2, 5, 0, 5]
@@ -65,7 +65,7 @@ def test_the_first_draws_of_seed_0_are_known(batch):
     np.testing.assert_allclose(info["target"][0], (3.002951, 4.589231), atol=1e-5)
 
 
-def test_random_words_are_the_published_ones():
+def test_random_words_equal_those_published_for_philox():
     """Philox4x32-10's known answers, from the Random123 library's tests."""
     start()
     known = {
@@ -133,7 +133,7 @@ def test_targets_lie_wholly_where_they_should(targets):
     assert checked > 100
 
 
-def test_with_another_bank_targets_may_lie_elsewhere_as_in_a_new_environment():
+def test_set_houses_with_other_targets_equals_a_new_environment():
     moved = HouseVectorEnv(HOUSES, num_envs=8, targets="main")
     moved.reset(seed=1)
     moved.set_houses(HOUSES[1:], "secondary")
@@ -148,7 +148,7 @@ def test_with_another_bank_targets_may_lie_elsewhere_as_in_a_new_environment():
     assert np.array_equal(moved.targets(20), made.targets(20))
 
 
-def test_a_task_whose_episodes_end_otherwise_asks_for_another_environment():
+def test_set_houses_refuses_a_task_whose_episodes_end_otherwise():
     envs = HouseVectorEnv(HOUSES, targets="main")
     envs.reset(seed=1)
     before = envs.targets(5)

@@ -86,11 +86,9 @@ def test_rooms_stand_anywhere_along_their_side(builder: Builder) -> None:
 
 def test_on_a_grid_whole_gaps_come_from_the_whole_range(builder: Builder) -> None:
     """The law rounded down: of one piece of 1 cell on 5, every place is as likely."""
-    grid = "draw:(retractall(lattice(_)),assertz(lattice(whole)))"
-    real = "draw:(retractall(lattice(_)),assertz(lattice(real)))"
     seeds = np.random.default_rng(0).integers(2**63, size=2000).tolist()
-    drawn = "call(chain:draw_chain([block(S,1,[at_least(0)-[],at_most(4)-[]],[])],0),Seed,_)"
-    each = f"findall(S,(member(Seed,{seeds}),{grid},{drawn},{real}),All)"
+    drawn = "call(chain:chain_sample([block(S,1,[at_least(0)-[],at_most(4)-[]],[])],0),Seed,_)"
+    each = f"set_cell(1.0),findall(S,(member(Seed,{seeds}),{drawn}),All),set_cell(0.0)"
     goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
     counted = Counter(map(int, builder.placer._json(goal)))
     assert sorted(counted) == [0, 1, 2, 3, 4]

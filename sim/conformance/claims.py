@@ -1,7 +1,7 @@
-"""Whether a vector environment keeps Gymnasium's promises, in each of the three autoreset modes.
+"""Claims that a vector environment must meet, in its own autoreset mode.
 
-Gymnasium's own ``check_env`` is for single environments. What is asked here is what ``SyncVectorEnv`` of
-Gymnasium 1.4 does, what the documentation says of vector environments, and what wrappers rely on.
+Gymnasium's own ``check_env`` is for single environments. The claims are what ``SyncVectorEnv`` of Gymnasium
+1.4 does, what the documentation says of vector environments, and what wrappers rely on.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -14,11 +14,11 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from sim.modes import autoreset, refusals
-from sim.trial import FAR, Step, Trial, brief, difference, fingerprint, hold, leaves, shared
+from sim.conformance.autoreset import autoreset, refusals
+from sim.conformance.trial import FAR, Step, Trial, brief, difference, fingerprint, hold, leaves, shared
 
 CALLS = 10
-"""As many steps in a row are looked at for shared memory."""
+"""Successive calls that are checked for shared memory."""
 
 
 def check_vector_env(
@@ -29,28 +29,28 @@ def check_vector_env(
     options: dict[str, Any] | None = None,
     skip: Collection[str] = (),
 ) -> None:
-    """Raise ``BrokenPromise`` (an ``AssertionError``) for the first of these claims that does not hold.
+    """Raise ``ConformanceError`` (an ``AssertionError``) for the first of these claims that does not hold.
 
     | claim | says |
     |---|---|
     | attributes | sizes, spaces, render mode and metadata are there and agree |
     | spec | can be set, as ``make_vec`` does, and comes back from JSON as it was |
-    | returns | what ``reset`` and ``step`` return has the promised types, shapes, dtypes and bounds |
+    | returns | what ``reset`` and ``step`` return has the types, shapes, dtypes and bounds of the spaces |
     | determinism | the same seed and actions give the same observations, rewards and flags |
     | infos | and the same infos |
-    | memory | what is returned is the caller's: later calls leave it alone, writing on it changes nothing |
+    | memory | what is returned is the caller's: later calls do not change it, writing on it changes nothing |
     | distinct | environments, seeds and successive resets differ |
     | seeds | a list gives each environment its seed; ``seed=s`` means ``s + i`` for environment i |
     | options | ``reset`` leaves the dict of options as it was |
     | autoreset | an end is followed by what ``metadata["autoreset_mode"]`` says |
     | refusals | if autoreset is disabled: steps of ended environments and wrong ``reset_mask``s are errors |
     | render | if ``rgb_array``: a picture (height, width, 3) uint8 for each environment, all of one size |
-    | close | can be called twice; the environment is of no use afterwards |
+    | close | can be called twice; it is the last claim, since the environment is closed then |
 
-    ``steps`` of random actions are made to look for ends of episodes; finding none is a failure, so give more
-    where episodes are longer. ``options``: what to pass to ``reset`` under the claim of that name. ``skip``:
-    claims not to make, such as ``distinct`` where nothing is random. Environments of JAX or torch are checked
-    under Gymnasium's wrappers to NumPy. ``ValueError`` if there is no claim of a name in ``skip``.
+    ``steps`` random actions are made; an episode must end within them, so give more where episodes are
+    longer. ``options``: what to pass to ``reset`` under the claim of that name. ``skip``: claims that are not
+    checked, such as ``distinct`` where nothing is random. Environments of JAX or torch are checked under
+    Gymnasium's wrappers to NumPy. ``ValueError`` if ``skip`` names an unknown claim.
     """
     unknown = set(skip) - set(CLAIMS)
     if unknown:

@@ -1,162 +1,16 @@
-"""The checker passes environments that keep their promises, and finds each broken one."""
+"""Each way in which an environment may fail to conform is found, and named by its claim."""
 
 import re
-from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.error import ResetNeeded
-from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
-from gymnasium.vector.utils import batch_space
 
 from sim import check_autoreset_modes, check_vector_env
-from sim.checker import CLAIMS
-from sim.trial import BrokenPromise
-
-NEXT, SAME, DISABLED = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED
-
-
-def gymnasiums(name: str, mode: AutoresetMode) -> VectorEnv:
-    arguments: Any = {"autoreset_mode": mode.value}
-    return gymnasium.make_vec(name, num_envs=3, vectorization_mode="sync", vector_kwargs=arguments)
-
-
-class Kept(VectorWrapper):
-    """Keeps the caller's options from an environment that pops from them."""
-
-    def reset(self, *, seed=None, options=None):
-        return super().reset(seed=seed, options=None if options is None else dict(options))
-
-
-ENVIRONMENTS = ["CartPole-v1", "Blackjack-v1", "FrozenLake-v1"]
-"""Their observations are arrays, tuples and numbers."""
-
-
-@pytest.mark.parametrize("name", ENVIRONMENTS)
-@pytest.mark.parametrize("mode", AutoresetMode)
-def test_gymnasiums_environments_pass_in_every_mode(mode, name):
-    check_vector_env(Kept(gymnasiums(name, mode)), steps=200)
-
-
-@pytest.mark.parametrize("name", ENVIRONMENTS)
-def test_gymnasiums_environments_tell_the_same_episodes_in_every_mode(name):
-    check_autoreset_modes(lambda mode: gymnasiums(name, mode), steps=200)
-
-
-def test_gymnasiums_own_pops_the_reset_mask_from_the_callers_options():
-    with pytest.raises(BrokenPromise, match=r"options: reset\(options=.*reset_mask.*left them as \{\}"):
-        check_vector_env(gymnasiums("CartPole-v1", DISABLED), steps=200)
-
-
-def test_gymnasiums_native_cart_pole_passes_but_for_lists_of_seeds():
-    envs = gymnasium.make_vec("CartPole-v1", num_envs=3, vectorization_mode="vector_entry_point")
-    with pytest.raises(BrokenPromise, match=r"seeds: .*must be a python integer"):
-        check_vector_env(envs, steps=200)
-    check_vector_env(envs, steps=200, skip=["seeds"])
-
-
-class Walk(VectorEnv):
-    """Walkers on a line, whose episodes end at random: all that is claimed holds."""
-
-    def __init__(self, mode: AutoresetMode = NEXT, num_envs: int = 3, render_mode: Any = "rgb_array"):
-        self.metadata = {"render_modes": ["rgb_array"], "render_fps": 9, "autoreset_mode": mode}
-        self.num_envs, self.mode, self.render_mode = num_envs, mode, render_mode
-        self.single_observation_space = spaces.Box(-9, 9, (2,), np.float32)
-        self.single_action_space = spaces.Discrete(3)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self.rng = [np.random.default_rng() for _ in range(num_envs)]
-        self.state = np.zeros((num_envs, 2), np.float32)
-        self.over = np.zeros(num_envs, bool)
-
-    def reset(self, *, seed: Any = None, options=None):
-        mask = np.ones(self.num_envs, bool) if options is None else self.mask(options)
-        if seed is not None:
-            seeds = self.seeds(seed)
-            self.over &= ~mask
-            for index in np.flatnonzero(mask):
-                self.rng[index] = np.random.default_rng(seeds[index])
-        for index in np.flatnonzero(mask):
-            self.begin(index)
-        self.over &= ~mask
-        return self.see(), self.tell()
-
-    def mask(self, options):
-        mask = options.get("reset_mask", np.ones(self.num_envs, bool))
-        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
-            raise ValueError(f"reset_mask {mask.shape} {mask.dtype}")
-        return mask
-
-    def seeds(self, seed):
-        seeds = range(seed, seed + self.num_envs) if isinstance(seed, int) else seed
-        if len(seeds) != self.num_envs:
-            raise ValueError(f"{len(seeds)} seeds")
-        return seeds
-
-    def begin(self, index):
-        rng = self.rng[index]
-        self.state[index] = rng.uniform(-1, 1), rng.integers(3, 9)
-
-    def move(self, index, action) -> float:
-        self.state[index] += 0.1 * (action - 1) + 0.01 * self.rng[index].normal(), -1
-        return float(self.state[index, 0])
-
-    def step(self, actions):
-        if self.mode is DISABLED:
-            self.refuse()
-        reward = np.zeros(self.num_envs)
-        for index, action in enumerate(actions):
-            if self.mode is NEXT and self.over[index]:
-                reward[index] = self.again(index, action)
-            else:
-                reward[index] = self.move(index, action)
-        over, truncated = self.over, self.state[:, 1] <= 0
-        self.over = truncated.copy()
-        terminated = self.stopped(over)
-        info = self.tell()
-        if self.mode is SAME and truncated.any():
-            info |= self.final(truncated)
-            for index in np.flatnonzero(truncated):
-                self.begin(index)
-        return self.see(), reward, terminated, truncated, info
-
-    def refuse(self):
-        if self.over.any():
-            raise ResetNeeded(f"ended: {self.over}")
-
-    def again(self, index, action) -> float:
-        self.begin(index)
-        return 0.0
-
-    def stopped(self, over):
-        return np.zeros(self.num_envs, bool)
-
-    def final(self, over):
-        final = {"final_obs": self.see(), "_final_obs": over.copy()}
-        return final | {"final_info": self.tell(), "_final_info": over.copy()}
-
-    def see(self) -> Any:
-        return self.state * np.array([1, 0], np.float32)
-
-    def tell(self) -> Any:
-        return {"left": self.state[:, 1].copy(), "_left": np.ones(self.num_envs, bool)}
-
-    def render(self) -> Any:
-        return tuple(np.full((4, 5, 3), int(9 * abs(x)), np.uint8) for x, _ in self.state)
-
-
-@pytest.mark.parametrize("num_envs", [1, 3])
-@pytest.mark.parametrize("mode", AutoresetMode)
-def test_an_environment_that_keeps_all_promises_passes(mode, num_envs):
-    check_vector_env(Walk(mode, num_envs), steps=30, options={"anything": [1]})
-
-
-def test_the_modes_of_an_environment_that_keeps_all_promises_agree():
-    check_autoreset_modes(Walk, steps=60)
-
+from sim.conformance import ConformanceError
+from sim.conformance.claims import CLAIMS
+from tests.sim.conformance.walk import DISABLED, NEXT, SAME, Walk
 
 WRONG_ATTRIBUTES = {
     "attributes: Walk(num_envs=0): num_envs is 0": {"num_envs": 0},
@@ -174,17 +28,17 @@ WRONG_ATTRIBUTES = {
 
 
 @pytest.mark.parametrize("message", WRONG_ATTRIBUTES)
-def test_a_wrong_attribute_is_found(message):
+def test_a_wrong_attribute_is_reported(message):
     envs = Walk()
     for name, value in WRONG_ATTRIBUTES[message].items():
         setattr(envs, name, value)
-    with pytest.raises(BrokenPromise, match=re.escape(message)):
+    with pytest.raises(ConformanceError, match=re.escape(message)):
         check_vector_env(envs, steps=30)
 
 
-def test_a_spec_that_make_vec_cannot_set_is_found():
+def test_a_spec_that_make_vec_cannot_set_is_reported():
     kind = type("Fixed", (Walk,), {"spec": property(lambda self: None)})
-    with pytest.raises(BrokenPromise, match="spec: spec raised AttributeError"):
+    with pytest.raises(ConformanceError, match="spec: spec raised AttributeError"):
         check_vector_env(kind(), steps=30)
 
 
@@ -417,18 +271,18 @@ BROKEN = {
 
 @pytest.mark.filterwarnings("ignore:divide by zero")
 @pytest.mark.parametrize("message", BROKEN)
-def test_a_broken_promise_is_found(message):
+def test_a_method_that_does_not_conform_is_reported(message):
     mode, method, replacement = BROKEN[message]
     kind = type("Broken", (Walk,), {method: replacement})
-    with pytest.raises(BrokenPromise, match=re.escape(message)):
+    with pytest.raises(ConformanceError, match=re.escape(message)):
         check_vector_env(kind(mode), steps=30)
 
 
-def test_every_claim_can_fail():
+def test_every_claim_has_an_environment_that_fails_it():
     assert set(CLAIMS) <= {message.split(":")[0] for message in [*BROKEN, *WRONG_ATTRIBUTES]}
 
 
-WRONG_STORIES = {
+WRONG_EPISODES = {
     "another observation in SAME_STEP than in NEXT_STEP": ("final", ending(final_obs=lambda x: -x)),
     "another terminated in SAME_STEP": (
         "stopped",
@@ -438,21 +292,21 @@ WRONG_STORIES = {
         "move",
         lambda self, index, action: Walk.move(self, index, action) * (0.5 if self.mode is DISABLED else 1),
     ),
-    "event 0 of its story: another observation in SAME_STEP": (
+    "event 0 of its episodes: another observation in SAME_STEP": (
         "seeds",
         lambda self, seed: np.array(Walk.seeds(self, seed)) + (self.mode is SAME),
     ),
 }
 
 
-@pytest.mark.parametrize("message", WRONG_STORIES)
-def test_modes_that_tell_other_episodes_are_found(message):
-    method, replacement = WRONG_STORIES[message]
+@pytest.mark.parametrize("message", WRONG_EPISODES)
+def test_autoreset_modes_that_give_other_episodes_are_reported(message):
+    method, replacement = WRONG_EPISODES[message]
     kind = type("Broken", (Walk,), {method: replacement})
-    with pytest.raises(BrokenPromise, match=re.escape(message)):
+    with pytest.raises(ConformanceError, match=re.escape(message)):
         check_autoreset_modes(kind, steps=30)
 
 
-def test_a_claim_that_is_not_there_cannot_be_skipped():
+def test_skipping_an_unknown_claim_is_an_error():
     with pytest.raises(ValueError, match="no claim is named 'seed': there are attributes, spec"):
         check_vector_env(Walk(), skip=["seed"])

@@ -11,11 +11,11 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import concatenate, create_empty_array, iterate
 
 FAR = 1000
-"""Between seeds that are to have nothing in common."""
+"""The difference of seeds whose episodes must differ."""
 
 
-class BrokenPromise(AssertionError):
-    """What a vector environment did, at which call, and what it should have done."""
+class ConformanceError(AssertionError):
+    """What a vector environment did, in which call, and what it should have done."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Step:
 
 
 class Trial:
-    """Plays the same random actions again and again, with ``seed`` and for at most ``steps`` steps."""
+    """Plays the same random actions each time, with ``seed`` and for at most ``steps`` steps."""
 
     def __init__(self, envs: VectorEnv, steps: int, seed: int, options: dict[str, Any] | None = None) -> None:
         """``where`` names the latest call, for messages."""
@@ -52,7 +52,7 @@ class Trial:
 
     def fail(self, what: str) -> NoReturn:
         """Say what is wrong with the latest call."""
-        raise BrokenPromise(f"{self.where}: {what}")
+        raise ConformanceError(f"{self.where}: {what}")
 
     def refused(self, what: str, call: Callable[[], Any]) -> None:
         """Fail unless the call raises something."""
@@ -94,7 +94,7 @@ class Trial:
         """Reset; ``mask`` (N,) bool says which environments alone."""
         self.where = f"reset(seed={seed}" + ("" if mask is None else f", reset_mask={mask}") + ")"
         self._reset, self._count = self.where, 0
-        # A dict of its own for each call, as some environments pop from it: that is a claim apart.
+        # A new dict for each call, as some environments pop from it: the claim ``options`` is about that.
         given = self.envs.reset(seed=seed, options=None if mask is None else {"reset_mask": mask.copy()})
         if not (isinstance(given, tuple) and len(given) == 2):
             self.fail(f"returned {brief(given)}: expected a tuple of observations and infos")
@@ -189,13 +189,13 @@ class Trial:
 
 
 def hold(name: str, trial: Trial, claim: Callable[[Trial], None]) -> None:
-    """Make a claim; whatever is raised becomes a ``BrokenPromise`` that begins with its name."""
+    """Check a claim; whatever is raised becomes a ``ConformanceError`` that begins with its name."""
     try:
         claim(trial)
-    except BrokenPromise as broken:
-        raise BrokenPromise(f"{name}: {broken}") from None
+    except ConformanceError as broken:
+        raise ConformanceError(f"{name}: {broken}") from None
     except Exception as error:
-        raise BrokenPromise(f"{name}: {trial.where} raised {type(error).__name__}: {error}") from error
+        raise ConformanceError(f"{name}: {trial.where} raised {type(error).__name__}: {error}") from error
 
 
 def leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -221,13 +221,13 @@ def fingerprint(data: Any) -> dict[str, Hashable]:
 
 
 def difference(one: Any, other: Any) -> str:
-    """The path to where two differ; nothing if they do not."""
+    """The path to where two differ; empty if they do not."""
     ours, theirs = fingerprint(one), fingerprint(other)
     return next((path or "it" for path in {**ours, **theirs} if ours.get(path) != theirs.get(path)), "")
 
 
 def shared(one: Any, other: Any) -> str:
-    """The path to an array of one whose memory is also the other's; nothing if there is none."""
+    """The path to an array of one whose memory is also the other's; empty if there is none."""
     theirs = [leaf for _, leaf in leaves(other) if isinstance(leaf, np.ndarray)]
     for path, leaf in leaves(one):
         if isinstance(leaf, np.ndarray) and any(np.shares_memory(leaf, array) for array in theirs):

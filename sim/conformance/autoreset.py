@@ -1,4 +1,4 @@
-"""What each autoreset mode promises at the end of an episode, and that all three tell the same episodes."""
+"""What must follow the end of an episode in each autoreset mode; all three give the same episodes."""
 
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -7,38 +7,48 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from sim.trial import FAR, BrokenPromise, Step, Trial, brief, difference, fingerprint, hold, shared
+from sim.conformance.trial import (
+    FAR,
+    ConformanceError,
+    Step,
+    Trial,
+    brief,
+    difference,
+    fingerprint,
+    hold,
+    shared,
+)
 
 
 def check_autoreset_modes(
     make: Callable[[AutoresetMode], VectorEnv], *, steps: int = 1000, seed: int = 0
 ) -> None:
-    """Raise ``BrokenPromise`` unless the three modes tell the same episodes, each in its own way.
+    """Raise ``ConformanceError`` unless the three modes give the same episodes, each in its own way.
 
     ``make`` makes the environments in a mode. Given the same seed, and in each environment the same actions
     in all steps that count, the last observations, rewards, flags and next episodes must be the same.
     """
-    told: dict[AutoresetMode, list[list[dict[str, Any]]]] = {}
+    episodes: dict[AutoresetMode, list[list[dict[str, Any]]]] = {}
     for mode in AutoresetMode:
         envs = make(mode)
         trial = Trial(envs, steps, seed)
         hold(mode.name, trial, autoreset)
-        told[mode] = _story(trial)
+        episodes[mode] = _events(trial)
         envs.close()
-    first, *others = told
+    first, *others = episodes
     for mode in others:
-        for index, (ours, theirs) in enumerate(zip(told[first], told[mode], strict=True)):
+        for index, (ours, theirs) in enumerate(zip(episodes[first], episodes[mode], strict=True)):
             for k, (one, other) in enumerate(zip(ours, theirs, strict=False)):
                 if one != other:
                     what = next(key for key in one | other if one.get(key) != other.get(key))
-                    raise BrokenPromise(
-                        f"environment {index}, event {k} of its story: another {what} in {mode.name} than in "
-                        f"{first.name}, expected the same episodes"
+                    raise ConformanceError(
+                        f"environment {index}, event {k} of its episodes: another {what} in {mode.name} "
+                        f"than in {first.name}, expected the same episodes"
                     )
 
 
 def autoreset(trial: Trial) -> None:
-    """What the environment's own mode promises."""
+    """What the environment's own mode says of ends of episodes."""
     trial.first_end()
     MODES[trial.mode](trial)
 
@@ -152,7 +162,7 @@ def _final(trial: Trial, now: Step) -> list[Any]:
     return list(final) if isinstance(final, np.ndarray) else trial.each(final)
 
 
-def _story(trial: Trial) -> list[list[dict[str, Any]]]:
+def _events(trial: Trial) -> list[list[dict[str, Any]]]:
     """By environment, what happened, whatever the mode: resets, and steps that count."""
 
     def plan(seed: int) -> Iterator[Any]:
@@ -166,31 +176,31 @@ def _story(trial: Trial) -> list[list[dict[str, Any]]]:
 
     size, mode = trial.envs.num_envs, trial.mode
     plans, idle = [plan(trial.seed + index) for index in range(size)], trial.split(trial.action(0))
-    story = [[begins(one)] for one in trial.each(trial.reset(trial.seed).observation)]
+    events = [[begins(one)] for one in trial.each(trial.reset(trial.seed).observation)]
     over = np.zeros(size, bool)
     for _ in range(trial.steps):
         if mode is AutoresetMode.DISABLED and over.any():
             first = trial.each(trial.reset(mask=over).observation)
             for index in np.flatnonzero(over):
-                story[index].append(begins(first[index]))
+                events[index].append(begins(first[index]))
             over = np.zeros(size, bool)
         now = trial.step(trial.batch([idle[i] if over[i] else next(plans[i]) for i in range(size)]))
         seen, ended = trial.each(now.observation), now.ended
         final = _final(trial, now) if mode is AutoresetMode.SAME_STEP and ended.any() else seen
         for index in range(size):
             if over[index]:
-                story[index].append(begins(seen[index]))
+                events[index].append(begins(seen[index]))
                 continue
             event = {
                 "event": "step",
                 "observation": trial.fingerprint((final if ended[index] else seen)[index]),
             }
             flags = {name: vars(now)[name][index].item() for name in ("reward", "terminated", "truncated")}
-            story[index].append(event | flags)
+            events[index].append(event | flags)
             if mode is AutoresetMode.SAME_STEP and ended[index]:
-                story[index].append(begins(seen[index]))
+                events[index].append(begins(seen[index]))
         over = ended & (mode is not AutoresetMode.SAME_STEP)
-    return story
+    return events
 
 
 MODES = {

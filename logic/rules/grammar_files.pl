@@ -1,0 +1,57 @@
+:- module(grammar_files, [load_grammar/2]).
+
+/** <module> A grammar's .pl files, loaded
+
+They are loaded into the module `grammar`: room_size/3, piece_size/4 and the named lengths. A grammar may state its
+clauses in any order, in one file or several.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+
+:- dynamic grammar:room_size/3, grammar:piece_size/4.
+:- multifile grammar:room_size/3, grammar:piece_size/4.
+:- discontiguous grammar:room_size/3, grammar:piece_size/4.
+:- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
+:- multifile grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
+
+:- dynamic problem/4.
+:- dynamic user:message_hook/3.
+:- multifile user:message_hook/3.
+
+%!  load_grammar(+Files, -Problems) is det.
+%
+%   Problems are problem(File,Line,Column,Text) for all that SWI-Prolog remarks while it loads the files: it
+%   would otherwise drop a clause with a syntax error and go on.
+
+load_grammar(Files, Problems) :-
+    retractall(problem(_,_,_,_)),
+    grammar:use_module(library(clpr)),
+    setup_call_cleanup(
+        asserta((user:message_hook(Term, Kind, Lines) :- grammar_files:noted(Term, Kind, Lines)), Hook),
+        forall(member(File, Files), load_files(grammar:File, [if(true),encoding(utf8)])),
+        erase(Hook)),
+    findall(problem(F,L,C,T), problem(F,L,C,T), Problems).
+
+%   noted(+Term, +Kind, +Lines) is semidet: a message is a problem, and SWI-Prolog prints it no more.
+
+noted(Term, Kind, Lines) :-
+    memberchk(Kind, [error, warning]),
+    place(Term, File, Line, Column),
+    message_text(Term, Lines, Text),
+    assertz(problem(File, Line, Column, Text)).
+
+place(error(_, file(File,Line,Before,_)), File, Line, Column) :- !, Column is Before + 1.
+place(_, File, Line, 1) :- source_location(File, Line), !.
+place(_, File, 1, 1)    :- prolog_load_context(source, File), !.
+place(_, '', 1, 1).
+
+message_text(error(syntax_error(Which), _), _, Text) :- !,
+    format(string(Text), "syntax error: ~w", [Which]).
+message_text(_, Lines, Text) :-
+    with_output_to(string(Raw), print_message_lines(current_output, '', Lines)),
+    split_string(Raw, "\n", " \t", Parts),
+    exclude(==(""), Parts, Said),
+    atomic_list_concat(Said, ' ', Atom),
+    atom_string(Atom, Text).

@@ -1,0 +1,100 @@
+:- module(island, [island/4, island_constraints//2, island_chains/3, island_items/2]).
+
+/** <module> What stands in the middle of a room: islands in one row, a passage from each other and from the core's edge */
+
+:- use_module(library(apply)).
+:- use_module(library(apply_macros)).
+:- use_module(library(lists)).
+:- use_module(chain).
+:- use_module(lengths).
+:- use_module(reasons).
+:- use_module(record_access).
+:- use_module(records).
+
+%!  island(+Layout, +Room, +On, -Island) is det.
+%
+%   Island is the piece of this on/4 atom with its seats.
+
+island(Layout, Room, On, Island) :-
+    On = on(F,_,middle,N),
+    make_island([item(item(F,L,D,W)),across(Across),inwards(Inwards),xblock(block(_,FullAcross,XBounds,Apart)),
+                 yblock(block(_,FullInwards,YBounds,Apart)),seats(Seats),front(Front)], Island),
+    room_width(Room, W),
+    phrase(island_reasons(On, Layout, Front, With), Why),
+    ( memberchk(Front, [left,right]) -> Across = D, Inwards = L ; Across = L, Inwards = D ),
+    maplist(seat_of(W), With, Seats),
+    with_seats(Across, left, right, Seats, FullAcross),
+    with_seats(Inwards, outwards, inwards, Seats, FullInwards),
+    room_core(Room, core(X1,X2,Y1,Y2)),
+    length_of(passage, P), length_of(door_clearance, C),
+    XBounds = [at_least(X1+P)-Why, at_most(X2-P-FullAcross)-Why],
+    YBounds = [at_least(Y1+P)-Why, at_least(C)-[On,length(door_clearance)], at_most(Y2-P-FullInwards)-Why],
+    room_row(Room, Row),
+    N0 is N - 1,
+    phrase(after(N0, Row, Layout), Apart, Why).
+
+island_reasons(On, Layout, Front, With) -->
+    { On = on(F,K,_,_),
+      findall(with(F,K,G,Hand), member(with(F,K,G,Hand), Layout), With) },
+    [On,length(passage)],
+    ( holds(faces(F,K,Front), Layout) -> [] ; { Front = none } ),
+    because(With).
+
+after(N, Row, Layout) --> ( holds(on(_,_,middle,N), Layout) -> [row(Row)] ; [] ).
+
+seat_of(W, with(_,_,G,Hand), seat(Hand,item(G,_,_,W))).
+
+%   with_seats(+Size, +Low, +High, +Seats, -Full): Full is a size of the island with the seats at these two hands.
+
+with_seats(Size, Low, High, Seats, Full) :-
+    ( memberchk(seat(Low,item(_,_,A,_)), Seats)  -> Full1 = A+Size ; Full1 = Size ),
+    ( memberchk(seat(High,item(_,_,B,_)), Seats) -> Full = Full1+B ; Full = Full1 ).
+
+%!  island_constraints(+Islands, +Row)// describes the constraints of the islands, see linear.pl.
+
+island_constraints(Islands, Row) -->
+    { length_of(passage, P), island_chains(Islands, Row, Chains) },
+    all_chains_constraints(Chains, P),
+    all_seats_constraints(Islands).
+
+%!  island_chains(+Islands, +Row, -Chains) is det.
+%
+%   Chains are the row of islands one way, across or inwards, and each island alone the other way.
+
+island_chains([], _, []) :- !.
+island_chains(Islands, Row, [Chain|Singles]) :- row_chains(Row, Islands, Chain, Singles).
+
+row_chains(across, Islands, Chain, Singles) :-
+    maplist(island_xblock, Islands, Chain),
+    maplist(single_yblock, Islands, Singles).
+row_chains(inwards, Islands, Chain, Singles) :-
+    maplist(island_yblock, Islands, Chain),
+    maplist(single_xblock, Islands, Singles).
+
+single_xblock(Island, [Block]) :- island_xblock(Island, Block).
+
+single_yblock(Island, [Block]) :- island_yblock(Island, Block).
+
+all_seats_constraints([]) --> [].
+all_seats_constraints([Island|Islands]) -->
+    { island_seats(Island, Seats), island_xblock(Island, block(_,_,[_-Why|_],_)) },
+    seats_constraints(Seats, Island, Why),
+    all_seats_constraints(Islands).
+
+%   A seat is no longer than the side at which it stands.
+
+seats_constraints([], _, _) --> [].
+seats_constraints([seat(Hand,item(_,Length,_,_))|Seats], Island, Why) -->
+    { ( memberchk(Hand, [left,right]) -> island_inwards(Island, Side) ; island_across(Island, Side) ) },
+    [(Length =< Side)-Why],
+    seats_constraints(Seats, Island, Why).
+
+%!  island_items(+Island, -Items) is det.
+%
+%   Items are free-Item, of the island and its seats.
+
+island_items(Island, [free-Item|Items]) :-
+    island_item(Island, Item), island_seats(Island, Seats),
+    maplist(seat_item, Seats, Items).
+
+seat_item(seat(_,Item), free-Item).

@@ -1,0 +1,74 @@
+:- module(lengths, [stated_length/2, length_of/2, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+
+/** <module> A grammar's lengths and the extremes of its sizes
+
+The grammar's clauses are the single source of lengths; what stage 1 needs of them is derived here. A range is
+Low-High: a `range` is in metres, an `extent` is the same in the house's own unit (grid.pl).
+*/
+
+:- use_module(library(clpr)).
+:- use_module(grammar_files).
+:- use_module(grid).
+
+:- table room_extent/3, piece_extent/4.   % a few simplex runs each, needed in every room
+
+%!  stated_length(+Name, -Metres) is nondet.
+%
+%   The grammar states this length, once unless it is wrong.
+
+stated_length(door_width,     M) :- grammar:door_width(M).
+stated_length(door_clearance, M) :- grammar:door_clearance(M).
+stated_length(passage,        M) :- grammar:passage(M).
+stated_length(room_gap,       M) :- grammar:room_gap(M).
+
+%!  length_of(+Name, -Length) is det.
+%
+%   Length is that of the grammar, in the house's unit.
+
+length_of(Name, Length) :- stated_length(Name, M), rounded_up(M, Length).
+
+%!  room_range(+Type, -Width, -Depth) is semidet.
+%
+%   Width and Depth are the ranges of a room of this type. Fails where the grammar has no clause for it.
+
+room_range(Type, Width, Depth) :-
+    once(grammar:room_size(Type, W, D)),
+    extremes(W, Width),
+    extremes(D, Depth).
+
+%!  room_extent(+Type, -Width, -Depth) is semidet.
+%
+%   As room_range/3, in the house's unit.
+
+room_extent(Type, Width, Depth) :-
+    room_range(Type, W, D),
+    rounded_range(W, Width),
+    rounded_range(D, Depth).
+
+%!  piece_range(+Piece, ?Wall, -Length, -Depth) is semidet.
+%
+%   Length and Depth are the ranges of a piece at a wall this long, a number of metres or constrained.
+
+piece_range(Piece, Wall, Length, Depth) :-
+    once(grammar:piece_size(Piece, L, D, Wall)),
+    extremes(L, Length),
+    extremes(D, Depth).
+
+%!  piece_extent(+Type, +Piece, -Length, -Depth) is semidet.
+%
+%   As piece_range/4, at any wall of a room of this type, in the house's unit.
+
+piece_extent(Type, Piece, Length, Depth) :-
+    room_range(Type, W1-W2, D1-D2),
+    Least is min(W1, D1), Most is max(W2, D2),
+    { Wall >= Least, Wall =< Most },
+    piece_range(Piece, Wall, L, D),
+    rounded_range(L, Length),
+    rounded_range(D, Depth).
+
+%!  extremes(?X, -Range) is semidet.
+%
+%   Range is what the store leaves of X. Fails where X is not bounded on both sides.
+
+extremes(X, X-X)      :- number(X), !.
+extremes(X, Low-High) :- inf(X, Low), sup(X, High).

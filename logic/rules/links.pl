@@ -1,0 +1,66 @@
+:- module(links, [stretch_links/5]).
+
+/** <module> What stands along a stretch of wall, from its near end
+
+A room has five stretches: front_left, left, back, right, front_right. A link is a piece or one of its companions.
+*/
+
+:- use_module(library(apply_macros)).
+:- use_module(library(lists)).
+:- use_module(reasons).
+:- use_module(record_access).
+:- use_module(records).
+
+%!  stretch_links(+Placed, +Layout, +Room, +Name, -Links) is det.
+%
+%   Links are Name-Links, of the pieces that Placed, pairs of a place and its on/4 atoms in order, has on the stretch.
+
+stretch_links(Placed, Layout, Room, Name, Name-Links) :-
+    (   memberchk(Name-Ons, Placed)
+    ->  wall_length(Name, Room, Wall),
+        phrase(links(Ons, Wall, Layout), Links)
+    ;   Links = [] ).
+
+wall_length(left,  Room, D) :- !, room_depth(Room, D).
+wall_length(right, Room, D) :- !, room_depth(Room, D).
+wall_length(_,     Room, W) :- room_width(Room, W).
+
+links([], _, _) --> [].
+links([On|Ons], Wall, Layout) -->
+    { phrase(gap(On, Layout, Kind), Why),
+      piece_link(On, Wall, Layout, Gap, Link) },
+    companion(near, On, Wall-Layout, Kind-Why, Gap),
+    [Link],
+    companion(far, On, Wall-Layout, joined-[], _),
+    links(Ons, Wall, Layout).
+
+%   gap(+On, +Layout, -Kind)//: Kind is joined or apart, to what is before the piece and its companions.
+
+gap(On, Layout, Kind) -->
+    { On = on(F,K,_,_) },
+    ( holds(joined(F,K), Layout) -> { Kind = joined } ; fails(joined(F,K)), { Kind = apart } ),
+    [On].
+
+piece_link(On, Wall, Layout, Gap, Link) :-
+    On = on(F,K,_,_),
+    make_link([gap(Gap),role(piece(K)),item(item(F,L,D,Wall)),along(Along),out(Out),front(Front),why([On|Why])], Link),
+    phrase(facing(On, Layout, L-D, Along-Out, Front), Why).
+
+%   facing(+On, +Layout, ?Sizes, -Taken, -Front)//: a turned piece takes its depth of the wall.
+
+facing(on(F,K,_,_), Layout, L-D, Along-Out, Front) -->
+    (   holds(turned(F,K,Head), Layout)
+    ->  { Along = D, Out = L, ( Head == near -> Front = far ; Front = near ) }
+    ;   fails(turned(F,K,near)), fails(turned(F,K,far)),
+        { Along = L, Out = D, Front = out } ).
+
+%   companion(+Hand, +On, +WallAndLayout, ?Gap0, ?Gap)//: a companion at this hand stands at Gap0 from what is before,
+%   and what follows is joined to it.
+
+companion(Hand, On, Wall-Layout, Gap0, Gap) -->
+    { On = on(F,K,_,_), With = with(F,K,G,Hand) },
+    (   { memberchk(With, Layout) }
+    ->  { make_link([gap(Gap0),role(with(F-K)),item(item(G,L,D,Wall)),along(L),out(D),front(out),why([With,On])], Link),
+          Gap = joined-[] },
+        [Link]
+    ;   { Gap = Gap0 } ).

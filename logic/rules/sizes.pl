@@ -1,0 +1,74 @@
+:- module(sizes, [room_size_system/4, item_size_system/3]).
+
+/** <module> The linear constraints that the clauses of sizes state, as data (linear.pl)
+
+An item is item(Piece,Length,Depth,Wall): what has a size by piece_size/4, at a wall this long.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+:- use_module(grammar_files).
+:- use_module(grid).
+:- use_module(lengths).
+
+:- table clause_system/4.                 % a clause is solved once, whatever the wall
+
+%!  room_size_system(+Type, ?Width, ?Depth, -Constraints) is det.
+
+room_size_system(Type, W, D, Constraints) :-
+    on_grid, !,
+    room_extent(Type, Width, Depth),
+    box_system(W-D, Width, Depth, size(Type), Constraints).
+room_size_system(Type, W, D, Constraints) :-
+    once(grammar:room_size(Type, W0, D0)),
+    size_system([W,D], [W0,D0], size(Type), Constraints).
+
+%!  item_size_system(+Type, ?Item, -Constraints) is det.
+%
+%   Constraints of an item in a room of this type.
+
+item_size_system(Type, item(Piece,L,D,Wall), Constraints) :-
+    on_grid, !,
+    (   number(Wall)
+    ->  metres(Wall, Metres),
+        piece_range(Piece, Metres, L1, D1),
+        rounded_range(L1, Length), rounded_range(D1, Depth)
+    ;   piece_extent(Type, Piece, Length, Depth) ),
+    box_system(L-D, Length, Depth, size(Type,Piece), Constraints).
+item_size_system(Type, item(Piece,L,D,Wall), Constraints) :-
+    clause_system(Type, Piece, Sizes, Constraints),
+    Sizes = [L,D,Wall].
+
+box_system(L-D, L1-L2, D1-D2, Reason, Constraints) :-
+    maplist(reasoned(Reason), [L1 =< L, L =< L2, D1 =< D, D =< D2], Constraints).
+
+clause_system(Type, Piece, Sizes, Constraints) :-
+    once(grammar:piece_size(Piece, L, D, Wall)),
+    size_system(Sizes, [L,D,Wall], size(Type,Piece), Constraints).
+
+%   size_system(?Sizes, +Solved, +Reason, -Constraints): of Sizes, what the store states about Solved.
+
+size_system(Sizes, Solved, Reason, Constraints) :-
+    copy_term(Solved, Plain, Goals),
+    equated(Sizes, Plain, Equations),
+    phrase(residual(Goals), Residual),
+    append(Equations, Residual, All),
+    maplist(reasoned(Reason), All, Constraints).
+
+reasoned(Reason, Constraint, Constraint-[Reason]).
+
+equated([], [], []).
+equated([S|Ss], [P|Ps], Equations) :-
+    ( number(P) -> Equations = [S = P|Others] ; S = P, Equations = Others ),
+    equated(Ss, Ps, Others).
+
+residual([])             --> [].
+residual([{Goal}|Goals]) --> conjuncts(Goal), residual(Goals).
+
+conjuncts((A,B))   --> !, conjuncts(A), conjuncts(B).
+conjuncts(A >= B)  --> !, [B =< A].
+conjuncts(A > B)   --> !, [B =< A].
+conjuncts(A < B)   --> !, [A =< B].
+conjuncts(A =:= B) --> !, [A = B].
+conjuncts(C)       --> [C].

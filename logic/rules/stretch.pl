@@ -1,0 +1,195 @@
+:- module(stretch, [stretch/5, stretch_constraints//2, stretch_items/2, deepest/2]).
+
+/** <module> A stretch of wall as a chain of blocks, each of links (links.pl) that are joined to each other
+
+The links stand outside the room's core; where two stretches meet, one owns the corner. Every gap on a stretch is
+either closed or opens onto the core by at least a passage, so no floor is shut in.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(apply_macros)).
+:- use_module(library(lists)).
+:- use_module(chain).
+:- use_module(lengths).
+:- use_module(reasons).
+:- use_module(record_access).
+:- use_module(records).
+
+%!  stretch(+Chains, +Layout, +Room, +NameAndLinks, -Stretch) is det.
+%
+%   Stretch has the bounds of its links, where Chains are all stretches' Name-Links.
+
+stretch(_, _, _, Name-[], stretch(Name,[],[])) :- !.
+stretch(Chains, Layout, Room, Name-Links, stretch(Name,Links,Blocks)) :-
+    phrase(along(Name, Room, Length, From, To), Why),
+    stretch_end(Name, near, Chains-Layout, free(0.0,From,[]), Near),
+    stretch_end(Name, far,  Chains-Layout, free(Length,To,Why), Far),
+    joined_parts(Links, Parts),
+    phrase(last_gap(Name, Layout, LastGap), LastWhy),
+    blocks(Parts, first, ends(Near,Far,LastGap-LastWhy), Blocks).
+
+%   along(+Name, +Room, -Length, -From, -To)//: along a stretch of this Length the core lies From..To. The right half of
+%   the front wall counts from the right, so that both halves start in their corner and end at the door, where any gap
+%   will do.
+
+along(left,  Room, D, Y1, Y2) --> { room_depth(Room, D), room_core(Room, core(_,_,Y1,Y2)) }.
+along(right, Room, D, Y1, Y2) --> { room_depth(Room, D), room_core(Room, core(_,_,Y1,Y2)) }.
+along(back,  Room, W, X1, X2) --> { room_width(Room, W), room_core(Room, core(X1,X2,_,_)) }.
+along(front_left, Room, Length, X1, Length+P) -->
+    { room_door(Room, Door), room_core(Room, core(X1,_,_,_)), length_of(passage, P) },
+    required(door_clearance, C),
+    { Length = Door-C }.
+along(front_right, Room, Length, W-X2, Length+P) -->
+    { room_width(Room, W), room_door(Room, Door), room_core(Room, core(_,X2,_,_)), length_of(passage, P) },
+    required(door_clearance, C),
+    required(door_width, DoorWidth),
+    { Length = W-Door-DoorWidth-C }.
+
+%   stretch_end(+Name, +Hand, +ChainsAndLayout, +Free, -End): End is end(At-AtWhy,Edge-EdgeWhy), where Free is
+%   free(Wall,Core,Why). A piece joined to this end stands At: at the wall, or at the piece in a corner that the other
+%   stretch owns. A gap opens onto the core from its Edge on, or from the wall on where no furniture stands round the
+%   corner.
+
+stretch_end(Name, Hand, Chains-Layout, free(Wall,Core,Why), end(At,Edge)) :-
+    (   corner(Name, Hand, Other-OtherHand, Owned)
+    ->  (   memberchk(Other-[Link|Links], Chains)
+        ->  Edge = Core-[busy(Other)]
+        ;   Edge = Wall-[] ),
+        (   memberchk(Owned, Layout)
+        ->  phrase(standing(OtherHand, Other, [Link|Links], Layout, Depth), Standing),
+            ( Hand == near -> Place = Depth ; Place = Wall-Depth ),
+            At = Place-[Owned|Standing]
+        ;   At = Wall-[not(Owned)] )
+    ;   At = Wall-Why, Edge = Core-Why ).
+
+%   corner(?Name, ?Hand, -Other, -Owned): the end meets that of the Other stretch in a corner, and Owned is the atom of
+%   stage 1 that says that the corner is the other's.
+
+corner(front_left,  near, left-near,        corner(front_left,left,left)).
+corner(left,        near, front_left-near,  corner(front_left,left,front_left)).
+corner(left,        far,  back-near,        corner(left,back,back)).
+corner(back,        near, left-far,         corner(left,back,left)).
+corner(back,        far,  right-far,        corner(back,right,right)).
+corner(right,       far,  back-far,         corner(back,right,back)).
+corner(right,       near, front_right-near, corner(right,front_right,front_right)).
+corner(front_right, near, right-near,       corner(right,front_right,right)).
+
+%   standing(+Hand, +Name, +Links, +Layout, -Out)//: how far the link at this end of a stretch stands out.
+
+standing(near, _, [Link|_], _, Out) --> link_depth(Link, Out).
+standing(far, Name, Links, Layout, Out) -->
+    holds(last(Name,_), Layout),
+    { last(Links, Link) },
+    link_depth(Link, Out).
+
+link_depth(Link, Out) --> { link_out(Link, Out), link_why(Link, Why) }, because(Why).
+
+last_gap(Name, Layout, Gap) -->
+    holds(last(Name,_), Layout),
+    ( holds(end(Name), Layout) -> { Gap = joined } ; fails(end(Name)), { Gap = apart } ).
+
+joined_parts([], []).
+joined_parts([Link|Links], [[Link|Joined]|Parts]) :-
+    joined_links(Links, Joined, Rest),
+    joined_parts(Rest, Parts).
+
+joined_links([Link|Links], [Link|Joined], Rest) :-
+    link_gap(Link, joined-_), !,
+    joined_links(Links, Joined, Rest).
+joined_links(Links, [], Links).
+
+%   blocks(+Parts, +Position, +Ends, -Blocks): each part is a block, bound by its near side, the joints within it and its
+%   far side. Position is first or later; Ends is ends(Near,Far,LastGap-Why).
+
+blocks([], _, _, []).
+blocks([Part|Parts], Position, Ends, [block(_,Length,Bounds,Why)|Blocks]) :-
+    Part = [Link|Links],
+    link_gap(Link, Gap-Why), link_along(Link, Along), link_why(Link, LinkWhy),
+    phrase(near_bound(Gap-Why, Position, Ends, Near), NearWhy),
+    margins(Near, Parts, Ends, Margins),
+    phrase(joints(Links, Ends, Margins, Along-LinkWhy, Length-LengthWhy), Joints, [Far-FarWhy]),
+    phrase(far_bound(Parts, Ends, Length, Far), FarWhy, LengthWhy),
+    Bounds = [Near-NearWhy|Joints],
+    blocks(Parts, later, Ends, Blocks).
+
+near_bound(joined-Why, first, ends(end(At-AtWhy,_),_,_), at(At)) --> !, because(Why), because(AtWhy).
+near_bound(apart-Why, _, ends(end(_,Edge-EdgeWhy),_,_), at_least(Edge+P)) -->
+    required(passage, P), because(Why), because(EdgeWhy).
+
+%   margins(+Near, +LaterParts, +Ends, -Margins): a part that reaches into a corner where other furniture stands may shut
+%   floor in between that and a link that stands out more: so its joints keep a passage from that end.
+
+margins(Near, Parts, ends(end(_,_-LowWhy),end(_,_-HighWhy),LastGap-_), NearMargin-FarMargin) :-
+    length_of(passage, P),
+    ( Near = at(_), LowWhy \== [] -> NearMargin = P ; NearMargin = 0 ),
+    ( Parts == [], LastGap == joined, HighWhy \== [] -> FarMargin = P ; FarMargin = 0 ).
+
+%   joints(+Links, +Ends, +Margins, +Offset, -Length)//: the bounds of the joints between links, where the first lies at
+%   Offset, a Value-Why as Length is. A joint lies at the core, so that what stands out less is not shut in behind.
+
+joints([], _, _, Length, Length) --> [].
+joints([Link|Links], Ends, Margins, Offset-Why, Length) -->
+    { Ends = ends(end(_,Low-LowWhy),end(_,High-HighWhy),_),
+      Margins = NearMargin-FarMargin,
+      link_gap(Link, _-GapWhy), link_along(Link, Along), link_why(Link, LinkWhy),
+      phrase(( because(GapWhy), because(Why) ), JointWhy),
+      phrase(because(LowWhy), LowReasons, [length(passage)|JointWhy]),
+      phrase(because(HighWhy), HighReasons, [length(passage)|JointWhy]),
+      phrase(because(Why), Why1, LinkWhy) },
+    [at_least(Low+NearMargin-Offset)-LowReasons, at_most(High-FarMargin-Offset)-HighReasons],
+    joints(Links, Ends, Margins, Offset+Along-Why1, Length).
+
+%   far_bound(+LaterParts, +Ends, +Length, -Bound)//: the bound of a block of this length at its far side.
+
+far_bound([[Link|_]|_], ends(_,end(_,High-Why),_), Length, at_most(High-P-Length)) -->
+    { link_gap(Link, _-GapWhy) },
+    required(passage, P), because(GapWhy), because(Why).
+far_bound([], ends(_,end(At,Edge),Gap-GapWhy), Length, Bound) -->
+    because(GapWhy),
+    last_bound(Gap, At, Edge, Length, Bound).
+
+last_bound(joined, At-Why, _, Length, at(At-Length))          --> because(Why).
+last_bound(apart, _, High-Why, Length, at_most(High-P-Length)) --> required(passage, P), because(Why).
+
+% - constraints, and what is to be sampled -----------------------------------------------------------------
+
+%!  stretch_constraints(+Stretch, +Room)// describes the constraints of what stands along a stretch, see linear.pl.
+
+stretch_constraints(stretch(_,[],_), _) --> !.
+stretch_constraints(stretch(Name,Links,Blocks), Room) -->
+    { depth_before_core(Name, Room, Depth), length_of(passage, P) },
+    stand_within(Links, Depth),
+    chain_constraints(Blocks, P).
+
+depth_before_core(front_left,  Room, Y1)   :- room_core(Room, core(_,_,Y1,_)).
+depth_before_core(front_right, Room, Y1)   :- room_core(Room, core(_,_,Y1,_)).
+depth_before_core(left,        Room, X1)   :- room_core(Room, core(X1,_,_,_)).
+depth_before_core(right,       Room, W-X2) :- room_core(Room, core(_,X2,_,_)), room_width(Room, W).
+depth_before_core(back,        Room, D-Y2) :- room_core(Room, core(_,_,_,Y2)), room_depth(Room, D).
+
+stand_within([], _) --> [].
+stand_within([Link|Links], Depth) -->
+    { link_out(Link, Out), link_why(Link, Why) },
+    [(Out =< Depth)-Why],
+    stand_within(Links, Depth).
+
+%!  stretch_items(+Stretch, -Items) is det.
+%
+%   Items are Kind-Item: free, or filling(Along,Out) where nothing but sizes fills the stretch from end to end.
+
+stretch_items(stretch(_,Links,Blocks), Items) :-
+    (   Blocks = [block(_,_,[at(_)-_|Bounds],_)], memberchk(at(_)-_, Bounds)
+    ->  maplist(filling_item, Links, Items)
+    ;   maplist(free_item, Links, Items) ).
+
+free_item(Link, free-Item) :- link_item(Link, Item).
+
+filling_item(Link, filling(Along,Out)-Item) :- link_item(Link, Item), link_along(Link, Along), link_out(Link, Out).
+
+%!  deepest(+Links, -Out) is det.
+%
+%   Out is how far the deepest of links stands out, where the sizes are known.
+
+deepest(Links, Out) :- foldl(deeper, Links, 0, Out).
+
+deeper(Link, Out0, Out) :- link_out(Link, Own), Out is max(Out0, Own).

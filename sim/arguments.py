@@ -1,0 +1,70 @@
+"""An environment's arguments, read and checked: its houses, its backend and its configuration."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from logic import House, load
+from sim.backend import METHODS, Backend
+from sim.config import PRESETS, Config
+from sim.tasks import named
+
+Houses = str | Path | Sequence[House] | dict[str, Any]
+
+BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
+
+
+def house_list(houses: Houses) -> list[House]:
+    """The houses of a file, of a request for ``logic.generate``, or of a list; ``ValueError`` if none."""
+    if isinstance(houses, dict):
+        from logic import generate
+
+        houses = list(generate(**houses))
+    elif isinstance(houses, str | Path):
+        houses = load(houses)
+    houses = list(houses)
+    if not houses:
+        raise ValueError("no house to simulate: the bank is empty")
+    strange = next((h for h in houses if not isinstance(h, House)), None)
+    if strange is not None:
+        raise ValueError(
+            f"houses must be a path, a request or a list of House, not of {type(strange).__name__}"
+        )
+    return houses
+
+
+def backend_class(name: str) -> type[Backend]:
+    """A backend of ours by name, or another as ``module:Class``; ``ValueError`` if there is none."""
+    if name in BACKENDS:
+        name = BACKENDS[name]
+    elif ":" not in name:
+        raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
+    try:
+        make = named(name)
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"backend {name!r} cannot be had: {error}") from None
+    if not isinstance(make, type):
+        raise ValueError(f"backend {name!r} cannot be had: it is no class")
+    lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
+    if lacking:
+        raise ValueError(f"backend {name!r} cannot be had: it has no {lacking}(), see sim.backend.Backend")
+    return make
+
+
+def configuration(preset: str | Config, max_episode_steps: int | None) -> Config:
+    """A preset, by name or itself, with another length of episodes if that is given."""
+    if not isinstance(preset, Config):
+        require("preset", preset, PRESETS)
+        preset = PRESETS[preset]
+    if max_episode_steps is not None:
+        if max_episode_steps < 1:
+            raise ValueError(f"max_episode_steps is {max_episode_steps}: at least one step")
+        preset = replace(preset, steps=max_episode_steps)
+    return preset
+
+
+def require(name: str, value: Any, known: Any) -> None:
+    """Raise ``ValueError`` unless the value is one of those known."""
+    if value not in known:
+        raise ValueError(f"unknown {name} {value!r}: there are {', '.join(known)}")

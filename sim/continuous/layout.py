@@ -1,0 +1,88 @@
+"""Houses as the continuous backend holds them: boxes and lines, and lists of those that matter.
+
+A house is divided into cells of ``CELL`` metres. Each has a list of the boxes that a body in it may touch by
+one action, and for each heading two lists of the lines that an eye in it may see: those across x, and those
+across y. A list leaves out only what it surely may: what is out of range, out of the field of view,
+turned away, or hidden behind one wall from every place of the cell. So it loses nothing, and a step meets
+about a sixth of a house.
+
+    numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, middle, reach, kind), where
+              reach is half of a line's length and a seam | by house: floor, then each room and its door
+              (x, y, half width, half height)
+    indices   H x header | for each cell where its block is | blocks; all cells out of doors share the first
+    header    first box, boxes, first piece, floor, rooms, first cell, columns, rows, first line
+    block     how many numbers the lists have up to the end of each | lists; numbers of 16 bits, two in each
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from sim.runtime import ti
+
+CELL = 1.0
+"""Metres: the side of a cell. Smaller ones make shorter lists, and more of them."""
+
+MARGIN = 1e-3
+"""Metres by which lists are more generous than they need to be: more than rounding can take away."""
+
+HEADER = 9
+FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS, FIRST_CELL, COLUMNS, ROWS, FIRST_LINE = range(HEADER)
+
+LISTS = 17
+"""A cell's lists: near boxes, then for each heading the lines across x and those across y."""
+
+ENDS = LISTS // 2 + 1
+"""Words of a block before its lists."""
+
+LONGEST = 2**16 - 1
+"""Of a cell's lists together: they are counted in 16 bits."""
+
+LINE, AHEAD = 16, 64
+"""Words of a cache line, and of a block's beginning that is prefetched; the last block, too, has as many
+behind it."""
+
+Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
+
+
+@ti.func
+def cell_of(numbers: ti.template(), indices: ti.template(), house, place):
+    """Where in ``indices`` the block of a place's cell is."""
+    header = house * HEADER
+    columns, rows = indices[header + COLUMNS], indices[header + ROWS]
+    x = ti.cast((place[0] - numbers[2 * house]) * ti.static(1 / CELL), ti.i32)
+    y = ti.cast((place[1] - numbers[2 * house + 1]) * ti.static(1 / CELL), ti.i32)
+    x, y = ti.max(0, ti.min(columns - 1, x)), ti.max(0, ti.min(rows - 1, y))
+    return indices[indices[header + FIRST_CELL] + y * columns + x]
+
+
+@ti.func
+def half_word(words: ti.template(), first, k):
+    """The k-th number of 16 bits from a word on."""
+    return (words[first + (k >> 1)] >> ((k & 1) << 4)) & 0xFFFF
+
+
+@ti.func
+def end_of(indices: ti.template(), block, k):
+    """How many numbers a cell's lists have before the k-th."""
+    return half_word(indices, block, k)
+
+
+@ti.func
+def listed(indices: ti.template(), block, k):
+    """The k-th number in a cell's lists."""
+    return half_word(indices, block + ENDS, k)
+
+
+def lines_listed(tables: Mapping[str, np.ndarray], house: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """How many lines a look meets, (E,) int: those listed for the cell and the heading of an eye at each of
+    the poses (E, 3) in houses (E,). ``tables``: ``numbers`` and ``indices`` of a bank.
+    """
+    indices = tables["indices"]
+    header = indices[: HEADER * (house.max() + 1)].reshape(-1, HEADER)[house]
+    corner = np.column_stack([tables["numbers"][2 * house], tables["numbers"][2 * house + 1]])
+    column, row = ((pose[:, :2] - corner) / CELL).astype(int).T
+    block = indices[header[:, FIRST_CELL] + row * header[:, COLUMNS] + column]
+    first = 1 + 2 * np.round(pose[:, 2] / (np.pi / 4)).astype(int) % 16
+    ends = indices.view(np.uint16)
+    return ends[2 * block + first + 2].astype(int) - ends[2 * block + first]

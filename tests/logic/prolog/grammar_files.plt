@@ -1,0 +1,40 @@
+% Loading a grammar's files: every mistake is a problem by its place.
+:- use_module('../../../logic/rules/grammar_files').
+:- use_module('../../../logic/rules/lengths').
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(library(plunit)).
+
+:- begin_tests(grammar_files).
+
+%   loaded(+Texts, -Problems): files with these texts, each problem as Number/Line/Column-Text.
+
+loaded(Texts, Found) :-
+    maplist(written, Texts, Files),
+    setup_call_cleanup(
+        load_grammar(Files, Problems), true,
+        ( maplist(unload_file, Files), maplist(delete_file, Files) )),
+    findall(N/Line/Column-Text, ( member(problem(File,Line,Column,Text), Problems), nth1(N, Files, File) ), Found).
+
+written(Text, File) :- tmp_file_stream(File, Out, [extension(pl),encoding(utf8)]), write(Out, Text), nl(Out), close(Out).
+
+test(a_good_file_has_no_problem, Found == []) :- loaded(["passage(0.4)."], Found).
+test(its_clauses_are_the_grammars, P == 0.4) :-
+    written("passage(0.4).", File), load_grammar([File], []), length_of(passage, P), unload_file(File), delete_file(File).
+test(clauses_may_stand_in_any_order_and_in_several_files, Found == []) :-
+    loaded(["room_size(a,1,1).\npiece_size(b,1,1,_).\nroom_size(c,1,1).", "room_size(d,1,1).\npassage(0.4)."], Found).
+test(constraints_of_clpr_are_known_without_a_directive, Found == []) :- loaded(["room_size(a,W,1) :- { W >= 1, W =< 2 }."], Found).
+test(a_syntax_error_is_named_by_line_and_column, Places == [1/2/16]) :-
+    loaded(["passage(0.4).\nroom_size(a, W 1) :- { W >= 1 }.\n"], Found), findall(Place, member(Place-_, Found), Places).
+test(its_text_says_which, Texts == ["syntax error: operator_expected"]) :-
+    loaded(["room_size(a W, 1)."], Found), findall(Text, member(_-Text, Found), Texts).
+test(a_clause_that_does_not_end_is_a_problem, true(sub_string(Text, 0, _, _, "syntax error: end_of_file"))) :-
+    loaded(["passage(0.4).\nroom_size(a, 1, 1)"], [_-Text]).
+test(a_problem_of_the_second_file_is_named_by_it, Places == [2/1]) :-
+    loaded(["passage(0.4).", "room_size(a W, 1)."], Found), findall(N/Line, member(N/Line/_-_, Found), Places).
+test(a_variable_that_stands_alone_is_a_problem, true(sub_string(Text, _, _, _, "Singleton"))) :-
+    loaded(["room_size(a, W, D) :- { D >= 1, D =< 2 }."], [1/1/1-Text]).
+test(problems_of_one_load_are_not_of_the_next, Found == []) :- loaded(["room_size(a W, 1)."], _), loaded(["passage(0.4)."], Found).
+test(letters_beyond_ascii_are_read, Found == []) :- loaded(["passage(0.4).  % größer als der Körper"], Found).
+
+:- end_tests(grammar_files).
