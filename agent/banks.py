@@ -32,10 +32,8 @@ def bank_hash(houses: Iterable[House]) -> str:
 
 
 def benchmark_path() -> Path:
-    """Where the benchmark bank is: in a checkout, or beside this file where the package is installed."""
-    here = Path(__file__).resolve().parent
-    checkout = here.parent / "benchmarks" / "houses" / NAME
-    return checkout if checkout.exists() else here / "houses" / NAME
+    """Where the benchmark bank is, in a checkout as in an installed wheel."""
+    return Path(__file__).resolve().parents[1] / "benchmarks" / "houses" / NAME
 
 
 def benchmark() -> list[House]:

@@ -1,34 +1,42 @@
-"""The ``vitruvius`` command: each sub-command is a dataclass whose fields are its options.
+"""The ``vitruvius`` command gathers those of ``logic`` and ``agent``, and the studies of ``benchmarks``.
 
-Torch, Taichi and the solvers are imported inside the commands that need them, so that help comes at once.
+A command is a dataclass whose fields are its options, with a ``run``. It is imported when it is asked for:
+making a house needs no simulator, and help comes at once.
 """
 
+import pkgutil
 import sys
 import traceback
+from collections.abc import Mapping
 from typing import Any
 
 import tyro
 
-from agent.bench import Bench
-from agent.commands import Export, Train
-from agent.config import PQNConfig
-from agent.evaluation.commands import Demo, Evaluate, Record
-from logic.commands import Check, Draw, Explain, Generate, Lint, say
-from logic.errors import VitruviusError
+from benchmarks import STUDIES
+from logic.commands import say
+from logic.errors import MissingProgram, VitruviusError
 
-COMMANDS: dict[str, Any] = {
-    "generate": Generate,
-    "explain": Explain,
-    "lint": Lint,
-    "check": Check,
-    "draw": Draw,
-    "train": Train[PQNConfig],
-    "evaluate": Evaluate,
-    "record": Record,
-    "export": Export,
-    "demo": Demo,
-    "bench": Bench,
+COMMANDS = {
+    "generate": ("logic.commands:Generate", "Make houses from rules."),
+    "explain": ("logic.commands:Explain", "Why no house satisfies a request."),
+    "lint": ("logic.commands:Lint", "Find the mistakes in rule files that clingo and Prolog pass over."),
+    "check": ("logic.commands:Check", "Check houses by plain geometry, apart from the rules that made them."),
+    "draw": ("logic.commands:Draw", "Draw plans of houses and a contact sheet."),
+    "train": ("agent.commands:Train", "Train an agent in houses."),
+    "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
+    "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
+    "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
+    "demo": ("agent.evaluation.commands:Demo", "Houses, an agent that learns in them, a report: in minutes."),
+    "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
 }
+"""By name: where the command is, ``module:Class``, and what it does."""
+
+EXTRAS = {
+    "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
+    "sim": ("gymnasium", "taichi"),
+    "agent": ("safetensors", "scipy", "tensorboard", "torch"),
+}
+"""Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -38,22 +46,53 @@ def main(arguments: list[str] | None = None) -> None:
 
 def parse(arguments: list[str]) -> Any:
     """The command that the arguments ask for, or the end of the process by their help or an error."""
-    if arguments[:1] == ["train"]:  # its defaults are a preset's
-        rest = arguments[1:]
-        like = Train.like(rest)
-        kind: Any = Train[type(like.config)]
-        return tyro.cli(kind, prog="vitruvius train", args=rest, default=like)
-    return tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
-        prog="vitruvius",
-        description="Furnished houses from rules, simulated by thousands, an agent that learns in them.",
-        args=arguments,
-    )
+    prog, table = "vitruvius", COMMANDS
+    if arguments[:1] == ["bench"]:
+        prog, table, arguments = "vitruvius bench", STUDIES, arguments[1:]
+    if not arguments or arguments[0] not in table:
+        return tyro.extras.subcommand_cli_from_dict(
+            _help_of(table), prog=prog, description=ABOUT, args=arguments
+        )
+    name, *rest = arguments
+    kind = pkgutil.resolve_name(table[name][0])
+    options = {"prog": f"{prog} {name}", "args": rest}
+    if name == "train":  # its defaults are a preset's
+        like = kind.like(rest)
+        return tyro.cli(kind[type(like.config)], default=like, **options)
+    return tyro.cli(kind, **options)
+
+
+ABOUT = "Furnished houses from rules, simulated by thousands, an agent that learns in them."
+
+
+def _help_of(table: Mapping[str, tuple[str, str]]) -> dict[str, Any]:
+    """Commands of which nothing is known but their names and sentences."""
+
+    def stub(sentence: str) -> Any:
+        def command() -> None: ...
+
+        command.__doc__ = sentence
+        return command
+
+    return {name: stub(sentence) for name, (_, sentence) in table.items()}
+
+
+def _run(arguments: list[str]) -> int:
+    """Run the command. Raises ``MissingProgram`` where it lacks a module that an extra installs."""
+    try:
+        return parse(arguments).run() or 0
+    except ModuleNotFoundError as error:
+        study, module = arguments[0] == "bench", (error.name or "").partition(".")[0]
+        extras = [extra for extra, modules in EXTRAS.items() if module in modules]
+        if not extras:
+            raise
+        words, extra = " ".join(arguments[: 1 + study]), extras[0 if study else -1]
+        raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 
 def _exit_code(arguments: list[str]) -> int:
     try:
-        return parse(arguments).run()
+        return _run(arguments)
     except VitruviusError as error:
         if error.exit_code == VitruviusError.exit_code:
             say(f"error, a fault of ours, please report it: {error}")

@@ -1,0 +1,21 @@
+"""The studies: how hard a house is, how fast a step, how well agents do. ``vitruvius bench NAME`` runs one.
+
+Each is a dataclass whose fields are its options, with a ``run``; it is imported only when it is asked for.
+"""
+
+STUDIES = {
+    "generator": ("benchmarks.generator.run:Generator", "Solve time against rooms, on any grammar."),
+    "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
+    "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
+    "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
+    "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),
+    "agents": ("benchmarks.agents.run:Agents", "Train every preset and its changes, and measure all."),
+    "learner": ("benchmarks.agents.learner:Learner", "Where the time of a training step goes."),
+    "throughput": ("benchmarks.agents.throughput:Throughput", "Training speed of one process and of two."),
+    "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
+    "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
+    "films": ("benchmarks.agents.films:Film", "Film an agent beside its map."),
+    "explorers": ("benchmarks.explorers:Explorers", "The planner with other numbers."),
+    "odds": ("benchmarks.odds:Odds", "Where an unseen target may be: the planner's table."),
+}
+"""By name: where the study is, ``module:Class``, and what it measures."""

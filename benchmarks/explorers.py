@@ -36,9 +36,9 @@ from agent.planner import Planner
 from agent.policies import Explorer, Policy, Tracker
 from agent.world import make_worlds, shield
 from benchmarks import told
-from benchmarks.agents import ROOMS
+from benchmarks.common.houses import ROOMS
+from benchmarks.common.processes import LIBC, say
 from benchmarks.constants import MODULES, change, constants
-from benchmarks.jobs import LIBC, say
 from logic import House, generate, load, save
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole

@@ -27,8 +27,8 @@ from agent.planner.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
 from agent.planner.counts import COUNTS, SINCE
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
-from benchmarks.agents import ROOMS
-from benchmarks.jobs import say
+from benchmarks.common.houses import ROOMS
+from benchmarks.common.processes import say
 from logic import House, generate
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv

@@ -1,17 +1,20 @@
 """The command: every way to end, by its exit code and one line of text."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
 import time
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from agent.cli import COMMANDS, main, parse
+from agent.cli import COMMANDS, EXTRAS, main, parse
 from agent.config import PRESETS
+from benchmarks import STUDIES
 from logic import load
 
 ROOT = Path(__file__).parents[1]
@@ -129,11 +132,82 @@ def test_ctrl_c_keeps_the_houses_and_ends_within_a_second(tmp_path: Path) -> Non
     assert load(file)
 
 
-def test_help_names_every_command_and_comes_without_torch() -> None:
-    code = "import sys, agent.cli; assert not {'torch', 'taichi', 'clingo'} & set(sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-    shown = vitruvius("--help").stdout
-    assert all(name in shown for name in COMMANDS)
+def test_the_command_line_imports_no_library_of_a_command() -> None:
+    libraries = {"torch", "taichi", "gymnasium", "clingo", "pyswip", "matplotlib", "pytest"}
+    code = f"import sys, agent.cli; print(sorted({libraries} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_help_names_every_command_and_every_study() -> None:
+    for arguments, table in ((["--help"], COMMANDS), (["bench", "--help"], STUDIES)):
+        shown = vitruvius(*arguments).stdout
+        assert all(name in shown and sentence.split()[0] in shown for name, (_, sentence) in table.items())
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_help_of_a_study_starts_nothing(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as done:
+        main(["bench", name, "--help"])
+    assert not done.value.code
+    assert f"usage: vitruvius bench {name}" in capsys.readouterr().out
+
+
+BASE_ALONE = """
+import sys
+from importlib.abc import MetaPathFinder
+
+class Absent(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name.partition(".")[0] in sys.argv[1].split():
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Absent())
+from agent.cli import main
+main(sys.argv[2:])
+"""
+
+
+def on_the_base(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """A command where none of the extras is installed."""
+    absent = " ".join(module for modules in EXTRAS.values() for module in modules)
+    command = [sys.executable, "-c", BASE_ALONE, absent, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+
+
+def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
+    file = tmp_path / "houses.jsonl"
+    for arguments in (
+        ("generate", "--rooms", 1, "--out", file),
+        ("check", file),
+        ("draw", file, "--out", tmp_path, "--format", "png"),
+        ("train", "--help"),
+    ):
+        ended = on_the_base(*arguments)
+        assert ended.returncode == 0, ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "needs"),
+    [
+        ("train houses.jsonl", "vitruvius train needs torch: pip install vitruvius[agent]"),
+        ("evaluate pqn-map", "vitruvius evaluate needs torch: pip install vitruvius[agent]"),
+        ("bench generator", "vitruvius bench generator needs scipy: pip install vitruvius[bench]"),
+        ("bench films pqn-map", "vitruvius bench films needs torch: pip install vitruvius[agent]"),
+    ],
+)
+def test_a_command_names_the_extra_that_it_lacks(command: str, needs: str) -> None:
+    ended = on_the_base(*command.split())
+    assert ended.returncode == 69
+    assert ended.stderr == f"error: {needs}\n"
+
+
+def test_the_extras_are_those_of_the_distribution() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    for extra, modules in EXTRAS.items():
+        listed = {re.split("[<>=]", line)[0] for line in project["optional-dependencies"][extra]}
+        found = {module.replace("_", "-") for module in modules} - {"cpuinfo"}  # of pytest-benchmark
+        assert found == {name for name in listed if not name.startswith("vitruvius")}
 
 
 def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:

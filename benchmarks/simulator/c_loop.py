@@ -20,6 +20,8 @@ LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "seam", "ma
 
 
 class Config(ctypes.Structure):
+    """Lengths in metres, as ``step.c`` reads them, and the steps of an episode."""
+
     _fields_ = [*((name, ctypes.c_float) for name in LENGTHS), ("steps", ctypes.c_int)]
 
 
@@ -54,6 +56,7 @@ class Loop:
     """Steps a continuous world of the default kind in C, from its present state on copies of its arrays."""
 
     def __init__(self, envs: HouseVectorEnv, folder: Path, command: list[str]) -> None:
+        """Compile into ``folder`` by a compiler's ``command``."""
         library = folder / "step.so"
         subprocess.run([*command, *FLAGS, str(SOURCE), "-o", str(library)], check=True)
         self.library, config, backend = ctypes.CDLL(str(library)), envs.config, envs.backend

@@ -1,4 +1,4 @@
-"""What comes before the first step, in a process of its own: prints seconds by part, as JSON.
+"""What comes before the first step, in a new process: prints seconds by part, as JSON.
 
 ``python -m benchmarks.simulator.first_step FILE``: importing, packing FILE's houses for the first time and
 again, and all the rest until the first step of 4096 environments is done. Kernels are compiled, or taken from
@@ -13,6 +13,7 @@ from unittest.mock import patch
 
 
 def main(file: str) -> None:
+    """Print the seconds."""
     begun = perf_counter()
     import numpy as np
 
@@ -24,9 +25,9 @@ def main(file: str) -> None:
     houses = load(file)
     packing, take_in = [], World.load
 
-    def load_timed(world: World, bank: Any) -> None:
+    def load_timed(world: World, *arguments: Any) -> None:
         before = perf_counter()
-        take_in(world, bank)
+        take_in(world, *arguments)
         packing.append(perf_counter() - before)
 
     with patch.object(World, "load", load_timed):

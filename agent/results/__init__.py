@@ -1,1 +1,0 @@
-"""What the studies of ``vitruvius bench`` found: series, fitted laws, pages of results."""

@@ -1,0 +1,58 @@
+"""What the study of agents trains: presets, changes of them, and agents of other libraries."""
+
+from agent.config import PRESETS
+from benchmarks.agents.records import Entry, External
+
+BUDGET = 15 * 60
+RATES = {"pqn": 46_000, "pqn-map": 21_500, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
+"""The whole budget of a run: as many steps as 15 minutes gave on one quiet core of the machine that the study
+began on; steps a second. Counted in steps, it does not depend on the machine."""
+
+
+def _entry(name: str, preset: str, shows: str, said: str = "", beside: str = "") -> Entry:
+    """An entry with its preset's budget; its targets are the preset's, where no option says otherwise."""
+    options = tuple(said.split())
+    targets = options[options.index("--targets") + 1] if "--targets" in options else PRESETS[preset].targets
+    return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside)
+
+
+def _changed(name: str, shows: str, said: str) -> Entry:
+    """A change of the agent with a map."""
+    return _entry(f"map-{name}", "pqn-map", shows, said, beside="pqn-map")
+
+
+ENTRIES = (
+    _entry("pqn-map", "pqn-map", "the agent with a map"),
+    _entry("pqn", "pqn", "rays and exponential moving averages of the past, no map"),
+    _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
+    _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
+    _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the averages"),
+    _entry("pqn-secondary", "pqn", "no map at all", "--targets secondary", beside="pqn-map"),
+    _changed("no-shield", "no avoidance layer", "--avoidance none"),
+    _changed("paper-rule", "the paper's avoidance in place of the shield", "--avoidance paper"),
+    _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance none", beside="pqn"),
+)
+"""What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""
+
+
+EXTERNAL_STEPS = 1_000_000
+"""Of each run of another library's agent, whatever the share."""
+
+
+def _external(name: str, command: str, shows: str) -> External:
+    return External(f"{name} + avoidance", f"examples/{command} --avoid", EXTERNAL_STEPS, "main", shows)
+
+
+EXTERNALS = {
+    "sb3-dqn": _external(
+        "SB3 DQN", "stable_baselines.py --algorithm dqn", "deep Q-learning of Stable-Baselines3"
+    ),
+    "sb3-ppo": _external(
+        "SB3 PPO", "stable_baselines.py --algorithm ppo", "policy gradients of Stable-Baselines3"
+    ),
+    "torchrl-ppo": _external("TorchRL PPO", "torchrl_ppo.py", "policy gradients of TorchRL"),
+    "one-file": _external(
+        "PQN in one file", "one_file.py", "parallel Q-learning in plain torch, as CleanRL does"
+    ),
+}
+"""Agents of other libraries, by the folders of their runs. Each learns, plays and writes its own scores."""

@@ -1,0 +1,236 @@
+"""The study of agents as a page: a function of its records alone."""
+
+from collections.abc import Iterator
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
+from agent.evaluation.tables import WHERE
+from benchmarks.agents.records import Difference, Entry, Study, by_seed, difference
+from benchmarks.common.pages import table_rows
+
+UNMEASURED = "-"
+
+
+def agents_page(study: Study) -> str:
+    """The study as a page: tables beside the pictures of ``benchmarks.agents.pictures``."""
+    bases = [entry for entry in study.presets() if study.changes(entry.name)]
+    return PAGE.format(
+        command=study.command,
+        days=study.days,
+        machine=study.machine,
+        versions=study.versions,
+        share=f"{study.share:.3g}",
+        minutes=f"{15 * study.share:.2g}",
+        learnt_in=study.learnt_in,
+        measured_in=study.measured_in,
+        human=HUMAN_RATIO,
+        soon=SUCCESS_STEPS,
+        entries=table_rows(_entry(study, entry) for entry in study.entries),
+        externals=_externals(study),
+        unfinished=_unfinished(study),
+        modes=" | ".join(f"ratio, {WHERE[mode]}" for mode in study.results),
+        dashes="---|" * len(study.results),
+        order=" / ".join(study.results),
+        players=table_rows(_players(study)),
+        rooms=_by_rooms(study),
+        parts="\n\n".join(_parts(study, base) for base in bases) or "No change was measured.",
+        time=table_rows(_time(study, entry) for entry in study.entries if _lasts(study, entry)),
+    )
+
+
+def _entry(study: Study, entry: Entry) -> list[str]:
+    """What an entry is, and the ratio of each of its runs."""
+    result, seeds = study.results[entry.targets], study.seeds(entry.name)
+    each = ", ".join(f"{value:.2f}" for value in by_seed(result, entry.name)) if seeds else UNMEASURED
+    options = " ".join(("--preset", entry.preset, *entry.options))
+    return [entry.name, entry.shows, f"`{options}`", entry.targets, f"{entry.steps / 1e6:.3g}", each]
+
+
+def _externals(study: Study) -> str:
+    """What others' agents are, and the ratio of each of their runs."""
+    if not study.externals:
+        return ""
+    rows = []
+    for agent in study.externals:
+        result = study.results[agent.targets]
+        each = ", ".join(f"{value:.2f}" for value in by_seed(result, agent.name))
+        ratio = result.ratio(agent.name).text()
+        rows.append([agent.name, agent.shows, f"`{agent.command}`", agent.targets, ratio, each])
+    return EXTERNALS.format(steps=f"{study.externals[0].steps / 1e6:.3g}", rows=table_rows(rows))
+
+
+def _unfinished(study: Study) -> str:
+    """Runs that are in no table, and why."""
+    lines = []
+    for run in (*study.runs, *study.absent):
+        if not run.finished:
+            seen = f" (it came to {run.last['steps'] / 1e6:.2f} M steps)" if run.last else ""
+            lines.append(f"- {run.entry}, seed {run.seed}: {run.failed or 'it was stopped'}{seen}")
+    if not lines:
+        return "All runs that were begun came to their end and are in the tables."
+    return "Not in the tables, as these runs did not come to their end:\n\n" + "\n".join(lines)
+
+
+def _players(study: Study) -> Iterator[list[str]]:
+    """Each player's ratio, success and SPL in all modes that it was measured in."""
+    names = {entry.name: f"**{entry.name}**" for entry in study.presets()}
+    for name in [*names, *study.baselines()]:
+        figures = [result.figures(name) for result in study.results.values()]
+        means = (" / ".join(f"{each[key].value:.2f}" for each in figures) for key in ("success", "spl"))
+        ratios = (each["ratio"].text() for each in figures)
+        yield [names.get(name, name), *ratios, *means]
+
+
+def _by_rooms(study: Study) -> str:
+    """The ratio by number of rooms in the mode that is about them."""
+    result = study.results.get("secondary")
+    if not result:
+        return "Not measured."
+    counts = [int(count) for count in np.unique(result.rooms)]
+    names = [*(entry.name for entry in study.presets()), *study.baselines()]
+    rows = (
+        [name, *(result.ratio(name, count).text() for count in counts)] for name in names if name != "oracle"
+    )
+    head = " | ".join(f"{count} rooms" for count in counts)
+    return f"| player | {head} |\n|---|{'---|' * len(counts)}\n{table_rows(rows)}"
+
+
+def _parts(study: Study, base: Entry) -> str:
+    """A preset and its changes, in one table."""
+    result = study.results[base.targets]
+    rows = [[f"**{base.name}**", "", *_conduct(result, base.name), "", ""]]
+    for entry in study.changes(base.name):
+        found = difference(study, entry)
+        each = ", ".join(f"{value:+.2f}" for value in found.each)
+        rows.append([entry.shows, _options(entry), *_conduct(result, entry.name), _signed(found), each])
+    head = "| change | options | ratio | blocked | overruled | difference | by seed |"
+    title = f"**Changes of {base.name}, targets in {WHERE[base.targets]}**"
+    return f"{title}\n\n{head}\n|{'---|' * 7}\n{table_rows(rows)}"
+
+
+def _options(entry: Entry) -> str:
+    preset = () if entry.preset == entry.beside else ("--preset", entry.preset)
+    return f"`{' '.join((*preset, *entry.options))}`"
+
+
+def _conduct(result: Result, player: str) -> list[str]:
+    """Ratio, blocked moves and overruled actions."""
+    figures = result.figures(player)
+    return [figures["ratio"].text(), *(f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))]
+
+
+def _signed(found: Difference) -> str:
+    """In bold where it is clear."""
+    value, low, high = (f"{number:+.2f}" for number in found.all)
+    return f"{f'**{value}**' if found.clear else value} [{low}, {high}]"
+
+
+def _lasts(study: Study, entry: Entry) -> list[dict[str, Any]]:
+    """The last reports of an entry's finished runs."""
+    return [run.last for run in study.runs if run.entry == entry.name and run.finished and run.last]
+
+
+def _time(study: Study, entry: Entry) -> list[str]:
+    """Steps a second of a whole run and of its parts alone, and the parts' shares of the time: medians."""
+    lasts = _lasts(study, entry)
+    whole = median(last["steps"] / last["seconds"] for last in lasts)
+    cells = [f"{whole:,.0f}"]
+    for part in ("simulator", "map", "learner"):
+        rates = [last[part] for last in lasts if last.get(part)]
+        cells.append(f"{median(rates):,.0f} ({whole / median(rates):.0%})" if rates else UNMEASURED)
+    return [entry.name, *cells, f"{median(last['seconds'] for last in lasts) / 60:.1f}"]
+
+
+EXTERNALS = """
+## External agents
+Agents of other libraries, by the examples that come with the project: our houses, rays and avoidance layer;
+their way to learn and to explore, which they keep when they are measured. Their networks have two layers of
+128 too, but see only the present observation, where ours see averages of earlier ones. They learn from
+{steps} M steps in any share, far fewer than ours, so they are in no table with them. They are measured for
+the targets that they learnt for.
+
+| agent | what it is | command | targets learnt for | ratio there | run by run |
+|---|---|---|---|---|---|
+{rows}
+"""
+
+PAGE = """# How well do agents learn?
+
+`{command}`, {days}. {machine}. {versions}.
+
+An agent learns by trial in some houses, then plays one episode of 1500 steps in each of many houses that it
+has never seen. Whenever it picks up a target the next one appears. The **ratio** is the share of the targets
+that an oracle picks up there, who knows the house and the target and takes the shortest way: 1 is perfect,
+and the human of the paper stands at {human}, who had the whole map in sight.
+
+**Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
+core of the machine that the study began on; this share of it is the work of {minutes} minutes. No run was
+chosen or left out by how well it did.
+
+- Learnt in: {learnt_in}.
+- Measured in: {measured_in}; nothing learns in them.
+
+![Ratio to the oracle of all players](agent-scores.png)
+
+## How well they do
+| player | {modes} | success, {order} | SPL, {order} |
+|---|{dashes}---|---|
+{players}
+
+Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
+over both. It draws a run for each house by itself, so an interval is narrower than whole runs may differ: see
+the ticks in the picture and the table of every run. Success: the share of episodes whose first target was
+picked up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Agents
+play for all three kinds of target, though each learnt for one (see below). Below them are baselines, which
+learn nothing; the searcher knows the house, but not where the target is.
+
+## Where it gets hard: by number of rooms
+Targets in secondary rooms, ratio to the oracle:
+
+{rooms}
+
+![Ratio by number of rooms](agent-rooms.png)
+
+## What each part contributes
+Each row changes one thing of an agent and trains it from scratch by the same budget of time. (No map at all
+is the preset `pqn`: it makes twice the steps in that time, and differs in a few settings more.) The
+difference is to the agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds
+have the same sign. The 95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked
+moves, and actions that the avoidance layer overruled, are per 1000 steps.
+
+![Differences of the ratio by what was changed](agent-parts.png)
+
+{parts}
+
+## Every run
+A curve shows targets picked up per 1500 steps while the agent still explores, so it stays below what
+is measured afterwards. Each panel has all runs of an entry, those that went badly too.
+
+![Learning curves of every run](agent-curves.png)
+
+| entry | what it is | options | targets learnt for | M steps | ratio there, run by run |
+|---|---|---|---|---|---|
+{entries}
+
+{unfinished}
+{externals}
+## Where the time goes
+Steps a second of a whole training run on one core, then of each part if it were alone, and in brackets its
+share of the time; the learner is all that is not simulator or map: acting, avoidance, returns, updates.
+Medians over the runs. Other runs were at work beside on the same machine.
+
+| entry | steps a second | simulator | map | learner | minutes |
+|---|---|---|---|---|---|
+{time}
+
+## Do it again
+`{command}` goes on where it was stopped, and repeats nothing.
+
+One run alone: `./run train runs/study/learn.jsonl --preset pqn-map --steps 1000000 --seed 0`, or with the
+options and steps of its row, then `./run evaluate runs/train/agent.safetensors`. With other houses, seeds
+or processors the figures will vary as the intervals say; the same seed on the same machine gives the same
+run.
+"""

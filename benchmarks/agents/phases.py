@@ -1,0 +1,124 @@
+"""``vitruvius bench phases``: where the steps of an episode go.
+
+For agents, the explorer and the searcher: the share of their steps of each phase (see ``account.py``), in all
+houses and by size, with what a target costs in steps of each; and where targets come into sight. What is
+played is kept, player by player, so that a run that was stopped goes on.
+"""
+
+import io
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import torch
+import tyro
+
+from agent import checkpoint
+from agent.banks import bank_hash, benchmark
+from agent.build import policy_of
+from agent.config import TargetMode
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.tables import Table
+from agent.policies import Policy
+from agent.world import make_worlds
+from benchmarks.agents.account import PHASES, Account, follow
+from benchmarks.agents.kept import code, fingerprint
+from logic import load
+from logic.files import write_whole
+
+BESIDE = ("explorer", "searcher", "oracle")
+"""Baselines in the tables."""
+
+
+@dataclass(frozen=True)
+class Phases:
+    """Account for the steps of agents and baselines, one episode in each house."""
+
+    agents: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Checkpoints, of agents of the default world; by default those that come with the project."""
+
+    houses: Path | None = None
+    """House file; by default the benchmark bank."""
+
+    targets: TargetMode = "secondary"
+    """Where targets lie."""
+
+    seed: int = 0
+    """Seeds starts and targets."""
+
+    out: Path = Path("runs/phases")
+    """Folder for what was played, and phases.md."""
+
+    def run(self) -> None:
+        """Play and print."""
+        torch.set_num_threads(1)
+        houses = load(self.houses) if self.houses else benchmark()
+        envs = make_worlds(houses, len(houses), self.targets)
+        makers: dict[str, tuple[str, Callable[[], Policy]]] = {}
+        for path in self.agents or tuple(map(Path, checkpoint.released())):
+            found = checkpoint.load(path)
+            make = partial(policy_of, found.network, found.config, envs, self.seed)
+            makers[found.name] = fingerprint(found), make
+        for name in BESIDE:
+            makers[name] = name, partial(BASELINES[name], envs, self.seed)
+        accounts = {}
+        setting = f"{self.targets}-{self.seed}-{bank_hash(houses)[:8]}-{code()}"
+        for name, (key, make) in makers.items():
+            path = self.out / f"{key[:8]}-{setting}.npz"
+            if not path.exists():
+                content = io.BytesIO()
+                np.savez(content, **vars(follow(envs, make(), self.seed)))
+                write_whole(path, content.getvalue())
+            accounts[name] = Account(**np.load(path))
+        rooms = np.array([len(house.rooms) for house in houses])
+        page = "\n\n".join(sheet.markdown() for sheet in sheets(accounts, rooms))
+        write_whole(self.out / "phases.md", f"{page}\n".encode())
+        print(page)
+
+
+def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Table]:
+    """The tables, for houses with these numbers of ``rooms`` (H,)."""
+    where = f"{len(rooms)} houses"
+    yield Table(
+        f"Share of steps by phase, {where}",
+        ("player", *PHASES, "turns", "blocked"),
+        [(name, *percents(each)) for name, each in accounts.items()],
+    )
+    yield Table(
+        f"Steps of each phase for a target picked up, {where}",
+        ("player", *PHASES, "all"),
+        [(name, *costs(each)) for name, each in accounts.items()],
+    )
+    yield Table(
+        f"Targets picked up, by the phase in which a ray first met them, {where}",
+        ("player", "at once", *PHASES[1:], "targets an episode"),
+        [
+            (name, *shares(each.sighted.sum(axis=0)), f"{each.sighted.sum() / len(rooms):.2f}")
+            for name, each in accounts.items()
+        ],
+    )
+    for number in np.unique(rooms):
+        yield Table(
+            f"Share of steps by phase, {number} rooms, {(rooms == number).sum()} houses",
+            ("player", *PHASES, "turns", "blocked"),
+            [(name, *percents(each.of(rooms == number))) for name, each in accounts.items()],
+        )
+
+
+def percents(account: Account) -> tuple[str, ...]:
+    """The share of steps of each phase, of turns and of blocked moves."""
+    beside = [each.sum() / account.steps.sum() for each in (account.turning, account.blocked)]
+    return *shares(account.steps.sum(axis=0)), *(f"{share:.1%}" for share in beside)
+
+
+def costs(account: Account) -> tuple[str, ...]:
+    """How many steps of each phase, and of all, were made for a target."""
+    steps = account.steps.sum(axis=0)
+    return tuple(f"{count / max(account.sighted.sum(), 1):.1f}" for count in (*steps, steps.sum()))
+
+
+def shares(counts: np.ndarray) -> tuple[str, ...]:
+    """Each count's share in all, in per cent."""
+    return tuple(f"{count / max(counts.sum(), 1):.1%}" for count in counts)

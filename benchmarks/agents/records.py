@@ -1,0 +1,139 @@
+"""The records of the study of agents, and what they say: differences between an agent and its changes."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from scipy.stats import trim_mean
+
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.result import Result
+from agent.evaluation.statistics import Estimate, paired_difference
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is trained, by several seeds."""
+
+    name: str
+    preset: str
+    options: tuple[str, ...]
+    """What differs from the preset, as options of ``vitruvius train``."""
+    steps: int
+    """Environment steps of each run."""
+    targets: str
+    """Where targets lie while it learns."""
+    shows: str
+    """What it is there for, in words."""
+    beside: str = ""
+    """The entry that it is a change of, and is compared with."""
+
+
+@dataclass(frozen=True)
+class External:
+    """Another library's agent, by one of the examples; it is measured with targets such as it learnt for."""
+
+    name: str
+    """As its scores name it."""
+    command: str
+    steps: int
+    """Environment steps of each run."""
+    targets: str
+    shows: str
+    """What it is, in words."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How an entry's training by one seed went."""
+
+    entry: str
+    seed: int
+    finished: bool
+    failed: str
+    """Why the last try failed, if it did."""
+    curve: tuple[tuple[int, float], ...]
+    """Environment steps, and targets per 1500 steps while learning."""
+    last: dict[str, Any] | None
+    """The last report: ``agent.learner.Progress``."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that the page is made of."""
+
+    share: float
+    """Of the whole budget, 0 to 1."""
+    command: str
+    days: str
+    machine: str
+    versions: str
+    learnt_in: str
+    measured_in: str
+    entries: tuple[Entry, ...]
+    runs: tuple[Outcome, ...]
+    """In the order of the entries' seeds."""
+    results: dict[str, Result]
+    """By target mode. The players' runs are the finished ones of ``runs``, in their order."""
+    externals: tuple[External, ...] = ()
+    """Those that are players in the results of their targets."""
+    absent: tuple[Outcome, ...] = ()
+    """Runs of external agents that were begun and have no score."""
+
+    def entry(self, name: str) -> Entry:
+        """The entry of this name. Raises ``KeyError``."""
+        return {entry.name: entry for entry in self.entries}[name]
+
+    def seeds(self, name: str) -> list[int]:
+        """Seeds of an entry's finished runs, in the order of its scores."""
+        return [run.seed for run in self.runs if run.entry == name and run.finished]
+
+    def measured(self) -> list[Entry]:
+        """Entries with a finished run."""
+        return [entry for entry in self.entries if self.seeds(entry.name)]
+
+    def presets(self) -> list[Entry]:
+        """Those of them that are no change of another."""
+        return [entry for entry in self.measured() if not entry.beside]
+
+    def changes(self, name: str) -> list[Entry]:
+        """Those of them that are changes of an entry and have a seed in common with it."""
+        return [
+            e for e in self.measured() if e.beside == name and set(self.seeds(e.name)) & set(self.seeds(name))
+        ]
+
+    def baselines(self) -> list[str]:
+        """Policies that learn nothing."""
+        policies = next(iter(self.results.values())).policies
+        return [name for name in BASELINES if name in policies]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What a change does to the ratio in the houses that the agent learns for."""
+
+    all: Estimate
+    """Difference of the interquartile means, its interval by a bootstrap of pairs: same seed, same house."""
+    each: tuple[float, ...]
+    """The same by seed."""
+
+    @property
+    def clear(self) -> bool:
+        """Whether there is one: the interval does not hold 0, and no seed is of the other sign."""
+        low, high = min(self.all.low, *self.each), max(self.all.high, *self.each)
+        return low > 0 or high < 0
+
+
+def difference(study: Study, changed: Entry) -> Difference:
+    """A change beside what it is a change of, over the seeds that both have finished."""
+    result = study.results[changed.targets]
+    ours, theirs = (study.seeds(name) for name in (changed.name, changed.beside))
+    seeds = [seed for seed in ours if seed in theirs]
+    one = result.ratios(changed.name)[[ours.index(seed) for seed in seeds]]
+    other = result.ratios(changed.beside)[[theirs.index(seed) for seed in seeds]]
+    each = (paired_difference(*rows).value for rows in zip(one, other, strict=True))
+    return Difference(paired_difference(one, other), tuple(each))
+
+
+def by_seed(result: Result, policy: str) -> list[float]:
+    """The ratio of each of a policy's runs: interquartile mean over the houses."""
+    return [float(trim_mean(row, 0.25)) for row in result.ratios(policy)]

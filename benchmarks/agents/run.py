@@ -1,0 +1,133 @@
+"""``vitruvius bench agents``: every preset and its changes, by several seeds, in houses not seen before.
+
+It makes the houses to learn in, trains each entry with each seed, measures all in the benchmark bank and
+writes the page. Stopped at any moment and started again it goes on, and what is finished is not done again.
+"""
+
+import json
+import signal
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from agent.banks import HASH
+from agent.config import TARGET_MODES
+from agent.evaluation import scores
+from benchmarks.agents.entries import ENTRIES, EXTERNALS
+from benchmarks.agents.page import agents_page
+from benchmarks.agents.pictures import pictures
+from benchmarks.agents.records import Entry, Study
+from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, given
+from benchmarks.common.houses import TRAINING, training_houses
+from benchmarks.common.pages import ROOT, machine, revision, versions, write
+from benchmarks.common.processes import CLI, Job, run_all
+from logic.errors import RequestError
+
+
+@dataclass(frozen=True)
+class Agents:
+    """Train and measure all agents, and write the page of results; what is done already is not done again."""
+
+    share: float = 1.0
+    """Part of the whole budget of each run; the schedules follow it."""
+
+    only: tuple[str, ...] = ()
+    """Entries and external agents to train, by name; by default all. The page has all that are finished."""
+
+    seeds: tuple[int, ...] = (0, 1, 2)
+    """Of the training runs of each entry."""
+
+    workers: int = 2
+    """Processes at a time, each on another processor."""
+
+    out: Path = Path("runs/study")
+    """Folder for all runs and records of one share, and for agents.md."""
+
+    publish: bool = False
+    """Put the page and its pictures into docs too."""
+
+    def run(self) -> None:
+        """Do all of it."""
+        entries = [replace(entry, steps=max(1, round(self.share * entry.steps))) for entry in ENTRIES]
+        names = [*(entry.name for entry in entries), *EXTERNALS]
+        if unknown := set(self.only) - set(names):
+            known = ", ".join(names)
+            raise RequestError(f"--only {min(unknown)}: no entry. They are {known}")
+        if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
+            raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends what it started too
+        out = self.out.resolve()
+        houses = training_houses(out / "learn.jsonl", self.workers)
+        # Seed by seed: wherever the study is stopped, the entries have about equally many runs.
+        runs = [EntryRun(entry, seed, out) for seed in self.seeds for entry in entries]
+        for run in runs:
+            run.require_same()
+        others = [ExternalRun(name, seed, out) for seed in self.seeds for name in EXTERNALS]
+        asked = [each for each in (*runs, *others) if not self.only or each.name in self.only]
+        run_all([each.training(houses) for each in asked if not each.finished], self.workers)
+        finished = [run for run in runs if run.finished]
+        if not finished:
+            raise StudyFailed(f"{self.out}: no entry is finished, and external agents alone make no page")
+        places = {mode: out / f"evaluation-{mode}" for mode in TARGET_MODES}
+        agents = {mode: [run for run in finished if run.plays(mode)] for mode in TARGET_MODES}
+        late = [mode for mode in TARGET_MODES if not measured(places[mode], agents[mode])]
+        run_all([measuring(mode, agents[mode], places[mode]) for mode in late], self.workers)
+        if left := [places[mode] for mode in late if not measured(places[mode], agents[mode])]:
+            raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
+        study = self.study(entries, runs, others, places)
+        write({"agents.md": agents_page(study).encode(), **pictures(study)}, self.out, self.publish)
+        print(self.out / "agents.md")
+
+    def study(
+        self,
+        entries: Sequence[Entry],
+        runs: Sequence[EntryRun],
+        others: Sequence[ExternalRun],
+        places: dict[str, Path],
+    ) -> Study:
+        """The records as the page wants them."""
+        begun = [run for run in runs if run.begun]
+        came = [run for run in others if run.finished]
+        files = {mode: place / "evaluation.json" for mode, place in places.items()}
+        records = {mode: scores.load(file) for mode, file in files.items()}
+        results = {mode: scores.result_of(record.targets[mode], mode) for mode, record in records.items()}
+        for run in came:
+            results[run.agent.targets] = run.joined(results[run.agent.targets])
+        made = [*files.values(), *(run.scores for run in came)]
+        made += [file for run in begun for file in (run.folder.config, run.folder.agent) if file.exists()]
+        days = sorted({str(datetime.fromtimestamp(file.stat().st_mtime, UTC).date()) for file in made})
+        test, seeds = records[TARGET_MODES[0]].bank, " ".join(map(str, self.seeds))
+        return Study(
+            share=self.share,
+            command=f"./run bench agents --share {self.share:g} --seeds {seeds}",
+            days=days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}",
+            machine=machine(),
+            versions=versions("torch", "taichi", "numpy", revision=revision()),
+            learnt_in=f"1025 houses of `family`, 2 to 6 rooms, seeds 102 to 106 (hash `{TRAINING[:12]}`)",
+            measured_in=f"{test.file}, {test.houses} houses (hash `{test.hash[:12]}`)",
+            entries=tuple(entry for entry in entries if any(run.entry == entry for run in begun)),
+            runs=tuple(run.record() for run in begun),
+            results=results,
+            externals=tuple(dict.fromkeys(run.agent for run in came)),
+            absent=tuple(run.record() for run in others if run.begun and not run.finished),
+        )
+
+
+def measuring(mode: str, runs: Iterable[EntryRun], folder: Path) -> Job:
+    """What measures all agents and baselines in a target mode, in one go."""
+    agents = (given(run.folder.agent) for run in runs)
+    command = (*CLI, "evaluate", *agents, "--targets", mode, "--out", given(folder))
+    return Job(f"measuring, {mode}", command, folder)
+
+
+def measured(folder: Path, runs: Iterable[EntryRun]) -> bool:
+    """Whether the record in the folder is of just these agents, none of them newer, in the benchmark bank."""
+    file, agents = folder / "evaluation.json", [run.folder.agent for run in runs]
+    if not file.exists():
+        return False
+    record = json.loads(file.read_text())
+    known = [(ROOT / agent).resolve() for agent in record["agents"]]
+    if record["bank"]["hash"] != HASH or known != [agent.resolve() for agent in agents]:
+        return False
+    return all(agent.stat().st_mtime <= file.stat().st_mtime for agent in agents)

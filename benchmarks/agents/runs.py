@@ -1,0 +1,183 @@
+"""The runs of the study of agents: by which commands, in which folders, and how each went."""
+
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agent import checkpoint
+from agent.cli import parse
+from agent.config import differences
+from agent.evaluation import scores
+from agent.evaluation.episodes import EpisodeScores
+from agent.evaluation.result import Result
+from agent.runs import Folder
+from benchmarks.agents.entries import EXTERNALS
+from benchmarks.agents.records import Entry, External, Outcome
+from benchmarks.common.pages import ROOT
+from benchmarks.common.processes import CLI, Job, failure, why
+from logic.errors import RequestError, VitruviusError
+
+
+class StudyFailed(VitruviusError):
+    """A part of the study that all else stands on did not come about."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True)
+class EntryRun:
+    """An entry with a seed: a training run in its folder."""
+
+    entry: Entry
+    seed: int
+    out: Path
+
+    @property
+    def name(self) -> str:
+        """Its entry's."""
+        return self.entry.name
+
+    @property
+    def folder(self) -> Folder:
+        """Its files."""
+        return Folder(self.out / f"{self.entry.name}-{self.seed}")
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is anything of it, if only that it failed."""
+        return self.folder.config.exists() or failure(self.folder.path).exists()
+
+    @property
+    def finished(self) -> bool:
+        """Whether its agent has seen all of its steps."""
+        return finished(self.folder, self.entry.steps)
+
+    def plays(self, mode: str) -> bool:
+        """Whether it is measured in a target mode: a change of an agent in its own, any other in all."""
+        return not self.entry.beside or self.entry.targets == mode
+
+    def training(self, houses: Path) -> Job:
+        """What trains it, or goes on with that."""
+        entry, folder = self.entry, self.folder.path
+        command = training_command(houses, folder, entry.preset, entry.name, entry.steps, self.seed)
+        title = f"{entry.name}, seed {self.seed}, {entry.steps / 1e6:.2f} M steps"
+        return Job(title, (*CLI, *command, *entry.options), folder)
+
+    def require_same(self) -> None:
+        """Raise ``RequestError`` where a run of another budget or with other options lies in the folder."""
+        require_same(self.folder, self.training(self.out).command)
+
+    def record(self) -> Outcome:
+        """How it went, as far as it did."""
+        lines = list(self._reports())
+        thin = lines[:: -(-len(lines) // 300)] + lines[-1:] if lines else []
+        return Outcome(
+            entry=self.entry.name,
+            seed=self.seed,
+            finished=self.finished,
+            failed=why(self.folder.path),
+            curve=tuple((line["steps"], line["targets"]) for line in thin),
+            last=lines[-1] if lines else None,
+        )
+
+    def _reports(self) -> Iterator[dict[str, Any]]:
+        if self.folder.metrics.exists():
+            for line in self.folder.metrics.read_text().splitlines():
+                try:
+                    yield json.loads(line)
+                except ValueError:
+                    return  # a kill may tear the last line
+
+
+@dataclass(frozen=True)
+class ExternalRun:
+    """An external agent with a seed: a run of an example, which is whole or is not there."""
+
+    name: str
+    seed: int
+    out: Path
+
+    @property
+    def agent(self) -> External:
+        """Which agent."""
+        return EXTERNALS[self.name]
+
+    @property
+    def scores(self) -> Path:
+        """What it writes."""
+        return self.out / f"{self.name}-{self.seed}" / "scores.json"
+
+    @property
+    def begun(self) -> bool:
+        """Whether it was ever started."""
+        return self.scores.parent.exists()
+
+    @property
+    def finished(self) -> bool:
+        """Whether it has learnt from all of its steps, and played."""
+        steps = self.agent.steps
+        return self.scores.exists() and json.loads(self.scores.read_text())["training_steps"] == steps
+
+    def training(self, houses: Path) -> Job:
+        """What trains and measures it."""
+        words = self.agent.command.split()
+        options = ("--steps", str(self.agent.steps), "--seed", str(self.seed), "--out", given(self.scores))
+        command = (sys.executable, words[0], given(houses), *words[1:], *options)
+        title = f"{self.name}, seed {self.seed}, {self.agent.steps / 1e6:.2f} M steps"
+        return Job(title, command, self.scores.parent)
+
+    def record(self) -> Outcome:
+        """How it went where it has no score: nothing is seen of it before."""
+        return Outcome(self.agent.name, self.seed, False, why(self.scores.parent), (), None)
+
+    def joined(self, result: Result) -> Result:
+        """The result of its targets with this run too. Raises ``StudyFailed`` where it played for others."""
+        file, mode, name = scores.load(self.scores), self.agent.targets, self.agent.name
+        theirs = scores.result_of(file.targets[mode], mode) if mode in file.targets else None
+        if not theirs or name not in theirs.policies or not np.array_equal(theirs.oracle, result.oracle):
+            raise StudyFailed(f"{self.scores}: not of {name}, or not of these houses and targets. Remove it")
+        return with_run(result, name, theirs.policies[name][0])
+
+
+def training_command(
+    houses: Path, folder: Path, preset: str, name: str, steps: int, seed: int
+) -> tuple[str, ...]:
+    """Arguments of ``vitruvius`` that train in a folder, or go on with that."""
+    options = {"preset": preset, "name": name, "steps": steps, "seed": seed, "out": given(folder)}
+    said = (word for option, value in options.items() for word in (f"--{option}", str(value)))
+    return "train", given(houses), *said, "--resume"
+
+
+def with_run(result: Result, name: str, run: EpisodeScores) -> Result:
+    """The result with another run of a policy: of a new one, before all others, or of one that it has."""
+    runs = {name: (*result.policies.get(name, ()), run)}
+    return replace(result, policies=runs | result.policies | runs)
+
+
+def finished(folder: Folder, steps: int) -> bool:
+    """Whether the agent of a run has seen this number of steps."""
+    return folder.agent.exists() and checkpoint.load(folder.agent).steps >= steps
+
+
+def require_same(folder: Folder, command: Sequence[str]) -> None:
+    """Raise ``RequestError`` where a run lies in the folder whose config is not the training command's."""
+    if not folder.config.exists():
+        return
+    kept, asked = json.loads(folder.config.read_text()), parse(list(command[command.index("train") :])).config
+    try:
+        others = list(differences(checkpoint.config_of(kept["algorithm"], kept["config"]), asked))
+    except ValueError as error:
+        others = [str(error)]
+    if others:
+        raise RequestError(f"{folder.path}: is a run with other {', '.join(others)}. Give another --out")
+
+
+def given(path: Path) -> str:
+    """A path for a command: checkpoints keep commands, so a path in the checkout is relative to it."""
+    path = path.resolve()
+    return str(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path)

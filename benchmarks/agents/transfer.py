@@ -1,0 +1,150 @@
+"""``vitruvius bench transfer``: how well agents do in houses of other kinds than those they learnt in.
+
+They learn nothing there. What is measured is kept, bank by bank, so that a run that was stopped goes on.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+import tyro
+
+from agent import checkpoint
+from agent.banks import VALIDATION, bank_hash
+from agent.checkpoint import Checkpoint
+from agent.config import TargetMode
+from agent.evaluation import scores
+from agent.evaluation.protocol import measure
+from agent.evaluation.statistics import Estimate
+from agent.evaluation.tables import Table
+from agent.planner import BITS, Planner
+from benchmarks.agents.kept import code, fingerprint
+from benchmarks.common.houses import in_turns
+from benchmarks.common.pages import ROOT
+from logic import House, load, save
+from logic.files import write_whole
+from sim.config import DEFAULT
+
+ORIGINAL = ROOT / "tests/fixtures/example1.json"
+"""The house of the original program; where it is not, it is left out."""
+
+BESIDE = ("explorer", "searcher")
+"""Baselines in the table."""
+
+
+@dataclass(frozen=True)
+class Bank:
+    """A kind of house: what it is called, its request, and what simulates it."""
+
+    title: str
+    rooms: tuple[int, ...] = (2, 3, 4, 5, 6)
+    count: int = 64
+    grammar: str = "family"
+    cell: float = 0.0
+    backend: str = "continuous"
+
+    def houses(self) -> list[House]:
+        """As many houses of each number of rooms, in turns; of a seed that is kept for validation."""
+        return in_turns(self.rooms, self.count, grammar=self.grammar, cell=self.cell, seed=VALIDATION.start)
+
+
+BANKS = {
+    "family": Bank("`family`, 2 to 6 rooms, as learnt"),
+    "paper": Bank("`paper`, 2 to 6 rooms", grammar="paper"),
+    "on-a-grid": Bank("`family`, edges on a grid of 0.3 m", cell=0.3),
+    "by-cells": Bank("the same, moved and seen cell by cell", cell=0.3, backend="grid"),
+    "twelve": Bank("`family`, 12 rooms", rooms=(12,), count=32),
+}
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """Measure agents in banks that they did not learn in, beside the explorer and the searcher."""
+
+    agents: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Checkpoints; by default those that come with the project."""
+
+    targets: tyro.conf.UseAppendAction[tuple[TargetMode, ...]] = ()
+    """Where targets lie; by default in secondary rooms. Repeat for several."""
+
+    banks: tuple[str, ...] = (*BANKS, "original")
+    """Which banks."""
+
+    out: Path = Path("runs/transfer")
+    """Folder for houses, figures and transfer.md."""
+
+    def run(self) -> None:
+        """Measure what is not measured yet; print the tables."""
+        torch.set_num_threads(1)
+        paths = self.agents or tuple(map(Path, checkpoint.released()))
+        agents: dict[str, list[Checkpoint]] = {}
+        for path in paths:
+            found = checkpoint.load(path)
+            agents.setdefault(found.name, []).append(found)
+        page = [
+            sheet.markdown() for mode in self.targets or ("secondary",) for sheet in self.sheets(agents, mode)
+        ]
+        write_whole(self.out / "transfer.md", "\n\n".join([*page, ""]).encode())
+        print("\n\n".join(page))
+
+    def sheets(self, agents: dict[str, list[Checkpoint]], mode: TargetMode) -> Iterator[Table]:
+        """The table of a target mode."""
+        rows = []
+        for name in self.banks:
+            if (houses := self.bank(name)) is None:
+                continue
+            policies = self.measured(agents, name, houses, mode).policies
+            ratios = [Estimate(**policies[policy].figures["ratio"]) for policy in (*agents, *BESIDE)]
+            title = BANKS[name].title if name in BANKS else f"the original's house, {len(houses)} episodes"
+            rows.append(
+                (
+                    title,
+                    f"{len({id(house) for house in houses})}",
+                    f"{wider(houses):.0%}",
+                    f"{policies['oracle'].figures['targets']['value']:.1f}",
+                    *(ratio.text() for ratio in ratios),
+                )
+            )
+            print(f"{mode}, {title}: done", flush=True)
+        headings = ("houses", "number", f"wider than {reach():.1f} m", "oracle", *agents, *BESIDE)
+        yield Table(f"Ratio to the oracle, {mode}", headings, rows)
+
+    def bank(self, name: str) -> list[House] | None:
+        """The houses of a bank, made once; None where the original's is not here."""
+        if name == "original":  # starts and targets differ from episode to episode
+            return load(ORIGINAL) * 64 if ORIGINAL.exists() else None
+        kind = BANKS[name]
+        path = self.out / f"{kind.grammar}-{kind.rooms[0]}-{kind.rooms[-1]}-{kind.cell}.jsonl"
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            save(kind.houses(), path)
+        return load(path)
+
+    def measured(
+        self, agents: dict[str, list[Checkpoint]], name: str, houses: list[House], mode: TargetMode
+    ) -> scores.ModeScores:
+        """The figures of all policies in a bank, from the file of an earlier run where there is one."""
+        key = json.dumps([code(), *(fingerprint(each) for runs in agents.values() for each in runs)])
+        path = self.out / f"{name}-{mode}-{hashlib.sha256(key.encode()).hexdigest()[:8]}.json"
+        if not path.exists():
+            backend = BANKS[name].backend if name in BANKS else "continuous"
+            result = next(measure(agents, houses, (mode,), backend=backend))
+            bank = scores.Bank(bank_hash(houses))
+            write_whole(path, scores.ScoreFile(bank, 0, scores.modes_of([result]), backend).json())
+        return scores.load(path).targets[mode]
+
+
+def wider(houses: list[House]) -> float:
+    """The share of the houses whose far ends lie on each other in a map, which is a torus."""
+    boxes = [np.array([house.floor.box, *(room.box for room in house.rooms)]) for house in houses]
+    across = [(box[:, 2:].max(axis=0) - box[:, :2].min(axis=0)).max() for box in boxes]
+    return float((np.array(across) > reach()).mean())
+
+
+def reach() -> float:
+    """How far it is around an agent's map, metres."""
+    return Planner(DEFAULT, 1).cell * 2**BITS

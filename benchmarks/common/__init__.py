@@ -1,0 +1,1 @@
+"""What several studies share: series and fitted laws, plots, pages, processes, houses."""

@@ -1,0 +1,42 @@
+"""Houses that several studies use."""
+
+from collections.abc import Sequence
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+from agent.banks import bank_hash
+from benchmarks.common.processes import say
+from logic import House, generate, load, save
+from logic.errors import VitruviusError
+
+ROOMS, COUNT = (2, 3, 4, 5, 6), 205
+TRAINING = "0caaed03d5bb8fc50bfaffabf8a4fdcfcc09199ed328cb57dbaf51fa37280a1f"
+"""The houses to learn in: COUNT of `family` with each number of rooms, seeds 102 to 106; their hash."""
+
+
+class OtherHouses(VitruviusError):
+    """A file holds other houses than those that a study stands on."""
+
+    exit_code = 1
+
+
+def training_houses(path: Path, workers: int) -> Path:
+    """The file of houses to learn in, made if it is not there. Raises ``OtherHouses``."""
+    if not path.exists():
+        say(f"{path}: making {len(ROOMS) * COUNT} houses")
+        made = (generate(rooms, seed=100 + rooms, count=COUNT, workers=workers) for rooms in ROOMS)
+        save([house for houses in made for house in houses], path)
+    if (found := bank_hash(load(path))) != TRAINING:
+        raise OtherHouses(f"{path}: other houses ({found[:12]}) than the study's ({TRAINING[:12]})")
+    return path
+
+
+def in_turns(rooms: Sequence[int], count: int, **request: Any) -> list[House]:
+    """House i has ``rooms[i % len(rooms)]`` rooms, so every part of the list has houses of all sizes."""
+    counts = [len(range(place, count, len(rooms))) for place in range(len(rooms))]
+    series = [
+        list(generate(number, count=some, workers=2, **request)) if some else []
+        for number, some in zip(rooms, counts, strict=True)
+    ]
+    return [house for row in zip_longest(*series) for house in row if house is not None]

@@ -1,0 +1,65 @@
+"""Pages of results: where they go, tables in Markdown, machine and versions that they name."""
+
+import os
+import platform
+import subprocess
+from collections.abc import Iterable, Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from logic.errors import RequestError
+from logic.files import write_whole
+
+ROOT = Path(__file__).resolve().parents[2]
+"""The checkout, or where the wheel is installed."""
+
+DOCS = ROOT / "docs"
+
+
+def write(files: Mapping[str, bytes], out: Path, publish: bool = False) -> None:
+    """Write a study's page and pictures into its folder, and into docs too where they are to be published."""
+    if publish and not DOCS.is_dir():
+        raise RequestError(f"--publish: there is no {DOCS}: pages are published in a checkout of the project")
+    for folder in (out, DOCS)[: 1 + publish]:
+        for name, content in files.items():
+            write_whole(folder / name, content)
+
+
+def table_rows(rows: Iterable[Iterable[str]]) -> str:
+    """Rows of a Markdown table."""
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def milliseconds(seconds: float) -> str:
+    """In milliseconds, with as many digits as say something."""
+    return f"{1e3 * seconds:,.{0 if seconds >= 1 else 1 if seconds >= 1e-3 else 3}f}"
+
+
+def median_ms(entry: dict[str, Any] | None) -> str:
+    """A benchmark's median in milliseconds; nothing where there is no such benchmark."""
+    return milliseconds(entry["stats"]["median"]) if entry else ""
+
+
+def machine(info: Mapping[str, Any] | None = None) -> str:
+    """The processor, its cores and the system: of this machine, or as pytest-benchmark noted them."""
+    if info is None:
+        from cpuinfo import get_cpu_info
+
+        brand = get_cpu_info().get("brand_raw", platform.machine())
+        info = {"system": platform.system(), "cpu": {"brand_raw": brand, "count": os.cpu_count()}}
+    cpu = info.get("cpu", {})
+    return f"{cpu.get('brand_raw') or info['machine']}, {cpu.get('count', '?')} cores, {info['system']}"
+
+
+def versions(*names: str, python: str = platform.python_version(), **more: str) -> str:
+    """Of Python and of distributions by name, and ``more`` that is known otherwise, in words."""
+    found = {"Python": python} | more | {name: version(name) for name in names}
+    return ", ".join(f"{name} {number}" for name, number in found.items())
+
+
+def revision() -> str:
+    """The checkout's commit."""
+    asked = ["git", "describe", "--always", "--dirty"]
+    done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.stdout.strip() or "unknown"

@@ -1,0 +1,104 @@
+"""Processes of a study, some at a time, each on one processor; how each went is noted."""
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from time import sleep
+
+from benchmarks.common.pages import ROOT
+from logic.files import write_whole
+
+ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
+"""The environment of a process whose libraries use one thread each."""
+
+CLI = (sys.executable, "-m", "agent.cli")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A process of the study: what it does, and where it notes how that went."""
+
+    name: str
+    command: tuple[str, ...]
+    folder: Path
+
+    def start(self, processor: int) -> subprocess.Popen[bytes]:
+        """Start it on one processor; what it prints goes to a file."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        failure(self.folder).unlink(missing_ok=True)
+        with (self.folder / "log.txt").open("wb") as log:
+            return subprocess.Popen(
+                self.command,
+                stdout=log,
+                stderr=log,
+                stdin=subprocess.DEVNULL,
+                cwd=ROOT,
+                env=os.environ | ONE_THREAD,
+                preexec_fn=partial(_keep_to, processor),  # noqa: PLW1509 (no threads are at work here)
+            )
+
+    def end(self, code: int) -> None:
+        """Say how it went; a failure is noted too."""
+        words = "done"
+        if code:
+            lines = (self.folder / "log.txt").read_text(errors="replace").strip().splitlines()
+            last = lines[-1] if lines else "it printed nothing"
+            words = f"failed, exit code {code}: {last}" if code > 0 else f"failed, ended by signal {-code}"
+            write_whole(failure(self.folder), words.encode())
+        say(f"{self.name}: {words}")
+
+
+def run_all(jobs: Iterable[Job], workers: int) -> None:
+    """Run jobs, ``workers`` at a time, each on another processor as long as there are enough."""
+    processors = sorted(os.sched_getaffinity(0))
+    free = [processors[number % len(processors)] for number in range(workers)]
+    waiting, running = deque(jobs), dict[subprocess.Popen[bytes], tuple[Job, int]]()
+    try:
+        while waiting or running:
+            while waiting and free:
+                job, processor = waiting.popleft(), free.pop(0)
+                say(f"{job.name}: begins, {len(waiting)} wait")
+                running[job.start(processor)] = job, processor
+            sleep(0.5)
+            for process in [each for each in running if each.poll() is not None]:
+                job, processor = running.pop(process)
+                free.append(processor)
+                job.end(process.returncode)
+    finally:
+        for process in running:
+            process.terminate()
+        for process in running:
+            process.wait()
+
+
+def failure(folder: Path) -> Path:
+    """Where it is noted why the last try failed."""
+    return folder / "failed.txt"
+
+
+def why(folder: Path) -> str:
+    """Why the last try failed; nothing where it did not."""
+    note = failure(folder)
+    return note.read_text() if note.exists() else ""
+
+
+def say(text: str) -> None:
+    """Print a line with the time on standard error."""
+    print(f"{datetime.now(UTC):%H:%M:%S} {text}", file=sys.stderr, flush=True)
+
+
+LIBC = ctypes.CDLL(None)
+
+
+def _keep_to(processor: int) -> None:
+    """In a new process: keep to one processor, or Taichi's workers share it; end with the study."""
+    os.sched_setaffinity(0, {processor})
+    LIBC.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG

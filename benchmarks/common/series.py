@@ -1,0 +1,84 @@
+"""What the studies found: series and fitted laws from reports of pytest-benchmark."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import stdtrit
+
+AXES = {
+    "rooms": "secondary rooms",
+    "environments": "environments",
+    "houses": "different houses",
+    "segments": "segments in a house (mean)",
+    "rays": "rays",
+    "processors": "processors",
+}
+"""What a study varies: the key in a benchmark's ``extra_info``, and its name on the axis."""
+
+
+def name_of(entry: dict[str, Any]) -> str:
+    """A benchmark's name in words, without its size."""
+    return entry["name"].split("[")[0].removeprefix("test_").replace("_", " ")
+
+
+def axis_of(entry: dict[str, Any]) -> str | None:
+    """What a benchmark varies, a key of ``AXES``; ``None`` where it has no size."""
+    return next((axis for axis in AXES if axis in entry["extra_info"]), None)
+
+
+def series_of(report: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Each benchmark's rows of size, median, lower and upper quartile, and whether the median is censored.
+
+    Seconds, or steps a second. A study that ends runs at a limit notes how many: where it is half of them or
+    more, the median is no more than a lower bound.
+    """
+    rows: dict[str, list[list[float]]] = {}
+    for entry in report["benchmarks"]:
+        extra, stats = entry["extra_info"], entry["stats"]
+        axis = axis_of(entry)
+        if axis:
+            # Where a round is many steps, what counts is their rate; the quartiles then change places.
+            work = extra["steps_per_second"] * stats["median"] if "steps_per_second" in extra else None
+            times = [stats["median"], stats["q1"], stats["q3"]]
+            values = [work / time for time in times] if work else times
+            censored = 2 * extra.get("censored", 0) >= stats["rounds"]
+            values = [extra["limit"]] * 3 if censored else values
+            rows.setdefault(name_of(entry), []).append([extra[axis], *values, censored])
+    return {name: np.array(sorted(points)) for name, points in rows.items()}
+
+
+def is_rate(report: dict[str, Any]) -> bool:
+    """Whether a study measures steps a second rather than seconds."""
+    return any("steps_per_second" in entry["extra_info"] for entry in report["benchmarks"])
+
+
+def fitted_exponent(sizes: ArrayLike, seconds: ArrayLike) -> tuple[float, float]:
+    """Least squares on logarithms: the exponent of ``seconds ~ sizes ** exponent``, its standard error."""
+    x, y = np.log(sizes), np.log(seconds)
+    design = np.stack([x, np.ones_like(x)], axis=1)
+    solution, residual, *_ = np.linalg.lstsq(design, y, rcond=None)
+    freedom = max(1, len(x) - 2)
+    spread = float(residual[0]) / freedom / ((x - x.mean()) ** 2).sum() if len(residual) else 0.0
+    return float(solution[0]), float(np.sqrt(spread))
+
+
+def law(points: np.ndarray, rate: bool) -> str:
+    """What least squares on logarithms finds, with a 95 % interval: the exponent of a power law.
+
+    From size 4 on: below it fixed costs rule. A series that runs into its limit grows faster than any power:
+    of that the factor for each further room, from 2 on. Of rates, the best.
+    """
+    if rate:
+        return f"{points[:, 1].max():,.0f} a second at best"
+    late, first = points[:, 4].any(), 2 if points[:, 4].any() else 4
+    tail = points[(points[:, 0] >= first) & (points[:, 4] == 0)]
+    if len(tail) < 3:
+        return "too few sizes for a fit"
+    exponent, error = fitted_exponent(np.exp(tail[:, 0]) if late else tail[:, 0], tail[:, 1])
+    margin = stdtrit(len(tail) - 2, 0.975) * error
+    span = f"from {tail[0, 0]:.0f} to {tail[-1, 0]:.0f}"
+    if late:
+        low, factor, high = np.exp([exponent - margin, exponent, exponent + margin])
+        return f"each room more takes {factor:.1f} times [{low:.1f}, {high:.1f}] as long, {span}"
+    return f"time ~ size^{exponent:.2f} ± {margin:.2f} {span}"

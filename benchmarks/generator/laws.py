@@ -1,0 +1,149 @@
+"""The laws that stage 2 states, held against its samples: Kolmogorov-Smirnov, through the real predicates.
+
+k things in a row leave k + 1 gaps. Uniform on their simplex, each is Beta(1,k) of what all share.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from clingo import Function, parse_term
+from scipy.stats import beta, kstest
+
+from logic import House
+from logic.builder import Builder
+from logic.placement import Infeasible, Layout, Misfit, RoomLayout
+from logic.request import Request
+
+SIDES = {"north": (0, 1), "east": (1, 1), "south": (0, -1), "west": (1, -1)}
+"""Along which axis a side's rooms follow each other clockwise, and in which direction."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law held against samples: the statistic farthest off among its gaps."""
+
+    name: str
+    samples: int
+    distance: float
+    """The greatest between the distribution functions sampled and stated."""
+    p: float
+    """Of the least likely gap, times their number (Bonferroni); at most 1."""
+
+
+def held(name: str, gaps: np.ndarray) -> Law:
+    """Gaps, (samples, k+1), as shares of their sum, against Beta(1,k)."""
+    k = gaps.shape[1] - 1
+    found = [kstest(gap, beta(1, k).cdf) for gap in gaps.T]
+    least = min(float(result.pvalue) for result in found)
+    distance = max(float(result.statistic) for result in found)
+    return Law(name, len(gaps), distance, min(1.0, least * len(found)))
+
+
+def on_a_chain(builder: Builder, pieces: int, samples: int) -> np.ndarray:
+    """Shares of the gaps around ``pieces`` of 0.5 m on 10 m."""
+    names = [f"S{i}" for i in range(pieces)]
+    blocks = ",".join(f"block({name},0.5,[at_least(0.0)-[],at_most(9.5)-[]],[])" for name in names)
+    sampled = f"call(chain:chain_sample([{blocks}],0.0),Seed,_),Xs=[{','.join(names)}]"
+    seeds = np.random.default_rng(pieces).integers(2**63, size=samples).tolist()
+    each = f"findall(Xs,(member(Seed,{seeds}),{sampled}),All)"
+    goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
+    starts = np.array(builder.placer._json(goal))
+    return _gaps(starts, starts + 0.5, 0.0, 10.0) / (10 - 0.5 * pieces)
+
+
+def on_a_wall(builder: Builder, pieces: Sequence[str], samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Shares of the gaps around these pieces at the back wall of a bathroom, and its widths, metres."""
+    atoms = [f"on({piece},1,back,{n})" for n, piece in enumerate(pieces, start=1)]
+    furniture = [parse_term(atom) for atom in (*atoms, "busy(back)", f"last(back,{len(pieces)})")]
+    passage, shares, widths = 0.42, [], []
+    rng = np.random.default_rng(len(pieces))
+    for seed in rng.integers(2**63, size=samples).tolist():
+        room = RoomLayout(0, Function("bathroom"), Function("north"), furniture, seed)
+        (made,) = builder.place(Layout([room], []), rng, 10**8)["rooms"]
+        boxes = np.array(sorted((each["x"], each["width"]) for each in made["children"]))
+        gaps = _gaps(boxes[None, :, 0], boxes.sum(axis=1)[None], made["x"], made["x"] + made["width"])[0]
+        shares.append((gaps - passage) / (gaps - passage).sum())
+        widths.append(made["width"])
+    return np.array(shares), np.array(widths)
+
+
+def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndarray]:
+    """Shares of the gaps along the sides of whole houses, by how many rooms stand on the side.
+
+    The first gap begins where the first room's door would touch the corner of the main room, or a gap past it
+    where the corner is another side's; the last ends likewise.
+    """
+    lengths: dict[str, float] = builder.placer.lengths({})[0]["lengths"]
+    between = max(lengths["room_gap"], lengths["door_clearance"])
+    shares: dict[int, list[np.ndarray]] = defaultdict(list)
+    for index in range(samples):
+        rng = np.random.default_rng([rooms, index])
+        request = Request.read({"rooms": rooms, "types": {}, "furniture": {}})
+        layout = builder.layout(request, rng)
+        try:
+            plan = builder.place(layout, rng, 10**8, minimal=False)
+        except (Infeasible, Misfit):  # of its furniture, which has no part in where rooms stand
+            continue
+        house = builder._as_house(plan, layout, request, rooms, index)
+        owners = {
+            tuple(map(str, corner.arguments[:2])): str(corner.arguments[2]) for corner in layout.corners
+        }
+        for side in SIDES:
+            own = [
+                made for made, room in zip(house.rooms, layout.rooms, strict=True) if str(room.side) == side
+            ]
+            if own:
+                gaps = _side_gaps(house, own, side, owners, between)
+                shares[len(own)].append(gaps / gaps.sum())
+    return {k: np.array(found) for k, found in sorted(shares.items())}
+
+
+def _side_gaps(
+    house: House, rooms: list[Any], side: str, owners: dict[tuple[str, ...], str], between: float
+) -> np.ndarray:
+    """The gaps along one side that are free: what is left of each past the least that it must be."""
+    axis, way = SIDES[side]
+    west, north, east, south = house.floor.box
+    corner = {"north": west, "east": north, "south": east, "west": south}[side]
+    length = (east - west, south - north)[axis]
+
+    def span(rect: Any) -> tuple[float, float]:
+        """From where to where, clockwise from the side's first corner."""
+        ends = ((rect.box[axis] - corner) * way, (rect.box[axis + 2] - corner) * way)
+        return min(ends), max(ends)
+
+    sides = list(SIDES)
+    before, after = sides[sides.index(side) - 1], sides[(sides.index(side) + 1) % 4]
+    starts, ends = np.array([span(room) for room in rooms]).T
+    first = span(rooms[0])[0] - between if owners.get((before, side)) == before else span(rooms[0].door)[0]
+    inside = owners.get((side, after)) == after
+    last = length - between - ends[-1] if inside else length - span(rooms[-1].door)[1]
+    return np.array([first, *(starts[1:] - ends[:-1] - between), last])
+
+
+def _gaps(starts: np.ndarray, ends: np.ndarray, first: float, last: float) -> np.ndarray:
+    """What lies before, between and behind things in a row: (samples, k+1) of (samples, k)."""
+    edge = np.ones((len(starts), 1))
+    return np.hstack([starts, last * edge]) - np.hstack([first * edge, ends])
+
+
+def laws(builder: Builder, samples: int) -> list[Law]:
+    """The table of the study."""
+    found = [
+        held(f"gaps on a chain of {k}, by `chain_sample`", on_a_chain(builder, k, samples))
+        for k in (1, 2, 3, 5, 8)
+    ]
+    for k, pieces in enumerate((["toilet"], ["toilet", "sink"], ["toilet", "sink", "shower"]), start=1):
+        shares, widths = on_a_wall(builder, pieces, samples // 5)
+        found.append(held(f"gaps around {k} at a wall, in rooms", shares))
+        if k == 1:
+            widths = (widths - 2.4) / (3.7 - 2.4)
+            found.append(
+                held("the width of a room that nothing binds", np.stack([widths, 1 - widths], axis=1))
+            )
+    for k, shares in along_sides(builder, 6, samples // 10).items():
+        found.append(held(f"gaps around {k} room{'s' * (k > 1)} on a side, in houses of 6", shares))
+    return found

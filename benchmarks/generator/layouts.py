@@ -1,0 +1,170 @@
+"""How evenly stage 1 samples layouts: beside all of them, counted, and beside rejection, whose law is known.
+
+Rejection samples every pick by its weight alone and begins again until the rules accept all of them: so its
+law is that of the picks, given the rules. Sampling pick by pick never begins again, and is held against it.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from clingo import Symbol
+
+from logic.builder import Builder
+from logic.grammar import find
+from logic.layout import EVERY, Program
+
+PARTS = {
+    "types": {"room": (0, 1)},
+    "sides": {"side": (1,)},
+    "corners": {"corner": (0, 1, 2)},
+    "how many": {"on": (0,)},
+    "at which wall": {"on": (0, 2)},
+    "in which order": {"on": (0, 2, 3)},
+    "what touches": {"joined": (0, 1), "end": (0,)},
+    "how turned": {"turned": (0, 2), "faces": (0, 2), "row": (0,)},
+    "companions": {"with": (0, 2)},
+}
+"""What a part of a layout looks at: these arguments of these atoms."""
+
+Layout = tuple[Symbol, ...]
+Value = tuple[tuple[str | Symbol, ...], ...]
+
+
+def entropy(counts: Iterable[int]) -> float:
+    """Of a sample, in nats, corrected for its size (Miller 1955)."""
+    counted = np.array([count for count in counts if count])
+    shares = counted / counted.sum()
+    return float(-(shares * np.log(shares)).sum() + (len(counted) - 1) / (2 * counted.sum()))
+
+
+def share(counts: Iterable[int], values: int) -> float:
+    """The entropy of a sample as a share of the greatest that this number of values can have."""
+    return float(entropy(counts) / np.log(values))
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of the layouts of a program: shares of the greatest entropy by three laws, and a distance."""
+
+    values: int
+    sampled: float
+    """As stage 1 samples it."""
+    conditioned: float
+    """By rejection."""
+    alike: float | None
+    """If all layouts came equally often; None where they are too many to list."""
+    distance: float
+    """Total variation between sampled and conditioned, 0 to 1."""
+    expected: float
+    """The distance to be expected of two samples of this size of one law."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The layouts of one program, as sampled."""
+
+    layouts: int | None
+    """All there are; None where they are too many to list."""
+    samples: int
+    seen: int
+    share: float | None
+    """Of the greatest entropy."""
+    uniform: float | None
+    """What as many samples of an exactly uniform sampler show."""
+    accepted: float
+    """The share of rejection's tries that the rules accept."""
+    parts: dict[str, Part] = field(default_factory=dict)
+
+
+def spread(grammar: str, subject: int | str, samples: int, tries: int, seconds: float) -> Spread:
+    """Study the layouts of a number of rooms, or of the furniture of a type of room.
+
+    They are listed where that takes no more than ``seconds``.
+    """
+    builder = Builder(find(grammar))
+    make: Any = builder.programs.rooms if isinstance(subject, int) else builder.programs.furniture
+    listed = every_layout(make(subject, arguments=EVERY), seconds)
+    program: Program = make(subject)
+    sampled = Counter(tuple(program.sample(np.random.default_rng([1, i])) or ()) for i in range(samples))
+    conditioned = by_rejection(program, np.random.default_rng(2), tries)
+    size = len(listed) if listed else None
+    alike = np.random.default_rng(3).multinomial(samples, np.full(size, 1 / size)) if size else ()
+    found = {name: _part(name, sampled, conditioned, listed) for name in PARTS}
+    return Spread(
+        layouts=size,
+        samples=samples,
+        seen=len(sampled),
+        share=share(sampled.values(), size) if size else None,
+        uniform=share(alike, size) if size else None,
+        accepted=conditioned.total() / tries,
+        parts={name: part for name, part in found.items() if part},
+    )
+
+
+def every_layout(program: Program, seconds: float) -> Counter[Layout] | None:
+    """Each layout once; None after ``seconds``."""
+    deadline, listed = monotonic() + seconds, Counter[Layout]()
+    with program._control.solve(yield_=True) as handle:
+        for model in handle:
+            listed[tuple(sorted(model.symbols(shown=True)))] += 1
+            if monotonic() > deadline:
+                return None
+    return listed
+
+
+def by_rejection(program: Program, rng: np.random.Generator, tries: int) -> Counter[Layout]:
+    """The layouts of those tries that the rules accept."""
+    several = {atom.arguments[0]: atom.arguments[1].number for atom in program.atoms("picks", 2)}
+    variables = sorted({atom.arguments[0] for atom in program.atoms("option", 3)})
+    wanted = np.repeat([several.get(variable, 1) for variable in variables], program._counts)
+    variable = np.repeat(np.arange(len(variables)), program._counts)
+    place = np.arange(len(variable)) - np.repeat(
+        np.cumsum(program._counts) - program._counts, program._counts
+    )
+    accepted = Counter[Layout]()
+    for _ in range(tries):
+        keys = rng.exponential(size=len(variable)) / program._weights
+        picked = program._choices[np.lexsort((keys, variable))[place < wanted]]
+        with program._control.solve(assumptions=picked.tolist(), yield_=True) as handle:
+            model = handle.model()
+            if model is not None:
+                accepted[tuple(sorted(model.symbols(shown=True)))] += 1
+    return accepted
+
+
+def _part(
+    name: str, sampled: Counter[Layout], conditioned: Counter[Layout], listed: Counter[Layout] | None
+) -> Part | None:
+    """A part of these layouts; None where they do not have it, or all have the same."""
+    ours, theirs = _values(name, sampled), _values(name, conditioned)
+    every = _values(name, listed) if listed else None
+    values = every or ours | theirs
+    if len(values) < 2:
+        return None
+    p = np.array([ours[value] for value in values]) / ours.total()
+    q = np.array([theirs[value] for value in values]) / theirs.total()
+    both = (p + q) / 2
+    deviation = np.sqrt(both * (1 - both) * (1 / ours.total() + 1 / theirs.total()))
+    return Part(
+        values=len(values),
+        sampled=share(ours.values(), len(values)),
+        conditioned=share(theirs.values(), len(values)),
+        alike=float(-(a := np.array([*every.values()]) / every.total()) @ np.log(a) / np.log(len(values)))
+        if every
+        else None,
+        distance=float(np.abs(p - q).sum() / 2),
+        expected=float(np.sqrt(2 / np.pi) * deviation.sum() / 2),
+    )
+
+
+def _values(name: str, layouts: Counter[Layout]) -> Counter[Value]:
+    """How often this part of the layouts has which value."""
+    kept, values = PARTS[name], Counter[Value]()
+    for layout, count in layouts.items():
+        atoms = [(a.name, *(a.arguments[i] for i in kept[a.name])) for a in layout if a.name in kept]
+        values[tuple(sorted(atoms))] += count
+    return values

@@ -1,0 +1,195 @@
+"""``vitruvius bench sampling``: how evenly layouts and lengths are sampled, and the range of houses.
+
+It takes a quarter of an hour on two cores; ``--fast``, which is no study, a minute.
+"""
+
+import json
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from io import BytesIO
+from multiprocessing import get_context
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from benchmarks.common.pages import machine, table_rows, versions, write
+from benchmarks.generator.laws import Law, laws
+from benchmarks.generator.layouts import Spread, entropy, spread
+from logic import House, generate
+from logic.builder import Builder
+from logic.grammar import find
+
+GRAMMARS = ("family", "paper", "clinic")
+SAMPLES: dict[int | str, int] = {
+    5: 2_184_000,
+    4: 222_000,
+    "bathroom": 140_000,
+    "kitchen": 120_000,
+    "bedroom": 50_000,
+    "hall": 50_000,
+}
+"""The longest first. Fifty samples and more of each layout, where layouts can be listed."""
+TRIES = 150_000
+GAPS = 20_000
+HOUSES = 1000
+BINS = {"bins": 20, "range": ((0.3, 1.0), (0.0, 0.5))}
+
+
+def furnished(house: House) -> float:
+    """The share of the rooms' floor that furniture covers."""
+    return sum(p.area for r in house.rooms for p in r.pieces) / sum(r.area for r in house.rooms)
+
+
+def compact(house: House) -> float:
+    """The share of the outline's rectangle that the house covers."""
+    boxes = np.array([house.floor.box, *(room.box for room in house.rooms)])
+    west, north, east, south = *boxes[:, :2].min(axis=0), *boxes[:, 2:].max(axis=0)
+    return (house.floor.area + sum(room.area for room in house.rooms)) / ((east - west) * (south - north))
+
+
+def expressive_range(count: int) -> tuple[dict[str, dict[str, float]], bytes]:
+    """Two measures of many houses as a histogram (Smith and Whitehead 2010): its coverage and entropy, and
+    the picture as a PNG.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(4.2 * len(GRAMMARS), 3.8), dpi=150, layout="constrained")
+    found = {}
+    for axes, grammar in zip(figure.subplots(1, len(GRAMMARS)), GRAMMARS, strict=True):
+        houses = list(generate(rooms=5, grammar=grammar, seed=11, count=count, workers=2))
+        x, y = [compact(house) for house in houses], [furnished(house) for house in houses]
+        cells, *_ = axes.hist2d(x, y, cmap="Blues", **BINS)
+        found[grammar] = {
+            "cells": int((cells > 0).sum()),
+            "share": float(entropy(cells.ravel().astype(int)) / np.log(cells.size)),
+            "outside": count - int(cells.sum()),
+            "compactness": float(np.mean(x)),
+            "furniture": float(np.mean(y)),
+        }
+        axes.set(
+            title=f"{grammar}: {count} houses of 5 rooms",
+            xlabel="compactness",
+            ylabel="floor under furniture",
+        )
+    picture = BytesIO()
+    figure.savefig(picture, format="png")
+    return found, picture.getvalue()
+
+
+def page(spreads: dict[str, Spread], held: list[Law], ranges: dict[str, Any], seconds: float) -> str:
+    """The study as a page of results."""
+
+    def number(value: float | None) -> str:
+        return "" if value is None else f"{value:.3f}"
+
+    return PAGE.format(
+        when=datetime.now(UTC).date(),
+        machine=machine(),
+        minutes=seconds / 60,
+        versions=versions("clingo"),
+        whole=table_rows(
+            (name, f"{s.layouts:,}" if s.layouts else "too many to list", f"{s.samples:,}",
+             number(s.share), number(s.uniform), f"{s.accepted:.2f}")
+            for name, s in spreads.items()
+        ),
+        parts=table_rows(
+            (name, part, str(p.values), number(p.sampled), number(p.conditioned), number(p.alike),
+             f"{p.distance:.3f} ({p.expected:.3f})")
+            for name, s in spreads.items()
+            for part, p in s.parts.items()
+        ),
+        laws=table_rows(
+            (law.name, f"{law.samples:,}", f"{law.distance:.4f}", f"{law.p:.2f}") for law in held
+        ),
+        ranges=table_rows(
+            (name, *(f"{r[key]:.2f}" for key in ("compactness", "furniture")), str(r["cells"]),
+             f"{r['share']:.2f}")
+            for name, r in ranges.items()
+        ),
+    )  # fmt: skip
+
+
+PAGE = """# How evenly are houses sampled?
+
+`./run bench sampling`, {when}: {minutes:.0f} minutes. {machine}; {versions}. Grammar: `family`.
+
+## Layouts
+An even sampler has the greatest entropy that this number of layouts can have. `share` is what is sampled of
+that, corrected for the size of the sample (Miller 1955); `even` is what as many samples of an exactly even
+sampler show by the same formula. `accepted` is for comparison: where all picks are sampled at once, the rules
+accept this share.
+
+| | layouts | samples | share | even | accepted |
+|---|---|---|---|---|---|
+{whole}
+
+The law is not that all layouts are alike. Choices are sampled one by one, in random order, by the grammar's
+weights, each among what the rules and the choices before it leave. Were layouts alike, a bathroom would
+nearly always have all that it may have, as there are more ways to place three pieces than one. So each part
+of the layouts is measured by itself, beside two other laws. `rejection` samples all picks at once, by their
+weights, and begins again until the rules accept them. `alike` takes each layout equally often. All three
+are shares of the greatest entropy of the values that the part can have; where layouts are too many to list,
+of those that were seen. `distance` is the total variation between sampled and rejection, 0 to 1; in brackets,
+the distance to be expected of two samples of these sizes of one law.
+
+| | part | values | sampled | rejection | alike | distance |
+|---|---|---|---|---|---|---|
+{parts}
+
+## Lengths
+k things in a row leave k + 1 gaps, uniform on their simplex: each is Beta(1,k) of what all share. The
+greatest Kolmogorov-Smirnov distance of a gap, and the least p-value times the number of gaps, at most 1.
+
+| | samples | distance | p |
+|---|---|---|---|
+{laws}
+
+## Expressive range
+Houses of 5 rooms of each grammar by compactness, the share of the outline's rectangle that the house
+covers, and by the share of the rooms' floor under furniture, in 400 cells (Smith and Whitehead 2010).
+`share` is the entropy of the histogram as a share of that of an even one over all cells.
+
+![Expressive range of the three grammars](expressive-range.png)
+
+| grammar | mean compactness | mean floor under furniture | cells | share |
+|---|---|---|---|---|
+{ranges}
+"""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Measure how evenly layouts and lengths are sampled, and what range of houses comes."""
+
+    fast: bool = False
+    """A hundredth of the samples: it shows that all works, and is no study."""
+
+    out: Path = Path("runs/sampling")
+    """Folder for sampling.md, sampling.json and expressive-range.png."""
+
+    publish: bool = False
+    """Put the page, its figures and its picture into docs too."""
+
+    def run(self) -> None:
+        """Run the study and write its page."""
+        begun, less = monotonic(), 100 if self.fast else 1
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            asked = {
+                subject: pool.submit(spread, "family", subject, samples // less, TRIES // less, 60 / less)
+                for subject, samples in SAMPLES.items()
+            }
+            found = {subject: future.result() for subject, future in asked.items()}
+        order: list[int | str] = sorted(found, key=lambda subject: (isinstance(subject, str), subject))
+        spreads = {f"{s} rooms" if isinstance(s, int) else s: found[s] for s in order}
+        held = laws(Builder(find("family")), GAPS // less)
+        ranges, picture = expressive_range(HOUSES // less)
+        figures = msgspec.to_builtins({"layouts": spreads, "laws": held, "range": ranges})
+        text = page(spreads, held, ranges, monotonic() - begun)
+        files = {"sampling.json": json.dumps(figures, indent=2) + "\n", "sampling.md": text}
+        contents = {name: content.encode() for name, content in files.items()}
+        write(contents | {"expressive-range.png": picture}, self.out, self.publish)
+        print(self.out / "sampling.md")

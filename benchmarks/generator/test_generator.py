@@ -1,0 +1,298 @@
+"""Solve time against room count, by stage, beside rejection sampling and another solver of the same systems.
+
+``vitruvius bench generator`` runs it, and says by environment variables on which grammar and how much. Times
+are CPU seconds, so that other work on the machine counts little; those of several processes are wall clock.
+"""
+
+import itertools
+import json
+import os
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.sparse import block_diag, coo_array, csr_array
+
+from logic import House, generate
+from logic.builder import Builder
+from logic.grammar import find
+from logic.placement import Layout
+from logic.request import Request
+
+GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
+ROOMS = [int(number) for number in os.environ.get("VITRUVIUS_ROOMS", "1 2 4 8 16 32 64 128").split()]
+ROUNDS = int(os.environ.get("VITRUVIUS_ROUNDS", "20"))
+INFERENCES = 10**9
+LIMIT = 20.0
+"""Seconds (wall clock) for a plan by rejection; what takes longer is censored."""
+REJECTIONS = {
+    rooms: min(rounds, ROUNDS)
+    for rooms, rounds in {1: 20, 2: 20, 3: 20, 4: 20, 5: 20, 6: 12, 7: 5}.items()
+    if rooms <= max(ROOMS)
+}
+"""How many plans of each number of rooms are made by rejection."""
+HOUSES = min(5, ROUNDS)
+"""How many houses' linear systems are compared."""
+HOUSE, SOLVERS = "a house", "the linear systems of its rooms"
+"""The panels of the plot."""
+
+
+def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
+    return pytest.mark.benchmark(group=group, timer=timer)
+
+
+@pytest.fixture(scope="module")
+def builder() -> Builder:
+    made = Builder(find(GRAMMAR))
+    for index in range(8):  # What programs take at their first search and refutation is paid once too.
+        made.house(Request(min(32, max(ROOMS))), 1, index, INFERENCES)
+    return made
+
+
+def measure(
+    benchmark: Any,
+    builder: Builder,
+    rooms: int,
+    work: Callable[[int], Any],
+    *,
+    rounds: int = ROUNDS,
+    panel: str = HOUSE,
+) -> None:
+    """Time ``work(0)``, ``work(1)``, ... apart, after one that is not timed; count the inferences of each."""
+    numbers, counts = itertools.count(), []
+
+    def setup() -> Any:
+        counts.append(inferences(builder))
+        return (next(numbers),), {}
+
+    work(0)
+    asking = -inferences(builder) + inferences(builder)
+    benchmark.pedantic(work, setup=setup, rounds=rounds)
+    counts.append(inferences(builder))
+    times = benchmark.stats.stats.data
+    benchmark.extra_info.update(
+        rooms=rooms,
+        mean=float(np.mean(times)),
+        p95=float(np.percentile(times, 95)),
+        inferences=float(np.median(np.diff(counts))) - asking,
+        panel=panel,
+    )
+
+
+def inferences(builder: Builder) -> int:
+    """Those that SWI-Prolog has made so far."""
+    return builder.placer._ask("statistics(inferences,Count)")["Count"]
+
+
+# - the generator ------------------------------------------------------------------------------------------
+
+
+@study("one-off: a grammar is loaded and checked, its programs are grounded", time.perf_counter)
+def test_loading(benchmark: Any) -> None:
+    builders = []
+    benchmark.pedantic(lambda: builders.append(Builder(find(GRAMMAR))), rounds=min(5, ROUNDS))
+    benchmark.extra_info["versions"] = builders[0].versions
+
+
+@study("both stages: a furnished house")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_house(benchmark: Any, builder: Builder, rooms: int) -> None:
+    measure(benchmark, builder, rooms, lambda index: builder.house(Request(rooms), 0, index, INFERENCES))
+
+
+@study("stage 1: clingo samples a layout")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
+    request = Request(rooms)
+    measure(
+        benchmark, builder, rooms, lambda index: builder.layout(request, np.random.default_rng([0, index]))
+    )
+
+
+@study("stage 2: CLP(R) places a layout")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_place(benchmark: Any, builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    layouts = placeable(builder, rooms, ROUNDS, monkeypatch)
+    rng = np.random.default_rng(0)
+    measure(benchmark, builder, rooms, lambda index: builder.place(layouts[index], rng, INFERENCES))
+
+
+def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Layout]:
+    """The layouts of the first houses: those that stage 2 finds feasible."""
+    placed: list[Layout] = []
+    place = builder.place
+
+    def observed(layout: Layout, *arguments: Any, **options: Any) -> dict[str, Any]:
+        plan = place(layout, *arguments, **options)
+        placed.append(layout)
+        return plan
+
+    with monkeypatch.context() as patch:
+        patch.setattr(builder, "place", observed)
+        for index in range(count):
+            builder.house(Request(rooms), 0, index, INFERENCES)
+    return placed
+
+
+@study("processes", time.perf_counter)
+@pytest.mark.parametrize("workers", [1, 2])
+def test_workers(benchmark: Any, workers: int) -> None:
+    count, rooms = 20 * ROUNDS, min(8, max(ROOMS))
+
+    def begun() -> Any:
+        houses = generate(rooms=rooms, grammar=GRAMMAR, count=count + 1, workers=workers)
+        next(houses)  # Then all that is done once is done.
+        return (houses,), {}
+
+    def rest(houses: Iterator[House]) -> list[str]:
+        return [json.dumps(house.to_dict()) for house in houses]
+
+    benchmark.pedantic(rest, setup=begun, rounds=min(3, ROUNDS))
+    rate = count / benchmark.stats.stats.median
+    benchmark.extra_info.update(workers=workers, worked=rooms, houses_per_second=rate)
+
+
+# - the original's method ----------------------------------------------------------------------------------
+
+
+@study("baseline: the original's method, rooms only, sampled and rejected")
+@pytest.mark.parametrize("rooms", REJECTIONS)
+def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
+    consult(builder, "rejection.pl")
+    builder.placer._ask(f"set_random(seed({rooms}))")
+    tries: list[int] = []
+
+    def plan(_: int) -> None:
+        tries.append(builder.placer._ask(f"rejection:tries_until_valid({rooms},{LIMIT},Tries)")["Tries"])
+
+    rounds = REJECTIONS[rooms]
+    measure(benchmark, builder, rooms, plan, rounds=rounds)
+    made = tries[-rounds:]
+    benchmark.extra_info.update(censored=made.count(0), limit=LIMIT, tries=float(np.median(made)))
+
+
+def consult(builder: Builder, name: str) -> None:
+    builder.placer._ask(f"use_module('{Path(__file__).with_name(name)}')")
+
+
+# - other solvers of the same systems ----------------------------------------------------------------------
+
+
+class System(NamedTuple):
+    """Rows and right-hand sides of what is at most, and of what is equal; how many unknowns there are."""
+
+    upper: csr_array
+    most: np.ndarray
+    equal: csr_array
+    value: np.ndarray
+    unknowns: int
+
+
+@pytest.fixture
+def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> list[list[System]]:
+    """The linear systems of some houses' rooms with all sizes unknown; SWI-Prolog keeps them too."""
+    consult(builder, "systems.pl")
+    found = []
+    for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
+        terms = [f"{room.type},[{','.join(map(str, room.furniture))}]" for room in layout.rooms]
+        builder.placer._ask(f"systems:stated({number},[{','.join(f'room({term})' for term in terms)}])")
+        found.append([matrices(builder.placer._json(f"room_system({term},Json)")) for term in terms])
+    return found
+
+
+@study("the same linear systems: is there a solution?")
+@pytest.mark.parametrize("rooms", ROOMS)
+@pytest.mark.usefixtures("systems")
+def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
+    def decide(turn: int) -> None:
+        builder.placer._ask(f"systems:decided({turn % HOUSES})")
+
+    measure(benchmark, builder, rooms, decide, panel=SOLVERS)
+
+
+@study("the same linear systems: is there a solution?")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_decide_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
+    def decide(turn: int) -> None:
+        assert all(
+            extreme(system, np.zeros(system.unknowns)) is not None for system in systems[turn % HOUSES]
+        )
+
+    measure(benchmark, builder, rooms, decide, panel=SOLVERS)
+
+
+@study("the same linear systems: is there a solution?")
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_decide_with_highs_at_once(
+    benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]
+) -> None:
+    """All rooms as one program, which spares HiGHS what each call of SciPy costs."""
+    houses = [joined(house) for house in systems]
+
+    def decide(turn: int) -> None:
+        house = houses[turn % HOUSES]
+        assert extreme(house, np.zeros(house.unknowns)) is not None
+
+    measure(benchmark, builder, rooms, decide, panel=SOLVERS)
+
+
+@study("the same linear systems: a solution is sampled")
+@pytest.mark.parametrize("rooms", ROOMS)
+@pytest.mark.usefixtures("systems")
+def test_sample_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
+    def sample(turn: int) -> None:
+        builder.placer._ask(f"systems:sampled({turn % HOUSES},{turn})")
+
+    measure(benchmark, builder, rooms, sample, panel=SOLVERS)
+
+
+@study("the same linear systems: a solution is sampled")
+@pytest.mark.parametrize("rooms", [rooms for rooms in ROOMS if rooms <= 16])
+def test_sample_with_highs(benchmark: Any, builder: Builder, rooms: int, systems: list[list[System]]) -> None:
+    """Each unknown in turn, between its least and greatest value: two programs for each."""
+
+    def sample(turn: int) -> None:
+        rng = np.random.default_rng(turn)
+        for system in systems[turn % HOUSES]:
+            count = system.unknowns
+            bounds = np.full((count, 2), (-np.inf, np.inf))
+            for unknown, share in enumerate(rng.random(count)):
+                objective = np.eye(1, count, unknown)[0]
+                low, high = extreme(system, objective, bounds), extreme(system, -objective, bounds)
+                assert low is not None
+                assert high is not None
+                bounds[unknown] = low + share * (-high - low)
+
+    measure(benchmark, builder, rooms, sample, rounds=HOUSES, panel=SOLVERS)
+
+
+def matrices(rows: list[Any]) -> System:
+    """Rows as rules/linear.pl tells them: pairs of an unknown and its factor, a constant, a relation."""
+    count = 1 + max((unknown for pairs, _, _ in rows for unknown, _ in pairs), default=0)
+    parts: list[Any] = []
+    for relation in ("=<", "="):
+        chosen = [(pairs, constant) for pairs, constant, kind in rows if kind == relation]
+        cells = [(row, unknown, f) for row, (pairs, _) in enumerate(chosen) for unknown, f in pairs]
+        places = np.array([cell[:2] for cell in cells], dtype=int).reshape(-1, 2).T
+        table = coo_array(([cell[2] for cell in cells], tuple(places)), shape=(len(chosen), count))
+        parts += [table.tocsr(), np.array([-constant for _, constant in chosen])]
+    upper, most, equal, value = parts
+    return System(upper, most, equal, value, count)
+
+
+def joined(systems: list[System]) -> System:
+    """Systems that share no unknown, as one."""
+    upper, most, equal, value, unknowns = zip(*systems, strict=True)
+    tables = csr_array(block_diag(upper)), csr_array(block_diag(equal))
+    return System(tables[0], np.concatenate(most), tables[1], np.concatenate(value), sum(unknowns))
+
+
+def extreme(system: System, objective: np.ndarray, bounds: Any = (None, None)) -> float | None:
+    """The objective's least value that HiGHS finds; None if there is no solution."""
+    upper, most, equal, value, _ = system
+    solved = linprog(objective, upper, most, equal, value, bounds=bounds, method="highs")
+    return solved.fun if solved.status == 0 else None

@@ -1,0 +1,46 @@
+"""``vitruvius bench thousand``: houses of all sizes and grammars, on a grid too, each checked."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from logic import House, check, generate
+from logic.grammar import shipped
+
+SIZES = dict.fromkeys(range(1, 17), 19) | {32: 4, 64: 2, 128: 1}
+"""How many houses of each number of rooms; on a grid a fifth as many."""
+
+
+@dataclass(frozen=True)
+class Thousand:
+    """Make a thousand houses of all grammars and check each: a line for each grammar and violation."""
+
+    grammars: tuple[str, ...] = tuple(shipped())
+    """Shipped grammars' names, or directories of rules."""
+
+    cells: tuple[float, ...] = (0.0, 0.3)
+    """Sides of a grid's cell in metres; 0 for none."""
+
+    def run(self) -> int:
+        """Make, check, count; 1 if there is a violation."""
+        total = violations = 0
+        for grammar in self.grammars:
+            for cell in self.cells:
+                began, made = time.monotonic(), 0
+                for made, house in enumerate(houses(grammar, cell), start=1):
+                    for violation in check(house):
+                        violations += 1
+                        print(f"{grammar}, {len(house.rooms)} rooms, house {made}: {violation}")
+                total += made
+                where = f"on a grid of {cell} m" if cell else "anywhere"
+                seconds = time.monotonic() - began
+                print(f"{grammar}, {where}: {made} houses, {seconds:.0f} s with the check", flush=True)
+        print(f"{total} houses, {violations} violations")
+        return 1 if violations else 0
+
+
+def houses(grammar: str, cell: float) -> Iterator[House]:
+    """Houses of every size."""
+    for rooms, count in SIZES.items():
+        some = -(-count // 5) if cell else count
+        yield from generate(rooms=rooms, grammar=grammar, cell=cell, seed=rooms, count=some, workers=2)

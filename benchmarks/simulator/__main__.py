@@ -1,0 +1,7 @@
+"""``python -m benchmarks.simulator`` is ``vitruvius bench simulator``."""
+
+import sys
+
+from agent.cli import main
+
+main(["bench", "simulator", *sys.argv[1:]])

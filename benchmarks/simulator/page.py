@@ -1,0 +1,227 @@
+"""The study of the simulator as a page."""
+
+from typing import Any
+
+from benchmarks.common.pages import machine, milliseconds, table_rows, versions
+from benchmarks.common.series import name_of
+
+NAMES = ("kernel", "step torch", "gymnasium step", "kernel on one core", "C on one core")
+"""Benchmarks by number of environments: the columns of the first table."""
+
+
+def simulator_page(report: dict[str, Any], peers: dict[str, Any] | None) -> str:
+    """The study of the simulator as a page: tables, and beside it what ``peers`` measured."""
+    entries = report["benchmarks"]
+    rates = {
+        (name_of(entry), entry["extra_info"]["environments"]): entry
+        for entry in entries
+        if "environments" in entry["extra_info"]
+    }
+    sizes = sorted({count for _, count in rates})
+    names = [name for name in NAMES if any(name == known for known, _ in rates)]
+    info = report["machine_info"]
+    parts = {e["extra_info"]["part"]: e["stats"]["median"] for e in entries if "part" in e["extra_info"]}
+    lines = next((e["extra_info"]["lines"] for e in entries if "lines" in e["extra_info"]), float("nan"))
+    compilers = {e["extra_info"]["compiler"] for e in entries if "compiler" in e["extra_info"]}
+    return PAGE.format(
+        when=report["datetime"][:10],
+        machine=machine(info),
+        versions=versions("taichi", "numpy", "torch", "gymnasium", python=info["python_version"]),
+        compiler=", ".join(compilers) or "no clang was at hand",
+        lines=lines,
+        operations=7 * 40 * lines,
+        vectors=7 * 40 * lines / 8,
+        names=" | ".join(names),
+        dashes="|".join("---" for _ in names),
+        rates=table_rows(
+            [f"{count:,}", *(_rate(rates.get((name, count))) for name in names), _ratio(rates, count)]
+            for count in sizes
+        ),
+        parts=table_rows([part, milliseconds(seconds)] for part, seconds in parts.items()),
+        houses=_by(entries, "houses", lambda extra: f"{extra['bytes'] / 2**20:,.0f}"),
+        segments=_by(entries, "segments", lambda extra: str(extra["of_rooms"])),
+        rays=_by(entries, "rays"),
+        processors=_by(entries, "processors"),
+        backends=_by(entries, "backend"),
+        loops=_by(entries, "loop"),
+        packing=table_rows(
+            [e["extra_info"]["packing"], milliseconds(e["stats"]["median"] / e["extra_info"]["packed"])]
+            for e in entries
+            if "packing" in e["extra_info"]
+        ),
+        first=table_rows(
+            [e["extra_info"]["first"], *(f"{seconds:.2f}" for seconds in e["extra_info"]["parts"].values())]
+            for e in entries
+            if "first" in e["extra_info"]
+        ),
+        peers=_peers(peers) if peers else "They were not measured in this run.",
+    )
+
+
+def _rate(entry: dict[str, Any] | None) -> str:
+    """Steps a second of the median round, and in brackets of the quartiles."""
+    if entry is None:
+        return ""
+    stats, rate = entry["stats"], entry["extra_info"]["steps_per_second"]
+    low, high = (rate * stats["median"] / stats[quartile] for quartile in ("q3", "q1"))
+    return f"{_short(rate)} [{_short(low)}, {_short(high)}]"
+
+
+def _short(rate: float) -> str:
+    return f"{rate / 1e6:.2f} M" if rate >= 1e5 else f"{rate:,.0f}"
+
+
+def _ratio(rates: dict[tuple[str, int], Any], count: int) -> str:
+    """Ours to C's, both on one core."""
+    ours, bound = (rates.get((name, count)) for name in ("kernel on one core", "C on one core"))
+    if ours is None or bound is None:
+        return ""
+    return f"{ours['extra_info']['steps_per_second'] / bound['extra_info']['steps_per_second']:.2f}"
+
+
+def _by(entries: list[dict[str, Any]], key: str, more: Any = None) -> str:
+    """Rows of the benchmarks that vary something: its value, (more,) and the rate."""
+    rows = []
+    for entry in entries:
+        extra = entry["extra_info"]
+        if key in extra:
+            value = extra[key]
+            shown = value if isinstance(value, str) else f"{value:,.0f}"
+            rows.append([shown, *([more(extra)] if more else []), _rate(entry)])
+    return table_rows(rows)
+
+
+def _peers(peers: dict[str, Any]) -> str:
+    """A table of the best number of environments of each way to run each peer, and what failed."""
+    best: dict[tuple[str, str], dict[str, Any]] = {}
+    for row in peers["rows"]:
+        key = row["peer"], row["what"]
+        if key not in best or row["steps_per_second"] > best[key]["steps_per_second"]:
+            best[key] = row
+    rows = [
+        [
+            f"{row['peer']} {row['version']}",
+            row["what"],
+            f"{row['environments']:,}",
+            f"{_short(row['steps_per_second'])} [{_short(row['low'])}, {_short(row['high'])}]",
+            row["note"],
+        ]
+        for row in best.values()
+    ]
+    lines = [
+        "| simulator | a step | environments | steps a second | comparable? |",
+        "|---|---|---|---|---|",
+        table_rows(rows),
+    ]
+    lines += [f"\n{each['peer']} could not be measured: {each['why']}" for each in peers["failures"]]
+    return "\n".join(lines)
+
+
+PAGE = """# How fast is a step?
+
+`./run bench simulator --peers`, {when}. {machine}. {versions}.
+
+![Steps a second](simulator.png)
+
+A step of one environment is all of it: the action, the swept move and its collision, pick-up and the next
+target, 40 rays among walls, furniture and the target, the (40, 2) float32 observation, reward, flags, and a
+new episode where one has ended. Houses are generated and furnished (`family` grammar); actions are random,
+70 % forward. Figures are environment steps a second of the median round, with quartiles.
+
+## By environments
+64 houses of 4 rooms.
+
+| environments | {names} | one core: kernel / C |
+|---|{dashes}|---|
+{rates}
+
+- `kernel` is one launch of the compiled step. `step torch` is `step_torch`, which checks the actions too and
+  shares all memory. `gymnasium step` is `VectorEnv.step`, with fresh arrays and the info.
+- `C` is the same algorithm on the same arrays, with the same results, bit for bit, checked before it is timed
+  (`benchmarks/simulator/step.c`; {compiler}, `-O3 -march=native`). It is the bound that we measure against:
+  how far the kernel is from it on one core is what Taichi costs. It needs no launch, which counts
+  with few environments.
+- What the machine has to do: a step reads and writes 112 bytes of state, reads some hundred bytes of lists,
+  writes an observation of 320 bytes, and meets {lines:.0f} lines (mean) with 40 rays each at 7 operations:
+  {operations:,.0f} of them, which are {vectors:,.0f} vector instructions on 8 numbers.
+
+## Where a step of 4,096 environments goes
+Milliseconds.
+
+| part | ms |
+|---|---|
+{parts}
+
+The kernel of one environment is the cost of a launch. What `gymnasium step` takes beyond `step torch` is the
+copy of the observations, the info, and the pages of memory that new arrays touch. A reset begins a new
+episode everywhere; in `kernel` an episode that ends is followed by the next in the same launch. The last row
+is a baseline: the rays alone, among the boxes of one house, in vectorised NumPy.
+
+## By houses
+4,096 environments; each episode draws a house.
+
+| different houses | MiB on the device | kernel |
+|---|---|---|
+{houses}
+
+## By segments
+4,096 environments, 16 houses.
+
+| segments in a house | rooms | kernel |
+|---|---|---|
+{segments}
+
+Lists of what can be seen from each square metre, made when houses are packed, keep the cost of a step from
+growing with the house.
+
+## By rays
+A field of view of about 120 degrees, 3 degrees a ray by default.
+
+| rays | kernel |
+|---|---|
+{rays}
+
+## By processors
+
+| processors | kernel |
+|---|---|
+{processors}
+
+## Backends and loops
+4,096 environments, 64 houses of 4 rooms on cells of 0.3 m, for both backends:
+
+| backend | kernel |
+|---|---|
+{backends}
+
+The loop for GPUs has a task for each environment and ray; on the CPU it gives the same bits:
+
+| loop | kernel |
+|---|---|
+{loops}
+
+No GPU was at hand: nothing here was measured on one.
+
+## Before the first step
+Packing a house, milliseconds:
+
+| backend | ms a house |
+|---|---|
+{packing}
+
+Seconds in a new process, 4,096 environments in one house:
+
+| kernels | import | packing, first | the rest until the first step | packing again |
+|---|---|---|---|---|
+{first}
+
+## Other simulators
+Each is set as its authors recommend and measured in the same run on the same processors
+(`benchmarks/simulator/peers`); the best number of environments of those tried.
+
+{peers}
+
+What can be compared: all are environment steps a second on the same processors, reset included. What cannot:
+the peers on grids (NAVIX, XLand-MiniGrid, MiniGrid) cast no rays, have no continuous collision, and see a few
+cells; VMAS solves forces among bodies; JaxNav and IR-SIM move robots by their speeds. None has our houses.
+"""

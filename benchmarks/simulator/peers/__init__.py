@@ -1,0 +1,1 @@
+"""Other simulators, each by a script whose Python environment uv makes."""

@@ -1,0 +1,53 @@
+# /// script
+# requires-python = ">=3.11,<3.14"
+# dependencies = ["navix==0.7.4", "jax==0.10.2", "jaxlib==0.10.2", "numpy==2.4.6"]
+# ///
+# pyright: reportMissingImports=false
+"""NAVIX, MiniGrid in JAX: ``uv run --no-project navix_rooms.py``.
+
+Set as its own benchmarks are: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled;
+its ``step`` resets what has ended at the step after. The last timestep alone is kept.
+"""
+
+from functools import partial
+
+import jax
+import navix
+from rounds import Case, Play, measure
+
+ENV = navix.make("Navix-FourRooms-v0", observation_fn=navix.observations.symbolic_first_person)
+
+
+@partial(jax.jit, donate_argnums=0)
+def roll(now, actions):
+    """The environments after all steps, with what was seen, rewarded and ended by the last."""
+    return jax.lax.scan(lambda now, action: (jax.vmap(ENV.step)(now, action), None), now, actions)[0]
+
+
+def build(environments: int) -> Play:
+    """Steps by random actions drawn beforehand."""
+    steps = max(32, 1024 // environments)
+    key = jax.random.key(0)
+    actions = jax.random.randint(key, (steps, environments), 0, len(ENV.action_set))
+    now = jax.jit(jax.vmap(ENV.reset))(jax.random.split(key, environments))
+
+    def play() -> int:
+        nonlocal now
+        now = jax.block_until_ready(roll(now, actions))
+        return steps * environments
+
+    return play
+
+
+CASES = (
+    Case(
+        "four rooms of 19 by 19 cells, moves, a view of 7 by 7 cells, reward, reset",
+        "Moves of a whole cell and turns of 90 degrees; no rays: a view that walls do not block; a new house "
+        "at each reset; episodes end at the goal or after 1444 steps",
+        (1, 256, 2048),
+        build,
+    ),
+)
+
+if __name__ == "__main__":
+    measure("NAVIX", "navix", CASES, libraries=["jax", "jaxlib"])

@@ -1,0 +1,270 @@
+"""What a step costs: by environments, houses, segments, rays and processors, beside the same step in C.
+
+``vitruvius bench simulator`` runs it. Every row steps a bank of generated, furnished houses with targets in
+all rooms: dynamics, collision, 40 rays, pick-up and autoreset. A round is some steps with random actions,
+70 % forward; ``extra_info`` has the rate of the median round.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from benchmarks.simulator.c_loop import Loop, compiler, version
+from benchmarks.simulator.cores import confined, processors
+from logic import House, generate, save
+from sim import DEFAULT, Config, HouseVectorEnv
+from sim.continuous.layout import lines_listed as listed_at
+from sim.runtime import start
+
+ENVIRONMENTS = [1, 16, 256, 4096, 65536]
+MANY = 4096
+"""Environments where something else is varied."""
+HOUSES = [1, 64, 512, 4096]
+ROOMS = [1, 2, 4, 8, 16]
+SPACING = [15, 9, 5, 3, 1]
+"""Degrees between the rays of a field of view of about 120 degrees."""
+CORES = [count for count in (1, 2, 4, 8, 16, 32, 64) if count <= processors()]
+ROUNDS, STEPS = 15, 32
+CELL = 0.3
+"""Metres: the cell of houses that fit both backends."""
+
+BY_ENVIRONMENTS = "64 houses of 4 rooms"
+BY_OTHERS = "4,096 environments"
+
+study = pytest.mark.benchmark(group="simulator")
+
+
+@cache
+def bank(count: int = 64, rooms: int = 4, cell: float = 0.0) -> list[House]:
+    """Houses 0, 1, ... of a request."""
+    return list(generate(rooms=rooms, seed=0, count=count, cell=cell, workers=processors()))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _started() -> None:
+    """Workers for all processors; rows with fewer are confined to those."""
+    start()
+
+
+def ready(count: int, houses: list[House], **kinds: Any) -> HouseVectorEnv:
+    """Environments in the midst of their episodes."""
+    envs = HouseVectorEnv(houses, num_envs=count, targets="mixed", **kinds)
+    envs.reset(seed=0)
+    for action in plan(count):
+        envs.step_torch(action)
+    return envs
+
+
+@cache
+def plan(count: int) -> torch.Tensor:
+    """Actions (STEPS, count); fewer steps where each is long."""
+    steps = STEPS if count <= MANY else 4
+    rows = np.random.default_rng(0).choice(3, p=[0.15, 0.15, 0.7], size=(steps, count))
+    return torch.from_numpy(rows)
+
+
+def timed(
+    benchmark: Any, step: Callable[[torch.Tensor], Any], count: int, *, panel: str = "", **extra: Any
+) -> None:
+    """Rounds of steps, and the rate of the median one."""
+    actions = plan(count)
+
+    def play() -> None:
+        for action in actions:
+            step(action)
+
+    benchmark.pedantic(play, rounds=ROUNDS, warmup_rounds=2)
+    rate = actions.numel() / benchmark.stats.stats.median
+    benchmark.extra_info.update(steps_per_second=rate, panel=panel, **extra)
+
+
+def kernel(envs: HouseVectorEnv) -> Callable[[torch.Tensor], None]:
+    """A step without what surrounds the kernel, but for its launch."""
+    return lambda actions: envs.launch(actions.numpy())
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_kernel(benchmark, count):
+    envs = ready(count, bank())
+    extra = {"lines": lines_listed(envs)} if count == MANY else {}
+    timed(benchmark, kernel(envs), count, environments=count, panel=BY_ENVIRONMENTS, **extra)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_step_torch(benchmark, count):
+    timed(benchmark, ready(count, bank()).step_torch, count, environments=count, panel=BY_ENVIRONMENTS)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_gymnasium_step(benchmark, count):
+    """With its copies and its info."""
+    envs = ready(count, bank())
+    timed(benchmark, lambda a: envs.step(a.numpy()), count, environments=count, panel=BY_ENVIRONMENTS)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_kernel_on_one_core(benchmark, count):
+    envs = ready(count, bank())
+    with confined(1):
+        timed(benchmark, kernel(envs), count, environments=count, panel=BY_ENVIRONMENTS)
+
+
+@study
+@pytest.mark.parametrize("count", ENVIRONMENTS)
+def test_C_on_one_core(benchmark, count, c_compiler, tmp_path):
+    """The same algorithm on the same arrays, with the same results."""
+    envs = ready(count, bank())
+    loop = Loop(envs, tmp_path, c_compiler)
+    for action in plan(count):
+        loop.step(action.numpy())
+        observation, reward, _, truncated, info = envs.step(action.numpy())
+        assert np.array_equal(observation, loop.observation)
+        assert np.array_equal(reward, loop.reward)
+        assert np.array_equal([truncated, info["blocked"]], loop.flags[1:])
+    with confined(1):
+        timed(
+            benchmark, lambda a: loop.step(a.numpy()), count, environments=count, panel=BY_ENVIRONMENTS,
+            compiler=version(c_compiler),
+        )  # fmt: skip
+
+
+@study
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_houses_of_cells(benchmark, backend):
+    """The two backends in the same houses, whose edges are multiples of a cell."""
+    envs = ready(MANY, bank(cell=CELL), backend=backend)
+    timed(benchmark, kernel(envs), MANY, backend=backend)
+
+
+@study
+@pytest.mark.parametrize("loop", ["by environment", "by ray"])
+def test_loops(benchmark, loop):
+    """One task for each environment, or for each ray as on a GPU; both on the CPU here."""
+    envs = ready(MANY, bank(), by_ray=loop == "by ray")
+    timed(benchmark, kernel(envs), MANY, loop=loop)
+
+
+@study
+@pytest.mark.parametrize("count", HOUSES)
+def test_different_houses(benchmark, count):
+    envs = ready(MANY, bank(count))
+    size = sum(table.nbytes for table in envs.tables().values())
+    timed(benchmark, kernel(envs), MANY, houses=count, bytes=size, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize("rooms", ROOMS)
+def test_larger_houses(benchmark, rooms):
+    envs = ready(MANY, bank(16, rooms))
+    shapes = envs.geometries
+    segments = np.mean(
+        [len(shape.verticals) + len(shape.horizontals) + 4 * len(shape.pieces) for shape in shapes]
+    )
+    timed(benchmark, kernel(envs), MANY, segments=float(segments), of_rooms=rooms, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize("spacing", SPACING)
+def test_more_rays(benchmark, spacing):
+    rays = round(120 / spacing)
+    config = Config(rays=rays, ray_spacing=spacing, first_ray=spacing * (rays - 1) / 2)
+    timed(benchmark, kernel(ready(MANY, bank(), preset=config)), MANY, rays=rays, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize("cores", CORES)
+def test_more_processors(benchmark, cores):
+    envs = ready(MANY, bank())
+    with confined(cores):
+        timed(benchmark, kernel(envs), MANY, processors=cores, panel=BY_OTHERS)
+
+
+@study
+@pytest.mark.parametrize(
+    "what", ["one environment's kernel", "observations copied", "info", "reset of all", "rays in NumPy"]
+)
+def test_parts(benchmark, what):
+    """Parts of a step of 4096 environments, and what is done less often."""
+    envs = ready(1 if what.startswith("one") else MANY, bank())
+    eye, heading, still = np.full((MANY, 2), 2.0), np.zeros(MANY), np.zeros(1, int)
+    work = {
+        "one environment's kernel": lambda: envs.launch(still),
+        "observations copied": envs.state["observation"].copy,
+        "info": envs.info,
+        "reset of all": envs.reset,
+        "rays in NumPy": lambda: cast(envs, eye, heading),
+    }[what]
+    benchmark.pedantic(work, rounds=ROUNDS, iterations=1 if "NumPy" in what else 50, warmup_rounds=1)
+    benchmark.extra_info.update(part=what)
+
+
+@study
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_packing(benchmark, backend):
+    houses = bank(cell=CELL)
+    envs = HouseVectorEnv(houses, targets="mixed", backend=backend)
+    benchmark.pedantic(lambda: envs.set_houses(houses), rounds=5, warmup_rounds=1)
+    benchmark.extra_info.update(packing=backend, packed=len(houses))
+
+
+@study
+@pytest.mark.parametrize("kernels", ["compiled", "from the cache"])
+def test_first_step(benchmark, kernels, tmp_path):
+    """In new processes; medians of the parts."""
+    file, parts = tmp_path / "house.jsonl", []
+    save(bank()[:1], file)
+    command = [sys.executable, "-m", "benchmarks.simulator.first_step", str(file)]
+    environment = os.environ | {"TI_OFFLINE_CACHE": "0" if kernels == "compiled" else "1"}
+    root = Path(__file__).parents[2]
+
+    def run() -> None:
+        done = subprocess.run(command, env=environment, cwd=root, capture_output=True, text=True, check=True)
+        parts.append(json.loads(done.stdout))
+
+    benchmark.pedantic(run, rounds=5, warmup_rounds=1)
+    medians = {part: float(np.median([each[part] for each in parts[1:]])) for part in parts[0]}
+    benchmark.extra_info.update(first=kernels, parts=medians)
+
+
+@pytest.fixture(scope="module")
+def c_compiler() -> list[str]:
+    found = compiler()
+    if found is None:
+        pytest.skip("no clang here, and no uv to fetch one")
+    return found
+
+
+def lines_listed(envs: HouseVectorEnv) -> float:
+    """How many lines a look meets: those listed for the eye's cell and its heading, on average."""
+    info = envs.info()
+    return float(listed_at(envs.tables(), info["house"], info["pose"]).mean())
+
+
+def cast(envs: HouseVectorEnv, eye: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    """Distances (E, R) from eyes (E, 2) in house 0, as most would write it: vectors over all rays, a loop
+    over boxes, the slab method.
+    """
+    solids = envs.geometries[0].solids
+    boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
+    angle = heading[:, None] + DEFAULT.ray_angles
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1 / np.stack([np.cos(angle), -np.sin(angle)], axis=-1)
+        nearest = np.full(angle.shape, DEFAULT.range)
+        for box in boxes:
+            low, high = ((edge - eye)[:, None] * inverse for edge in (box[:2], box[2:]))
+            enter, leave = np.minimum(low, high).max(axis=-1), np.maximum(low, high).min(axis=-1)
+            nearest = np.where((enter <= leave) & (enter >= 0), np.minimum(nearest, enter), nearest)
+    return nearest

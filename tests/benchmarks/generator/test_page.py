@@ -1,0 +1,25 @@
+"""The page of the generator's study says what was measured, and hides no plan that was not done in time."""
+
+from benchmarks.generator.page import generator_page
+from tests.benchmarks.reports import report
+
+
+def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> None:
+    page = generator_page(report(), "family")
+    assert "| 6 | 1,000 | > 20,000 | 800 | 2 of 20 |" in page
+    assert "| 7 | > 20,000 | > 20,000 |  | 20 of 20 |" in page
+
+
+def test_the_page_names_machine_versions_grammar_and_what_is_measured() -> None:
+    page = generator_page(report(), "mine")
+    for words in (
+        "--grammar mine",
+        "x86_64",
+        "Python 3.12",
+        "clingo 5.8",
+        "1.50 s",
+        "| 1 | 8 | 50 |",
+        "| 2 | 8 | 100 |",
+    ):
+        assert words in page
+    assert "| 32 | 64.0 | 64.0 | 100.0 | 64.0 | 200.0 | 3.12 | 50,000 | 50,000 |" in page

@@ -1,0 +1,30 @@
+"""The page of the simulator's study has its figures, their ratio to C, and other simulators beside them."""
+
+from benchmarks.simulator.page import simulator_page
+from tests.benchmarks.reports import simulator_report
+
+
+def test_the_simulators_page_has_its_figures_and_the_ratio_to_c() -> None:
+    page = simulator_page(simulator_report(), None)
+    assert (
+        "| 4,096 | 4.00 M [4.00 M, 4.00 M] | 3.00 M [3.00 M, 3.00 M] | 4.00 M [4.00 M, 4.00 M] | 0.75 |"
+        in page
+    )
+    assert "| 2 | 2 | 5.00 M [5.00 M, 5.00 M] |" in page
+    for words in (
+        "| a launch | 0.020 |",
+        "| grid | 1.0 |",
+        "| compiled | 0.50 | 1.25 |",
+        "clang 1",
+        "meets 10",
+    ):
+        assert words in page
+    assert "were not measured" in page
+
+
+def test_of_a_peer_the_page_has_its_best_rate_or_why_it_failed() -> None:
+    row = {"peer": "P", "version": "1", "what": "a step", "note": "no rays", "low": 90.0, "high": 110.0}
+    rows = [row | {"environments": n, "steps_per_second": rate} for n, rate in ((1, 50.0), (16, 100.0))]
+    page = simulator_page(simulator_report(), {"rows": rows, "failures": [{"peer": "Q", "why": "no wheel"}]})
+    assert "| P 1 | a step | 16 | 100 [90, 110] | no rays |" in page
+    assert "Q could not be measured: no wheel" in page

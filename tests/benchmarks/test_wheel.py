@@ -1,0 +1,56 @@
+"""What an installed wheel can do that has no checkout beside it."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a wheel's packages."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
+    [wheel] = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:  # what an installer does for a wheel of Python files
+        archive.extractall(folder / "site")
+    return folder / "site"
+
+
+def in_wheel(installed: Path, folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"PYTHONPATH": str(installed)}
+    return subprocess.run(
+        [sys.executable, *command],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+
+
+def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "benchmarks" / "generator" / "plain", tmp_path / "mine")
+    options = ["--grammar", "mine", "--rooms", "1", "2", "--rounds", "1", "--out", "found"]
+    ended = in_wheel(installed, tmp_path, "-m", "agent.cli", "bench", "generator", *options)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    page = (tmp_path / "found" / "generator.md").read_text()
+    assert "--grammar mine" in page
+    assert "| 2 |" in page
+    assert (tmp_path / "found" / "generator.png").stat().st_size
+
+
+def test_a_wheel_has_the_benchmark_bank(installed: Path, tmp_path: Path) -> None:
+    code = "import agent.banks; print(agent.banks.benchmark_path(), len(agent.banks.benchmark()))"
+    ended = in_wheel(installed, tmp_path, "-c", code)
+    path, houses = ended.stdout.split()
+    assert Path(path).is_relative_to(installed)
+    assert houses == "256"
