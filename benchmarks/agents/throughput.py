@@ -42,7 +42,7 @@ class Series:
     @property
     def environments(self) -> int:
         """Of all processes together."""
-        return self.processes * PRESETS[self.preset].environments
+        return self.processes * PRESETS[self.preset].num_envs
 
     @property
     def name(self) -> str:

@@ -79,7 +79,7 @@ def test_checkpoints_that_differ_in_the_training_seed_alone_are_runs_of_one_agen
 
 
 def test_a_third_config_of_the_same_name_and_folder_is_refused(tmp_path):
-    paths = [written(tmp_path / str(k), PQNConfig(steps=7, environments=8 + k)) for k in range(3)]
+    paths = [written(tmp_path / str(k), PQNConfig(steps=7, num_envs=8 + k)) for k in range(3)]
     with pytest.raises(RequestError, match=r"another config than pqn \(0-7\)'s, by the same name"):
         by_name(paths)
 
