@@ -95,7 +95,6 @@ def kernels(
         reals: Reals,
         wholes: Wholes,
         action: Longs,
-        assigned: Indices,
         observation: Observation,
         final: Observation,
         reward: ti.types.ndarray(ti.f32, 1),
@@ -104,9 +103,10 @@ def kernels(
         last_wholes: Wholes,
         prefetched: Indices,
     ):
-        """One step of every environment, with ``action`` (E,); an episode that begins is in the house
-        ``assigned`` (E,), or samples one. Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E):
-        terminated, truncated, blocked; in ``SAME_STEP`` also ``final`` and the ``last`` state.
+        """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
+
+        Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated, blocked; in
+        ``SAME_STEP`` also ``final`` and the ``last`` state.
         """
         for e in range(reals.shape[0]):
             if ti.static(all_rays):
@@ -115,7 +115,7 @@ def kernels(
                 prefetched[e] = backend.prefetch(numbers, indices, after.house, after.origin, after.cell)
             state = loaded(reals, wholes, e)
             if ti.static(mode == NEXT_STEP) and state.over:
-                state = episodes.begin(places, state, assigned[e])
+                state = episodes.begin(places, state, SAMPLE)
                 reward[e] = 0.0
                 flag(flags, e, reals.shape[0], 0, 0, 0)
             else:
@@ -128,7 +128,7 @@ def kernels(
                 store(last_reals, last_wholes, e, state)
                 if ti.static(all_rays):
                     episodes.look(numbers, indices, state, 0, rays, final, e)
-                    state = episodes.begin(places, state, assigned[e])
+                    state = episodes.begin(places, state, SAMPLE)
             store(reals, wholes, e, state)
             if ti.static(all_rays):
                 episodes.look(numbers, indices, state, 0, rays, observation, e)
@@ -139,7 +139,7 @@ def kernels(
                         episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, final, e)
                 for e in range(reals.shape[0]):
                     if wholes[e][6]:
-                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), assigned[e]))
+                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), SAMPLE))
             for e, r in ti.ndrange(reals.shape[0], rays):
                 episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
 

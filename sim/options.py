@@ -35,7 +35,7 @@ def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOpt
     count = world.num_envs
     mask = np.ones(count, bool)
     wholes, reals = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
-    wholes[:, 0] = world.arrays["assigned"].numpy()
+    wholes[:, 0] = SAMPLE
     if options.get("reset_mask") is not None:
         mask = np.asarray(options["reset_mask"])
         if mask.shape != (count,) or mask.dtype != bool:
@@ -45,7 +45,7 @@ def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOpt
         if first and not mask.all():
             raise ResetNeeded("the first reset is everywhere's: leave out reset_mask")
     if options.get("house") is not None:
-        wholes[:, 0] = house_numbers("option house", options["house"], world, 0)
+        wholes[:, 0] = house_numbers(options["house"], world)
     if options.get("pose") is not None:
         if options.get("house") is None:
             raise ValueError("option pose: say in which houses, by option house")
@@ -57,14 +57,13 @@ def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOpt
     return ResetOptions(mask, wholes, reals)
 
 
-def house_numbers(name: str, value: Any, world: World, least: int) -> np.ndarray:
-    """Numbers (E,) int of houses in a world's bank, from ``least`` on; ``ValueError`` for others."""
+def house_numbers(value: Any, world: World) -> np.ndarray:
+    """Numbers (E,) int of houses in a world's bank; ``ValueError`` for others."""
     given = np.asarray(value)
     if given.shape != (world.num_envs,) or not np.issubdtype(given.dtype, np.integer):
-        raise ValueError(f"{name}: {world.num_envs} integers, found {given.dtype} {given.shape}")
-    if given.min() < least or given.max() >= len(world.houses):
-        sampled = ", or -1 to sample one" if least == SAMPLE else ""
-        raise ValueError(f"{name}: the bank has houses 0 to {len(world.houses) - 1}{sampled}")
+        raise ValueError(f"option house: {world.num_envs} integers, found {given.dtype} {given.shape}")
+    if given.min() < 0 or given.max() >= len(world.houses):
+        raise ValueError(f"option house: the bank has houses 0 to {len(world.houses) - 1}")
     return given
 
 

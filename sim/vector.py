@@ -15,8 +15,8 @@ from sim.backend import Backend
 from sim.config import Config
 from sim.episodes import HOUSE
 from sim.geometry import Geometry
-from sim.kernels import DISABLED, NEXT_STEP, SAME_STEP, SAMPLE, TERMINATED, TRUNCATED
-from sim.options import house_numbers, read_options
+from sim.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
+from sim.options import read_options
 from sim.outputs import Outputs
 from sim.runtime import start
 from sim.tasks import Targets
@@ -84,10 +84,6 @@ class HouseVectorEnv(VectorEnv):
     episode, house and k: it never depends on the agent. So to measure agents on the same tasks, give house i
     to environment i by ``reset(seed=0, options={"house": np.arange(n)})`` and step one episode: each agent
     meets the same starts and the same targets in the same order, those that ``targets`` lists.
-
-    ## Houses
-    Each episode samples its house, unless ``assign`` has set one: so a learner can choose the houses in which
-    there is most to learn. Targets and starts are sampled as always.
 
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
@@ -166,16 +162,6 @@ class HouseVectorEnv(VectorEnv):
         """What moves bodies and casts rays."""
         return self.world.backend
 
-    def assign(self, houses: Any) -> None:
-        """Set the houses (E,) of the bank in which the next episodes take place, -1 for one that is sampled.
-
-        It holds for each environment's next episode, however it begins, and for all after it, until the next
-        ``assign``. A reset's option ``house`` overrides it for one episode, and another bank clears it.
-        Episodes under way go on as they are. Raises ``ValueError``, and changes nothing, for other shapes,
-        kinds or numbers.
-        """
-        self.world.arrays["assigned"].fill(house_numbers("assign", houses, self.world, SAMPLE))
-
     def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
         """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
         Nothing is compiled for it.
@@ -191,7 +177,7 @@ class HouseVectorEnv(VectorEnv):
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
         ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
-        ``target`` (E, 2) in metres and radians, in place of those sampled or assigned; ``reset_mask`` (E,)
+        ``target`` (E, 2) in metres and radians, in place of those sampled; ``reset_mask`` (E,)
         bool, those environments that begin a new episode, all but the first time. ``ValueError`` for wrong
         ones, before anything is changed.
         """
@@ -301,10 +287,9 @@ class HouseVectorEnv(VectorEnv):
         kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
         if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
             raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
-        house, assigned = int(state["wholes"][:, HOUSE].max()), int(state["assigned"].max())
-        if max(house, assigned) >= len(self.houses):
-            where = f"a body is in house {house}" if house > assigned else f"house {assigned} is assigned"
-            raise ValueError(f"a state of another bank: {where} of {len(self.houses)}")
+        house = int(state["wholes"][:, HOUSE].max())
+        if house >= len(self.houses):
+            raise ValueError(f"a state of another bank: a body is in house {house} of {len(self.houses)}")
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]

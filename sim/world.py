@@ -11,13 +11,13 @@ from logic import House
 from sim.backend import Backend, Bank, Lattice
 from sim.config import Config
 from sim.episodes import HEADER
-from sim.kernels import NEXT_STEP, SAME_STEP, SAMPLE, kernels
+from sim.kernels import NEXT_STEP, SAME_STEP, kernels
 from sim.places import Places, places
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
 from sim.tasks import Targets, Task, task
 
-STATE = "reals", "wholes", "assigned"
+STATE = "reals", "wholes"
 """Arrays that a step depends on and that are not the bank's."""
 
 TABLES = "numbers", "indices", "places"
@@ -70,7 +70,6 @@ class World:
             "prefetched": Array(ti.i32, count),
             "option_wholes": Array(ti.i32, count, 4),
             "option_reals": Array(ti.f32, count, 4),
-            "assigned": Array(ti.i32, count),
             "pose": Array(ti.f32, 3 * count),
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
@@ -80,8 +79,8 @@ class World:
         self.launches: dict[str, Launch] = {}
 
     def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
-        """Load another bank, and another task if ``targets`` names one; nothing is compiled. No house is
-        assigned then. Reset all environments before they are stepped again.
+        """Load another bank, and another task if ``targets`` names one; nothing is compiled.
+        Reset all environments before they are stepped again.
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
@@ -95,7 +94,6 @@ class World:
         self.lattices, self.places = self._places(houses, bank, wanted)
         self.houses, self.bank, self.task = list(houses), bank, wanted
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
-        self.arrays["assigned"].fill(np.full(self.num_envs, SAMPLE, np.int32))
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
