@@ -62,10 +62,10 @@ def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(ba
     assert not (tmp_path / "out").exists()
 
 
-def test_the_same_rules_and_solvers_make_the_same_houses_again(bank):
+def test_todays_rules_make_the_houses_of_the_bank_again_where_the_solvers_are_the_same(bank):
     [again] = generate(rooms=2, seed=TEST.start)
     made, frozen = again.provenance, bank[0].provenance
     assert made is not None
-    if (made.grammar_hash, made.versions) != (frozen.grammar_hash, frozen.versions):
-        pytest.skip("other rules or solvers than the bank's: it stays as it was made")
+    if made.versions != frozen.versions:
+        pytest.skip("other versions of the solvers than the bank's: it stays as it was made")
     assert geometry_hash(again) == geometry_hash(bank[0])
