@@ -9,7 +9,7 @@ from torch.nn.functional import one_hot
 from agent.actions import ACTIONS
 from agent.avoidance import Layer, random_preference, subsume
 from agent.network import QNetwork
-from agent.planner import Planner
+from agent.planner import TUNED, Planner, PlannerConfig
 from sim.config import DEFAULT, Config
 
 DEFERENCE = 0.1
@@ -34,22 +34,22 @@ class Policy(Protocol):
 
 
 class Tracker:
-    """Keeps a map of each environment for a policy, which sets ``actions`` to those that it chose last."""
+    """Keeps a planner in step with what a policy does: the policy sets ``actions`` after each choice."""
 
-    def __init__(self, world: Config) -> None:
-        """Make maps for environments of this configuration."""
-        self.world = world
-        self.planner = Planner(world, 1)
+    def __init__(self, world: Config, config: PlannerConfig = TUNED, prior: bool = False) -> None:
+        """Make planners for environments of the configuration ``world``; for ``prior`` see ``Planner``."""
+        self.world, self.config, self.prior = world, config, prior
+        self.planner = Planner(world, 1, config, prior)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""
         if len(self.planner.advice) != environments:
-            self.planner = Planner(self.world, environments)
+            self.planner = Planner(self.world, environments, self.config, self.prior)
         self.actions = torch.zeros(environments, dtype=torch.int64)
         self.fresh = torch.ones(environments, dtype=torch.bool)
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """The maps, after the last actions led to these observations."""
+        """The planners, with what the last actions led to."""
         self.planner.step(observation, blocked, self.actions, self.fresh)
         self.fresh.fill_(False)
         return self.planner
@@ -69,7 +69,7 @@ class QPolicy:
     ) -> None:
         """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
 
-        With a hundredth a body leaves a loop that it cannot see it is in. ``tracker`` keeps the maps that
+        With a hundredth a body leaves a loop that it cannot see it is in. ``tracker`` keeps the planners that
         the network or a layer reads; a network that reads them has one for the default configuration.
         """
         self.network, self.avoidance, self.generator = network, avoidance, generator
@@ -103,14 +103,14 @@ class QPolicy:
 
 
 class Explorer:
-    """The map's advice under avoidance, without learning: to a target that was seen, else to where one may
-    be.
+    """The planner's advice under avoidance, without learning: to the target that was seen, or else to the
+    next best view.
     """
 
-    def __init__(self, avoidance: Layer, world: Config = DEFAULT) -> None:
-        """Explore environments of this configuration under ``avoidance``."""
+    def __init__(self, avoidance: Layer, world: Config = DEFAULT, config: PlannerConfig = TUNED) -> None:
+        """Explore environments of the configuration ``world`` under ``avoidance``."""
         self.avoidance, self.interventions = avoidance, 0
-        self.tracker = Tracker(world)
+        self.tracker = Tracker(world, config)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""

@@ -15,7 +15,7 @@ STUDIES = {
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
     "films": ("benchmarks.agents.films:Film", "Film an agent beside its map."),
-    "explorers": ("benchmarks.explorers:Explorers", "The planner with other numbers."),
-    "odds": ("benchmarks.odds:Odds", "Where an unseen target may be: the planner's table."),
+    "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
+    "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""

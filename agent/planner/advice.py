@@ -1,17 +1,17 @@
-"""What a map advises: the turn to the heading from which a step brings the goal nearest."""
+"""What a planner advises: the turn to the heading from which a step brings the goal nearest."""
 
-from agent.planner.cells import Grid
-from agent.planner.ways import FAR, Ways
+from agent.planner.occupancy import Occupancy
+from agent.planner.paths import FAR, Paths
 from sim.runtime import ti
 
 
 @ti.data_oriented
 class Advice:
-    """Advice to a body on a grid, by the ways to its goal."""
+    """Advice to a body on a map, by the paths to its goal."""
 
-    def __init__(self, grid: Grid, ways: Ways) -> None:
-        """Advise on this grid by these ways."""
-        self.grid, self.ways, self.step = grid, ways, grid.step
+    def __init__(self, occupancy: Occupancy, paths: Paths) -> None:
+        """Advise on this map by these paths."""
+        self.occupancy, self.paths, self.step = occupancy, paths, occupancy.step
 
     @ti.func
     def span(self, px, py):
@@ -19,46 +19,47 @@ class Advice:
         return ti.select((px | py) & 1 == 0, ti.max(2, self.step), self.step)
 
     @ti.func
-    def steps(self, cells: ti.template(), field: ti.template(), base, px, py, heading, forward):
+    def steps(self, memory: ti.template(), base, px, py, heading, forward):
         """Of a step at each of the eight headings, counter-clockwise from the body's own: whether it is free,
         and how much nearer each half cell of it brings the goal, -1 where that is not known. The first is not
         free where the rays say that the body cannot go ``forward``.
         """
-        span, far = self.span(px, py), self.ways.far(field, base, px, py)
+        span, far = self.span(px, py), self.paths.far(memory, base, px, py)
         open_, gains = ti.Vector([0] * 8), ti.Vector([-1.0] * 8)
         for k in range(8):
-            way = self.ways.ahead((heading + k) & 7)
+            way = self.occupancy.ahead((heading + k) & 7)
             qx, qy = px + span * way[0], py + span * way[1]
-            free = self.grid.room(cells, base, qx, qy)
-            free &= self.grid.passes(cells, base, px, py, way[0], way[1], ti.static(self.step))
+            free = self.occupancy.room(memory, base, qx, qy)
+            free &= self.occupancy.passes(memory, base, px, py, way[0], way[1], ti.static(self.step))
             if way[0] * way[1] != 0:
-                free &= self.grid.room(cells, base, qx, py) & self.grid.room(cells, base, px, qy)
-                if ti.static(self.grid.touching):
+                free &= self.occupancy.room(memory, base, qx, py) & self.occupancy.room(memory, base, px, qy)
+                if ti.static(self.occupancy.touching):
                     # Nor may a wall lie on any side of the square about the way.
                     for corner in ti.static(range(2)):
                         cx, cy = ti.select(corner, qx, px), ti.select(corner, qy, py)
                         to = 1 - 2 * corner
-                        free &= self.grid.passes(cells, base, cx, cy, to * way[0], 0, ti.static(self.step))
-                        free &= self.grid.passes(cells, base, cx, cy, 0, to * way[1], ti.static(self.step))
+                        step = ti.static(self.step)
+                        free &= self.occupancy.passes(memory, base, cx, cy, to * way[0], 0, step)
+                        free &= self.occupancy.passes(memory, base, cx, cy, 0, to * way[1], step)
             if k == 0:
                 free &= forward
-            there = self.ways.far(field, base, qx, qy)
+            there = self.paths.far(memory, base, qx, qy)
             if (free > 0) & (there < FAR) & (far < FAR):
                 gains[k] = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
             open_[k] = free
         return open_, gains
 
     @ti.func
-    def turn(self, cells: ti.template(), field: ti.template(), base, px, py, heading, gains):
+    def turn(self, memory: ti.template(), base, px, py, heading, gains):
         """How far to turn, in eighths counter-clockwise: of the steps that lead nearest to the one with the
         fewest turns before and after it. One where none is known to lead anywhere.
         """
         span, nearest, turn, fewest = self.span(px, py), gains.max(), 1, 1 << 10
         for k in range(8):
             if (nearest > -1.0) & (gains[k] == nearest):
-                way = self.ways.ahead((heading + k) & 7)
+                way = self.occupancy.ahead((heading + k) & 7)
                 qx, qy = px + span * way[0], py + span * way[1]
-                turns = ti.min(k, 8 - k) + self.ways.bends(cells, field, base, qx, qy, (heading + k) & 7)
+                turns = ti.min(k, 8 - k) + self.paths.bends(memory, base, qx, qy, (heading + k) & 7)
                 if turns < fewest:
                     turn, fewest = k, turns
         return turn

@@ -1,70 +1,59 @@
-"""What is believed of where targets lie: how likely a place is to hide one, before it was looked at.
+"""Where targets are likely to lie: how much each candidate place counts, before it was looked at.
 
-Two things are learnt while an episode goes on. Ground that was never seen may be no floor at all: the inside
-of furniture, of a wall, or of the garden. And targets may keep to the space that the episode began in, or out
-of it: each pick-up tells which, by Bayes's rule. In 320 validation houses the second is worth 0.028 +- 0.005
-of the oracle's targets in secondary rooms, and costs 0.011 +- 0.004 where targets lie in all rooms.
+Two things are estimated while an episode goes on. Ground that was never seen may be no floor at all: the
+inside of furniture, of a wall, or of the garden. And targets may lie in the room that the episode began in,
+or outside it: each pick-up is evidence for one of the two, by Bayes's rule.
 """
 
-from agent.planner.cells import FLAGS, OCCUPIED, WAYS, Grid
+from agent.planner.config import CERTAIN, PlannerConfig
+from agent.planner.occupancy import FLAGS, HEADINGS, OCCUPIED, Occupancy
 from sim.runtime import ti
-
-SURE = 100
-"""What a place counts that was seen to be free floor, unseen since the last pick-up."""
-
-ODDS = (0, 0, 0, 0, 0, 0, 0, 7, 23, 38, 57, 63, 76, 87, 87, 87, 87)
-"""What one counts that was never seen, by the number of the eight directions in which the first cell known is
-floor, less those in which it is occupied, -8 to 8. Of 16,107 such places, in 100 training houses with an
-explorer in them, this part of ``SURE`` could hide a target, as against those that had been seen before
-(``python -m benchmarks.odds``).
-"""
-
-ABOUT = 9
-"""Cells that are looked at in each direction."""
-
-SLIP = 0.05
-"""How often a pick-up is taken for one in another space than it was in."""
-
-ELSEWHERE = 0.5
-"""Share of all floor that lies beyond the space of the start."""
-
-WIDE = 120
-"""Cells that the space of the start may reach from it."""
 
 
 @ti.data_oriented
 class Belief:
-    """The belief of a map on this grid."""
+    """What is believed of places on a map."""
 
-    def __init__(self, grid: Grid) -> None:
-        """Believe on this grid."""
-        self.grid = grid
+    def __init__(self, config: PlannerConfig, occupancy: Occupancy, prior: bool = False) -> None:
+        """``prior``: what unseen places count is given from outside, by a study that knows the house."""
+        self.config, self.occupancy, self.prior = config, occupancy, prior
 
     @ti.func
-    def odds(self, cells: ti.template(), base, x, y):
-        """What a node counts as a hiding place, if it is one: 0 to ``SURE``."""
-        odds = SURE
-        if ti.cast(cells[base + self.grid.at(x, y)], ti.i32) < 1 << FLAGS:
-            floor = 0
-            for k in ti.static(range(8)):
-                dx, dy = WAYS[k][0], WAYS[k][1]
-                # A node is the corner of four cells: the first one in a direction begins there.
-                i, j, known, t = x - (dx < 0), y - (dy < 0), 0, 1
-                while (known >> FLAGS == 0) & (t <= ABOUT):
-                    known = ti.cast(cells[base + self.grid.at(i + t * dx, j + t * dy)], ti.i32)
-                    t += 1
-                if known & OCCUPIED:
-                    floor -= 1
-                elif known >> FLAGS:
-                    floor += 1
-            for k in ti.static(range(17)):
-                if floor == k - 8:
-                    odds = ODDS[k]
+    def odds(self, memory: ti.template(), base, x, y):
+        """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
+        odds = CERTAIN
+        if ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
+            if ti.static(self.prior):
+                odds = ti.cast(memory.prior[base + self.occupancy.at(x, y)], ti.i32)
+            else:
+                floor = self.floor(memory, base, x, y)
+                for k in ti.static(range(17)):
+                    if floor == k - 8:
+                        odds = self.config.floor_odds[k]
         return odds
 
     @ti.func
-    def home(self, cells: ti.template(), base):
-        """The space that the episode began in, as far as it was seen: the rectangle about the start that
+    def floor(self, memory: ti.template(), base, x, y):
+        """In how many of the eight directions the first known cell is floor, less those in which it is
+        occupied.
+        """
+        floor = 0
+        for k in ti.static(range(8)):
+            dx, dy = HEADINGS[k][0], HEADINGS[k][1]
+            # A node is the corner of four cells: the first one in a direction begins there.
+            i, j, known, t = x - (dx < 0), y - (dy < 0), 0, 1
+            while (known >> FLAGS == 0) & (t <= self.config.odds_reach):
+                known = ti.cast(memory.cells[base + self.occupancy.at(i + t * dx, j + t * dy)], ti.i32)
+                t += 1
+            if known & OCCUPIED:
+                floor -= 1
+            elif known >> FLAGS:
+                floor += 1
+        return floor
+
+    @ti.func
+    def start_room(self, memory: ti.template(), base):
+        """The room that the episode began in, as far as it was seen: the rectangle about the start that
         grows to all sides until a cell is occupied or all are unknown. West, east, north, south, inclusive.
         """
         box, grows = ti.Vector([-1, 0, -1, 0]), ti.Vector([1, 1, 1, 1])
@@ -77,12 +66,12 @@ class Belief:
                     for k in range(box[along], box[along + 1] + 1):
                         cell = 0
                         if ti.static(side < 2):
-                            cell = ti.cast(cells[base + self.grid.at(at, k)], ti.i32)
+                            cell = ti.cast(memory.cells[base + self.occupancy.at(at, k)], ti.i32)
                         else:
-                            cell = ti.cast(cells[base + self.grid.at(k, at)], ti.i32)
+                            cell = ti.cast(memory.cells[base + self.occupancy.at(k, at)], ti.i32)
                         taken |= cell & OCCUPIED
                         seen |= cell >> FLAGS
-                    if (taken == 0) & (seen > 0) & (ti.abs(at) < WIDE):
+                    if (taken == 0) & (seen > 0) & (ti.abs(at) < ti.static(self.config.start_room)):
                         box[side] = at
                     else:
                         grows[side] = 0
@@ -91,22 +80,23 @@ class Belief:
     @ti.func
     def within(self, box, x, y):
         """Whether a node lies in a box of cells (i32)."""
-        i, j = self.grid.apart(x, 0), self.grid.apart(y, 0)
+        i, j = self.occupancy.apart(x, 0), self.occupancy.apart(y, 0)
         return ti.cast((i > box[0]) & (i <= box[1]) & (j > box[2]) & (j <= box[3]), ti.i32)
 
     @ti.func
     def shares(self, here, found):
-        """What is left of the odds of places in the space of the start, and of those elsewhere, after so many
-        pick-ups ``here`` of all ``found``: the greater is 1. Targets lie here, elsewhere, or in both, each as
+        """What is left of the odds of places in the start room, and of those elsewhere, after ``here`` of
+        ``found`` pick-ups were in it: the greater is 1. Targets lie here, elsewhere, or in both, each as
         likely at first, and then in all places there alike.
         """
         there = found - here
-        small, large = ti.static(ELSEWHERE), ti.static(1 - ELSEWHERE)
-        only_here = ti.pow((1 - SLIP) / large, ti.cast(here, ti.f32)) * ti.pow(
-            SLIP / small, ti.cast(there, ti.f32)
+        slip = ti.static(self.config.pick_up_error)
+        small, large = ti.static(self.config.floor_elsewhere), ti.static(1 - self.config.floor_elsewhere)
+        only_here = ti.pow((1 - slip) / large, ti.cast(here, ti.f32)) * ti.pow(
+            slip / small, ti.cast(there, ti.f32)
         )
-        only_there = ti.pow(SLIP / large, ti.cast(here, ti.f32)) * ti.pow(
-            (1 - SLIP) / small, ti.cast(there, ti.f32)
+        only_there = ti.pow(slip / large, ti.cast(here, ti.f32)) * ti.pow(
+            (1 - slip) / small, ti.cast(there, ti.f32)
         )
         one, other = only_here / large + 1.0, only_there / small + 1.0
         most = ti.max(one, other)

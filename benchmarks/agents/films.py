@@ -17,9 +17,9 @@ from agent import checkpoint
 from agent.banks import benchmark
 from agent.build import policy_of
 from agent.config import TargetMode
-from agent.planner import BITS, Planner
-from agent.planner.cells import FLAGS
-from agent.planner.counts import COUNTS, GOAL, KIND, NONE, SINCE, TARGET
+from agent.planner import Planner
+from agent.planner.occupancy import BITS
+from agent.planner.state import NONE, TARGET
 from agent.world import make_worlds
 from logic import House
 from sim.film import MARGIN, PAPER, SHARP, Camera, View, film
@@ -86,24 +86,22 @@ class Window:
         self.box = np.concatenate([corner, corner + np.array(self.size) / scale])  # metres from the start
         self.quarters = round(float(start[2]) / (np.pi / 4)) // 2
 
-    def drawn(self, map: Planner) -> Image.Image:
-        """The first environment's map."""
+    def drawn(self, planner: Planner) -> Image.Image:
+        """The first environment's planner."""
         side = 1 << BITS
-        counts, states = map.arrays["counts"].view()[:COUNTS], map.occupancy(0)
-        cells = map.arrays["cells"].view()[: side * side].reshape(side, side).astype(int)
-        when = np.roll(cells >> FLAGS, (side // 2, side // 2), axis=(0, 1))
+        states, kind, since = planner.occupancy(0), planner.read("kind")[0], int(planner.read("since")[0])
         image = np.full((side, side, 3), PAPER, np.uint8)
         image[states == 1] = OLD
-        image[(states == 1) & (when >= counts[SINCE])] = FREE
+        image[(states == 1) & (planner.last_seen(0) >= since)] = FREE
         image[states == 2] = TAKEN
-        box = self.box / map.cell + side // 2
+        box = self.box / planner.cell + side // 2
         whole = Image.fromarray(np.ascontiguousarray(np.rot90(image, self.quarters)))
         picture = whole.resize(self.size, Image.Resampling.NEAREST, box=tuple(np.clip(box, 0, side)))
         draw, scale = ImageDraw.Draw(picture), self.size[0] / (box[2] - box[0])
-        spots = [(np.array(map.pose(0)[:2]), BODY)]
-        if counts[KIND] != NONE:
-            goal = np.array(divmod(int(counts[GOAL]), side)[::-1])
-            colour = KNOWN if counts[KIND] == TARGET else NEXT
+        spots = [(np.array(planner.pose(0)[:2]), BODY)]
+        if kind != NONE:
+            goal = np.array(divmod(int(planner.read("goal")[0]), side)[::-1])
+            colour = KNOWN if kind == TARGET else NEXT
             spots.insert(0, ((goal + side // 2) % side - side // 2, colour))
         # Counter-clockwise, south being down: (east, south) becomes (south, -east).
         turn = np.linalg.matrix_power(np.array([[0, 1], [-1, 0]]), self.quarters)

@@ -21,7 +21,8 @@ from agent.evaluation import scores
 from agent.evaluation.protocol import measure
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import Table
-from agent.planner import BITS, Planner
+from agent.planner import Planner
+from agent.planner.occupancy import BITS
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns
 from benchmarks.common.pages import ROOT

@@ -99,7 +99,7 @@ def explored(name: str) -> dict[str, Any]:
 
     def look() -> tuple[torch.Tensor, ...]:
         map = policy.tracker.planner
-        return map.advice, map.features, map.new, map.progress, map.way, map.found
+        return map.advice, map.features, map.new, map.progress, map.path, map.found
 
     return play(envs, policy, look)
 

@@ -1,36 +1,32 @@
-# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false, reportCallIssue=false
-# pyright: reportOptionalCall=false, reportIndexIssue=false, reportArgumentType=false
-"""How often ground that was never seen hides a target: ``python -m benchmarks.odds`` prints the table
-``agent.planner.belief.ODDS`` as it is measured, beside the one that the code holds.
+"""How often ground that was never seen hides a target: ``vitruvius bench odds`` prints
+``PlannerConfig.floor_odds`` as they are measured, beside those of the tuned configuration.
 
-Explorers play in 100 houses of training seeds. Every now and then each that seeks a target is asked
-for some of the hiding places on its map, and the house itself tells in which a target could lie that was not
-seen since the last pick-up. An entry is the share of those among the places with one count of what surrounds
-them, as the belief counts it, over that among places that had been seen before. Errors are over houses.
+Explorers play in 100 houses of training seeds. At intervals each that seeks a target is asked for some of the
+candidates on its map, and the house itself shows in which a target could lie that was not seen since the last
+pick-up. An entry is the share of those among the places with one count of what surrounds them, as the belief
+counts it, over that among places that had been seen before. Errors are over houses.
 """
 
-import sys
-from dataclasses import dataclass
-from unittest.mock import patch
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-import tyro
 from scipy.ndimage import label
 from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
 from agent.evaluation.tables import Table
-from agent.planner import BITS, Planner, belief
-from agent.planner.belief import ODDS, SURE, Belief
-from agent.planner.cells import NEAR, SOLID, Bytes, Cells, Grid, Wholes
-from agent.planner.counts import COUNTS, SINCE
+from agent.planner import TUNED, Planner
+from agent.planner.arrays import Bytes, Shorts, Wholes
+from agent.planner.belief import Belief
+from agent.planner.config import CERTAIN
+from agent.planner.occupancy import BITS, NEAR, SOLID, Occupancy
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
 from benchmarks.common.houses import ROOMS
-from benchmarks.common.processes import say
 from logic import House, generate
-from logic.errors import RequestError, VitruviusError
+from logic.errors import RequestError
 from sim import HouseVectorEnv
 from sim.config import DEFAULT
 from sim.lookout import PITCH, Lookout
@@ -38,7 +34,7 @@ from sim.runtime import Array, Launch, ti
 
 SIDE = 1 << BITS
 
-ENTRIES = len(ODDS)
+ENTRIES = len(TUNED.floor_odds)
 """Places that were seen before are counted behind the table's entries."""
 
 FIRST, EVERY, PLACES = 15, 30, 8
@@ -74,41 +70,48 @@ class Odds:
         if not free[:, ENTRIES].any():
             raise RequestError("no place was asked for that had been seen before: more --houses or --steps")
         print(sheet(free, asked).markdown())
-        print(f"\nODDS = {table(free.sum(axis=0), asked.sum(axis=0))}")
+        print(f"\nfloor_odds = {table(free.sum(axis=0), asked.sum(axis=0))}")
+
+
+class Cells(NamedTuple):
+    """The part of ``agent.planner.arrays.Memory`` that is asked for here."""
+
+    cells: Any
 
 
 class Places:
-    """The hiding places on maps, by what surrounds them."""
+    """The candidates on maps, by what surrounds them."""
 
-    def __init__(self, map: Planner) -> None:
-        """Ask these maps."""
-        self.map, number = map, len(map.advice)
-        grid, believed, half = Grid(BITS), Belief(Grid(BITS)), SIDE // 2
+    def __init__(self, planner: Planner) -> None:
+        """Ask these planners."""
+        self.planner, number, half = planner, len(planner.advice), SIDE // 2
+        occupancy = Occupancy(planner.config)
+        # In a table of its own places the belief looks up which one it would take.
+        belief = Belief(replace(planner.config, floor_odds=tuple(range(ENTRIES))), occupancy)
 
         @ti.kernel
-        def ask(cells: Cells, asked: Bytes, since: Wholes, entries: Wholes):
+        def ask(cells: Shorts, asked: Bytes, since: Wholes, entries: Wholes):
+            memory = ti.static(Cells(cells))
             for k in range(asked.shape[0]):
                 e, x, y = k // (half * half), 2 * (k % half), 2 * (k // half % half)
                 entries[k] = -1
-                if asked[k] and grid.hides(cells, e * grid.area, x, y, since[e]):
-                    entries[k] = believed.odds(cells, e * grid.area, x, y)
+                if asked[k] and occupancy.hides(memory, e * occupancy.area, x, y, since[e]):
+                    entries[k] = belief.odds(memory, e * occupancy.area, x, y)
 
         self.arrays = {
-            "cells": map.arrays["cells"],
+            "cells": planner.arrays["cells"],
             "asked": Array(ti.u8, number * half * half),
             "since": Array(ti.i32, number),
             "entries": Array(ti.i32, number * half * half),
         }
-        # In a table of its own places the belief looks up which one it would take.
-        with patch.object(belief, "ODDS", tuple(range(ENTRIES))):
-            self._ask = Launch(ask, self.arrays)
+        self._ask = Launch(ask, self.arrays)
 
     def ask(self) -> np.ndarray:
         """The entries (E, 128, 128) int32 of every other node along both axes, south by east of the start;
-        ``SURE`` where it was seen before, -1 where it is out of reach or hides nothing.
+        ``CERTAIN`` where it was seen before, -1 where it is out of reach or hides nothing.
         """
-        number, half = len(self.map.advice), SIDE // 2
-        self.arrays["since"].view()[:] = self.map.arrays["counts"].view().reshape(number, COUNTS)[:, SINCE]
+        number, half = len(self.planner.advice), SIDE // 2
+        self.arrays["since"].view()[:] = self.planner.read("since").numpy()
         within = np.stack([self.within_reach(e)[::2, ::2] for e in range(number)])
         self.arrays["asked"].view()[:] = within.ravel()
         self._ask()
@@ -116,7 +119,7 @@ class Places:
 
     def within_reach(self, environment: int) -> np.ndarray:
         """The nodes (256, 256) bool that a search from the body may come to."""
-        cells = self.map.arrays["cells"].view().reshape(-1, SIDE, SIDE)[environment]
+        cells = self.planner.arrays["cells"].view().reshape(-1, SIDE, SIDE)[environment]
         # The grid is a torus: with the body in its middle, what is near to it lies in one piece.
         x, y = self.body(environment)
         shift = SIDE // 2 - y, SIDE // 2 - x
@@ -126,7 +129,7 @@ class Places:
 
     def body(self, environment: int) -> np.ndarray:
         """The node (2,) int that the body is on, east and south of its start."""
-        return np.floor(self.map.pose(environment)[:2]).astype(int)
+        return np.floor(self.planner.pose(environment)[:2]).astype(int)
 
 
 class Truth:
@@ -167,15 +170,15 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
     observation, info = envs.reset(seed=0, options={"house": np.arange(number)})
     policy = Explorer(shield(envs), envs.config)
     policy.begin(number)
-    map = policy.tracker.planner
-    places, truth = Places(map), Truth(envs, info["pose"], map.cell)
+    planner = policy.tracker.planner
+    places, truth = Places(planner), Truth(envs, info["pose"], planner.cell)
     seen, blocked = torch.as_tensor(observation), torch.zeros(number, dtype=torch.bool)
     free, asked = np.zeros((2, number, ENTRIES + 1), int)
     for step in range(steps):
         actions = policy(seen, blocked)
         if step % EVERY == FIRST:
             entries = places.ask()
-            for e in np.flatnonzero(map.seeks.numpy()):
+            for e in np.flatnonzero(planner.seeks.numpy()):
                 nodes = chance.permutation(np.argwhere(entries[e] >= 0))[:PLACES]
                 entry = np.minimum(entries[e][tuple(nodes.T)], ENTRIES)
                 body = places.body(e)
@@ -189,10 +192,10 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def odds(free: np.ndarray, asked: np.ndarray) -> np.ndarray:
-    """What places (..., 17) count, of ``SURE``, by such numbers (..., 18); not a number where none is."""
+    """What places (..., 17) count, of ``CERTAIN``, by such numbers (..., 18); not a number where none is."""
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = free / asked
-        return SURE * shares[..., :ENTRIES] / shares[..., ENTRIES:]
+        return CERTAIN * shares[..., :ENTRIES] / shares[..., ENTRIES:]
 
 
 def table(free: np.ndarray, asked: np.ndarray) -> tuple[int, ...]:
@@ -201,16 +204,16 @@ def table(free: np.ndarray, asked: np.ndarray) -> tuple[int, ...]:
     """
     measured, weights = np.nan_to_num(odds(free, asked)), np.maximum(asked[:ENTRIES], 1e-6)
     rising = isotonic_regression(measured, weights=weights).x
-    return tuple(int(min(round(each), SURE)) if each >= TRIFLE else 0 for each in rising)
+    return tuple(int(min(round(each), CERTAIN)) if each >= TRIFLE else 0 for each in rising)
 
 
 def sheet(free: np.ndarray, asked: np.ndarray) -> Table:
-    """What was measured in H houses (H, 18), beside the code's table."""
+    """What was measured in H houses (H, 18), beside the tuned table."""
     drawn = np.random.default_rng(0).integers(len(free), size=(RESAMPLES, len(free)))
     others = odds(free[drawn].sum(axis=1), asked[drawn].sum(axis=1))
     errors = np.ma.masked_invalid(others).std(axis=0)
     free, asked = free.sum(axis=0), asked.sum(axis=0)
-    rows = zip(odds(free, asked), errors, table(free, asked), ODDS, strict=True)
+    rows = zip(odds(free, asked), errors, table(free, asked), TUNED.floor_odds, strict=True)
     lines = [
         (
             f"{k - 8:+d}",
@@ -222,17 +225,9 @@ def sheet(free: np.ndarray, asked: np.ndarray) -> Table:
         )
         for k, (found, error, entry, held) in enumerate(rows)
     ]
-    lines.append(("seen before", f"{free[ENTRIES]}", f"{asked[ENTRIES]}", f"{SURE}", "", ""))
+    lines.append(("seen before", f"{free[ENTRIES]}", f"{asked[ENTRIES]}", f"{CERTAIN}", "", ""))
     return Table(
-        f"What a place counts as a hiding place, {asked[:ENTRIES].sum()} that were never seen",
-        ("floor less walls about it", "free", "of", "measured", "table", "in the code"),
+        f"What a place counts as a candidate, {asked[:ENTRIES].sum()} that were never seen",
+        ("floor less walls about it", "free", "of", "measured", "table", "tuned"),
         lines,
     )
-
-
-if __name__ == "__main__":
-    try:
-        tyro.cli(Odds).run()
-    except VitruviusError as error:
-        say(f"error: {error}")
-        sys.exit(error.exit_code)

@@ -1,26 +1,23 @@
-"""The studies of the map's numbers: what is compared is alike but for them, and odds are those of houses."""
+"""The planner's studies: players differ by their configuration alone, and odds are those of houses."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
-from agent.planner import belief, kernel, survey, views
-from agent.planner.belief import ODDS, SURE
-from agent.planner.cells import FLAGS, OCCUPIED
-from agent.planner.counts import COUNTS, KIND, NONE, SEARCH
+from agent.planner import TUNED
+from agent.planner.config import CERTAIN
+from agent.planner.occupancy import FLAGS, OCCUPIED
+from agent.planner.state import NONE, SEARCH
 from agent.policies import Explorer
 from agent.world import make_worlds, shield
-from benchmarks import explorers
-from benchmarks.constants import KNOWN, change, constants
-from benchmarks.explorers import Explorers, cuts, difference, sheets
-from benchmarks.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
-from benchmarks.told import ELSEWHERE, Teller
+from benchmarks.planner import explorers
+from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
+from benchmarks.planner.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
+from benchmarks.planner.prior import ELSEWHERE, Informed
 from logic import save
 from logic.errors import RequestError
 from sim.lookout import origins_of
@@ -30,24 +27,12 @@ HOUSES = [random_house(seed) for seed in range(4)]
 
 
 @pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let players play in this process, whose maps are compiled."""
-
-    class Process:
-        exitcode = None
-
-        def __init__(self, target: Any, args: tuple[Explorers, str]) -> None:
-            self.start = lambda: args[0].play(args[1])
-            self.join = lambda: None
-
-    monkeypatch.setattr(explorers, "get_context", lambda _: SimpleNamespace(Process=Process))
-
-
-@pytest.fixture
 def study(tmp_path: Path) -> Explorers:
     """A short one, in houses that were made before."""
     save(HOUSES, tmp_path / "houses-1.jsonl")
-    return Explorers(("main", "secondary"), ("THOUGHT=32",), houses=1, episodes=2, steps=120, out=tmp_path)
+    return Explorers(
+        ("main", "secondary"), ("replan_interval=32",), houses=1, episodes=2, steps=120, out=tmp_path
+    )
 
 
 def scores(study: Explorers) -> dict[str, bytes]:
@@ -57,7 +42,6 @@ def scores(study: Explorers) -> dict[str, bytes]:
 # Variants.
 
 
-@pytest.mark.usefixtures("here")
 def test_a_variant_that_changes_nothing_differs_by_nothing(
     study: Explorers, capsys: pytest.CaptureFixture
 ) -> None:
@@ -65,17 +49,20 @@ def test_a_variant_that_changes_nothing_differs_by_nothing(
     page = capsys.readouterr().out
     assert page.strip() == (study.out / "explorers.md").read_text().strip()
     most, same, *_ = (
-        line.split(" | ") for line in page.splitlines() if line.startswith(("| as it is", "| THOUGHT=32"))
+        line.split(" | ")
+        for line in page.splitlines()
+        if line.startswith(("| as it is", "| replan_interval=32"))
     )
     assert 0 < float(most[2]) < 1.5
     assert same[1:-1] == most[1:-1]
     compared = [line for line in page.splitlines() if "±" in line]
     assert len(compared) == 2
     for line in compared:
-        assert set(line.removeprefix("| THOUGHT=32 | ").removesuffix(" |").split(" | ")) == {"+0.000 ± 0.000"}
+        assert set(line.removeprefix("| replan_interval=32 | ").removesuffix(" |").split(" | ")) == {
+            "+0.000 ± 0.000"
+        }
 
 
-@pytest.mark.usefixtures("here")
 def test_a_study_that_was_killed_goes_on_where_it_was(
     study: Explorers, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -92,7 +79,7 @@ def test_a_study_that_was_killed_goes_on_where_it_was(
         study.run()
     assert len(scores(study)) == 3
     study.run()
-    assert len(played) == 3 + 1 + 3  # that it was stopped in is played anew
+    assert len(played) == 3 + 1 + 3  # that it was stopped in is played again
     study.run()
     assert len(played) == 7
     assert not list(tmp_path.glob(".*"))  # nothing half written is left
@@ -110,10 +97,11 @@ def test_episodes_of_a_house_are_averaged(study: Explorers, monkeypatch: pytest.
 
 def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
     paths = {
-        study.path("main", player) for player in ("oracle", "searcher", "as it is", "HASTE=5", "HASTE=6")
+        study.path("main", player)
+        for player in ("oracle", "searcher", "as it is", "viewpoint_cost=5", "viewpoint_cost=6")
     }
     assert len(paths) == 5
-    assert study.path("main", "HASTE=5,LEAST=4") == study.path("main", "LEAST=4,survey.HASTE=5.0")
+    assert study.path("main", "near=7,gain_least=4") == study.path("main", "gain_least=4.0,near=7")
     before = study.path("main", "as it is"), study.path("main", "oracle")
     for changes in ({"steps": 30}, {"episodes": 3}):
         assert replace(study, **changes).path("main", "oracle") != before[1]
@@ -121,26 +109,22 @@ def test_scores_are_kept_apart_by_what_made_them(study: Explorers, monkeypatch: 
     assert study.path("main", "as it is") != before[0]
 
 
-def test_a_number_is_set_where_it_is_used_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module, name in ((views, "THOUGHT"), (kernel, "THOUGHT"), (belief, "ABOUT"), (survey, "HASTE")):
-        monkeypatch.setattr(module, name, getattr(module, name))
-    apart = kernel.ABOUT
-    change(constants("THOUGHT=48,belief.ABOUT=5,HASTE=5"))
-    assert (views.THOUGHT, kernel.THOUGHT, belief.ABOUT, survey.HASTE) == (48, 48, 5, 5.0)
-    assert apart == kernel.ABOUT
-    assert "features.SCALARS" not in KNOWN  # other constants are made of it when it is read
+def test_a_variant_is_the_tuned_configuration_but_for_its_numbers() -> None:
+    found = variant("replan_interval=48,viewpoint_cost=5")
+    assert found == replace(TUNED, replan_interval=48, viewpoint_cost=5.0)
+    assert isinstance(found.viewpoint_cost, float)
 
 
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("TOUGHT=3", "TOUGHT is no number of agent.planner that can be set. Did you mean THOUGHT?"),
-        ("THOUGHT=48,Q=1", "Q is no number"),
+        ("replan_intervall=3", "is no number of PlannerConfig. Did you mean replan_interval?"),
+        ("replan_interval=48,Q=1", "Q is no number"),
         ("", "nothing is no number"),
-        ("ABOUT=3", "more than one ABOUT. Say belief.ABOUT or kernel.ABOUT"),
-        ("DEPTH=4.5", "DEPTH needs a number such as it has, 8, not '4.5'"),
-        ("DEPTH", "not ''"),
-        ("ODDS=3", "ODDS is no number"),
+        ("near=4.5", "near needs a number such as it has, 8, not '4.5'"),
+        ("near", "not ''"),
+        ("floor_odds=3", "floor_odds is no number"),
+        ("viewpoint_pitch=5", "viewpoint_pitch must be a power of two, 4 or more, not 5"),
     ],
 )
 def test_an_unknown_name_is_one_line_before_anything_is_played(tmp_path: Path, text: str, says: str) -> None:
@@ -149,13 +133,6 @@ def test_an_unknown_name_is_one_line_before_anything_is_played(tmp_path: Path, t
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
-
-
-def test_a_player_whose_process_dies_is_told(study: Explorers, monkeypatch: pytest.MonkeyPatch) -> None:
-    process = SimpleNamespace(start=lambda: None, join=lambda: None, exitcode=-11)
-    monkeypatch.setattr(explorers, "get_context", lambda _: SimpleNamespace(Process=lambda **_: process))
-    with pytest.raises(explorers.PlayerFailed, match="oracle: its process ended with -11"):
-        study.run()
 
 
 def test_differences_are_of_the_same_houses() -> None:
@@ -175,15 +152,7 @@ def test_differences_are_of_the_same_houses() -> None:
     assert difference(np.array([0.5])) == "+0.500 ± 0.000"
 
 
-# What explorers are told.
-
-
-@pytest.fixture
-def teller(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """Makes tellers, whose kernels are forgotten afterwards."""
-    monkeypatch.setattr(belief.Belief, "odds", belief.Belief.odds)
-    yield Teller
-    kernel.step_kernel.cache_clear()
+# Priors.
 
 
 def places_of(envs: Any, house: int) -> np.ndarray:
@@ -193,12 +162,13 @@ def places_of(envs: Any, house: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("what", ["floor", "rooms"])
-def test_ground_is_told_as_it_lies_in_the_house(what: str, teller: Any) -> None:
+def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
     envs, anywhere = (make_worlds(HOUSES, len(HOUSES), targets) for targets in ("secondary", "mixed"))
     _, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
-    found = teller(envs, what)
+    found = Informed(envs, what)
     found.begin(len(HOUSES))
-    told, cell = found.ground.to_numpy().reshape(-1, 256, 256), found.planner.cell
+    known = found.planner.arrays["prior"].numpy().reshape(-1, 256, 256)
+    cell = found.planner.cell
     right, floor, counts = 0, 0, set()
     for e, (x, y, heading) in enumerate(info["pose"]):
         # Headings run counter-clockwise, y points south; a map's east is where the body looked at first.
@@ -208,35 +178,35 @@ def test_ground_is_told_as_it_lies_in_the_house(what: str, teller: Any) -> None:
             at = np.array([x, y]) + cell * (i * np.array(east) + j * np.array(south))
             away = [np.linalg.norm(places_of(each, e) - at, axis=1).min() for each in (envs, anywhere)]
             theirs, some = (each < BESIDE for each in away)
-            count = SURE * some if what == "floor" else SURE if theirs else ELSEWHERE * some
-            # The teller knows every fourth place or so: at the edge of floor it may tell none.
-            assert told[e, j % 256, i % 256] in (count, ELSEWHERE * some, 0)
+            count = CERTAIN * some if what == "floor" else CERTAIN if theirs else ELSEWHERE * some
+            # It knows every fourth place or so: at the edge of floor it may know none.
+            assert known[e, j % 256, i % 256] in (count, ELSEWHERE * some, 0)
             if away[what == "floor"] < BESIDE / 4:
-                right, floor = right + (told[e, j % 256, i % 256] == count), floor + 1
+                right, floor = right + (known[e, j % 256, i % 256] == count), floor + 1
             counts.add(count)
     assert right > 0.9 * floor > 20
-    assert counts == ({0, SURE} if what == "floor" else {0, ELSEWHERE, SURE})
+    assert counts == ({0, CERTAIN} if what == "floor" else {0, ELSEWHERE, CERTAIN})
 
 
-def test_each_teller_is_asked_by_its_own_maps(teller: Any) -> None:
-    """Though kernels of maps are kept: a study plays in several modes by one process."""
+def test_each_planner_reads_its_own_prior() -> None:
+    """Though they share a kernel: a study plays in several modes by one process."""
     torch.set_num_threads(1)
     envs = make_worlds(HOUSES, len(HOUSES), "secondary")
     kinds = []
-    for count in (0, SURE):
-        found = teller(envs, "rooms")
+    for count in (0, CERTAIN):
+        found = Informed(envs, "rooms")
         observation, _ = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
         found.begin(len(HOUSES))
-        found.ground.fill(count)
+        found.planner.arrays["prior"].view()[:] = count
         found.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
-        kinds.append(found.planner.arrays["counts"].numpy().reshape(-1, COUNTS)[:, KIND].tolist())
+        kinds.append(found.planner.read("kind").tolist())
     assert kinds == [[NONE] * len(HOUSES), [SEARCH] * len(HOUSES)]
 
 
-def test_walls_are_told_and_nothing_as_seen(teller: Any) -> None:
+def test_walls_are_known_and_nothing_counts_as_seen() -> None:
     torch.set_num_threads(1)
     envs = make_worlds(HOUSES, len(HOUSES), "secondary")
-    found = teller(envs, "walls")
+    found = Informed(envs, "walls")
     policy = explorers.explorer(envs, found)
     explorers.episode(envs, policy, 150, len(HOUSES))
     once = found.planner.arrays["cells"].numpy()
@@ -272,24 +242,23 @@ def explored(steps: int) -> tuple[Any, Explorer, Truth]:
 
 def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_house() -> None:
     envs, explorer, truth = explored(60)
-    map, pose = explorer.tracker.planner, envs.world.describe()[0]
-    entries = Places(map).ask()
-    assert belief.ODDS == ODDS
-    cells = map.arrays["cells"].view().reshape(len(HOUSES), 256, 256)
+    planner, pose = explorer.tracker.planner, envs.world.describe()[0]
+    entries = Places(planner).ask()
+    cells = planner.arrays["cells"].view().reshape(len(HOUSES), 256, 256)
     never = 0
     for e in range(len(HOUSES)):
-        x, y, _ = map.pose(e)
+        x, y, _ = planner.pose(e)
         assert truth.where(e, np.array([[x, y]]))[0] == pytest.approx(pose[e, :2], abs=1e-4)
         for j, i in np.argwhere(entries[e] >= 0):
             x, y = 2 * i, 2 * j
             if cells[e, y, x] >> FLAGS:
-                assert entries[e, j, i] == SURE
+                assert entries[e, j, i] == CERTAIN
                 continue
             never, met = never + 1, 8
             for dx, dy in [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]:
                 line = [
                     cells[e, (y + t * dy - (dy < 0)) % 256, (x + t * dx - (dx < 0)) % 256]
-                    for t in range(1, belief.ABOUT + 1)
+                    for t in range(1, TUNED.odds_reach + 1)
                 ]
                 known = int(next((cell for cell in line if cell >> FLAGS), 0))
                 met += -1 if known & OCCUPIED else int(known >> FLAGS > 0)
@@ -323,7 +292,7 @@ def test_places_are_counted_in_the_houses_that_they_are_of() -> None:
 def test_a_table_is_a_share_of_what_was_seen_before_whole_and_rising() -> None:
     asked = np.full(ENTRIES + 1, 100)
     free = np.array([0, 2, 2, 0, 3, 3, 3, 9, 20, 18, 40, 45, 45, 60, 80, 80, 90, 80])
-    assert odds(free, asked)[10] == SURE * 0.4 / 0.8
+    assert odds(free, asked)[10] == CERTAIN * 0.4 / 0.8
     assert table(free, asked) == (0, 0, 0, 0, 0, 0, 0, 11, 24, 24, 50, 56, 56, 75, 100, 100, 100)
     free[12] = asked[12] = 0  # none of its kind: as the one before
     assert table(free, asked)[11:13] == (56, 56)
@@ -337,6 +306,6 @@ def test_an_error_is_that_of_houses_and_an_entry_without_places_is_left_open() -
     rows = sheet(free, asked).rows
     value, _, error = rows[10][3].split()
     assert float(value) == 50
-    assert float(error) == pytest.approx(SURE * 0.2 / 40**0.5 / 0.8, rel=0.1)
+    assert float(error) == pytest.approx(CERTAIN * 0.2 / 40**0.5 / 0.8, rel=0.1)
     assert rows[3][:4] == ("-5", "0", "0", "-")
-    assert [row[5] for row in rows[:-1]] == [str(entry) for entry in ODDS]
+    assert [row[5] for row in rows[:-1]] == [str(entry) for entry in TUNED.floor_odds]

@@ -1,23 +1,24 @@
-"""What the numbers of an agent's map are worth: ``python -m benchmarks.explorers --set THOUGHT=48``.
+"""What the planner's numbers change: ``vitruvius bench explorers --set replan_interval=48``.
 
-The explorer (``agent.policies.Explorer``) plays four episodes in each of 320 houses of validation
-seeds, as it is and with other numbers in ``agent.planner``: each ``--set`` is a variant, of one
-number or of several (``--set DEPTH=4,PLENTY=300``). Tables tell what share of the oracle's targets each
-picks up, and what that differs, house by house, from the explorer as it is. Houses and scores are kept, so
-that a run that was stopped goes on where it was; scores by the sources that made them.
+The explorer (``agent.policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with
+the tuned configuration and with others: each ``--set`` is a variant, of one field of ``PlannerConfig`` or of
+several (``--set near=4,gain_most=300``). Tables show what share of the oracle's targets each picks up, and
+how that differs, house by house, from the tuned explorer. Houses and scores are kept, so that a run that was
+stopped continues; scores by the sources that made them.
 """
 
 import hashlib
+import importlib
 import inspect
 import io
-import signal
-import sys
+import pkgutil
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from difflib import get_close_matches
 from functools import cached_property
-from multiprocessing import get_context
 from pathlib import Path
 from time import process_time
+from types import ModuleType
 from typing import Literal
 
 import numpy as np
@@ -25,22 +26,21 @@ import torch
 import tyro
 from torch import Tensor
 
-from agent import avoidance, policies
+from agent import avoidance, planner, policies
 from agent.banks import VALIDATION, bank_hash
 from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import reset
 from agent.evaluation.statistics import interquartile_mean
 from agent.evaluation.tables import Table
-from agent.planner import Planner
+from agent.planner import TUNED, Planner, PlannerConfig
 from agent.policies import Explorer, Policy, Tracker
 from agent.world import make_worlds, shield
-from benchmarks import told
 from benchmarks.common.houses import ROOMS
-from benchmarks.common.processes import LIBC, say
-from benchmarks.constants import MODULES, change, constants
+from benchmarks.common.processes import say
+from benchmarks.planner import prior
 from logic import House, generate, load, save
-from logic.errors import RequestError, VitruviusError
+from logic.errors import RequestError
 from logic.files import write_whole
 from sim import HouseVectorEnv, oracle, searcher
 from sim.config import DEFAULT
@@ -52,20 +52,10 @@ THIRDS = ("first third", "second", "last")
 AS_IS, ORACLE, SEARCHER = "as it is", "oracle", "searcher"
 
 SOURCES = {ORACLE: [oracle], SEARCHER: [searcher]}
-"""What a score depends on besides the world, which tests hold to what it is; an explorer's on its map's."""
+"""What a baseline's score depends on besides the environments, which tests hold to what they are."""
 
-
-def _told(what: str) -> str:
-    return f"told {what}"
-
-
-TELLERS = {_told(what): what for what in told.TOLD}
-
-
-class PlayerFailed(VitruviusError):
-    """A player's process ended before its scores were written."""
-
-    exit_code = 1
+PRIORS = {f"prior {what}": what for what in prior.PRIORS}
+"""Explorers with a prior, by name."""
 
 
 @dataclass(frozen=True)
@@ -76,14 +66,14 @@ class Explorers:
     """Where targets lie: two tables for each."""
 
     set: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """A variant: NAME=NUMBER, or several with commas between them. Repeat for other variants."""
+    """A variant: FIELD=NUMBER, or several with commas between them. Repeat for other variants."""
 
     searcher: bool = False
     """The searcher too, which knows the house, and where in it a target may still be."""
 
-    told: tyro.conf.UseAppendAction[tuple[Literal["floor", "rooms", "walls"], ...]] = ()
-    """An explorer that is told what it could not know: which unseen ground is floor; also in which rooms
-    targets lie; also where walls and furniture stand. Repeat for several."""
+    prior: tyro.conf.UseAppendAction[tuple[Literal["floor", "rooms", "walls"], ...]] = ()
+    """An explorer that knows from the start which unseen ground is floor; also in which rooms targets lie;
+    also where walls and furniture stand. Repeat for several."""
 
     houses: int = 64
     """Houses of each number of rooms, 2 to 6."""
@@ -98,21 +88,16 @@ class Explorers:
     """Folder for houses, scores and explorers.md."""
 
     def run(self) -> None:
-        """Play what was not played yet, each player in a process of its own; print the tables."""
+        """Play what was not played yet; print the tables."""
         if min(self.houses, self.episodes) < 1 or not len(THIRDS) <= self.steps <= DEFAULT.steps:
             lengths = f"--steps {len(THIRDS)} to {DEFAULT.steps}"
             raise RequestError(f"--houses and --episodes must be 1 or more, {lengths}")
         for text in self.set:
-            constants(text)
-        players = list(dict.fromkeys((AS_IS, *self.set, *map(_told, self.told), *[SEARCHER] * self.searcher)))
+            variant(text)
+        priors = [name for name, what in PRIORS.items() if what in self.prior]
+        players = list(dict.fromkeys((AS_IS, *self.set, *priors, *[SEARCHER] * self.searcher)))
         for player in (ORACLE, *players):
-            if not all(self.path(mode, player).exists() for mode in self.targets):
-                # A kernel keeps the numbers that it was compiled with, as long as its process lives.
-                process = get_context("spawn").Process(target=_play, args=(self, player))
-                process.start()
-                process.join()
-                if process.exitcode:
-                    raise PlayerFailed(f"{player}: its process ended with {process.exitcode}, see above")
+            self.play(player)
         rooms, page = np.array([len(house.rooms) for house in self.bank]), []
         for mode in self.targets:
             kept = {player: np.load(self.path(mode, player)) for player in (ORACLE, *players)}
@@ -133,29 +118,28 @@ class Explorers:
 
     def path(self, mode: str, player: str) -> Path:
         """Where what a player did is kept: its targets (3, H) of each third of an episode in each house, on
-        average, and microseconds of the map for a step of one environment.
+        average, and microseconds of the planner for a step of one environment.
         """
         known, name = [bank_hash(self.bank), self.episodes, self.steps], player
-        if player not in SOURCES:
-            known, name = [*known, sorted(changed(player).items())], "explorer"
-        sources = SOURCES.get(player, [*MODULES.values(), policies, avoidance])
-        if player in TELLERS:
-            known, name, sources = [*known, player], player.replace(" ", "-"), [*sources, told]
+        sources = SOURCES.get(player, [*_modules(planner), policies, avoidance])
+        if player in PRIORS:
+            name, sources = player.replace(" ", "-"), [*sources, prior]
+        elif player not in SOURCES:
+            known, name = [*known, config_of(player), player == AS_IS], "explorer"
         key = hashlib.sha256(repr([*known, *map(inspect.getsource, sources)]).encode()).hexdigest()
         return self.out / f"{mode}-{name}-{key[:12]}.npz"
 
     def play(self, player: str) -> None:
-        """Play in the modes that are missing. A variant's numbers hold in this process from now on."""
+        """Play in the modes that are missing."""
         torch.set_num_threads(1)
-        change(changed(player))
         for mode in self.targets:
             path, content = self.path(mode, player), io.BytesIO()
             if not path.exists():
                 envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
-                what = TELLERS.get(player)
-                tracker = told.Teller(envs, what) if what else Clock(envs.config)
+                what = PRIORS.get(player)
+                tracker = prior.Informed(envs, what) if what else Clock(envs.config, config_of(player))
                 policy = BASELINES[player](envs, 0) if player in SOURCES else explorer(envs, tracker)
-                if isinstance(tracker, told.Teller) and what == told.WALLS:
+                if isinstance(tracker, prior.Informed) and what == prior.WALLS:
                     episode(envs, policy, self.steps, len(self.bank))
                     tracker.remember()
                 targets = episode(envs, policy, self.steps, len(self.bank))
@@ -166,12 +150,12 @@ class Explorers:
 
 
 class Clock(Tracker):
-    """Keeps maps, and the seconds that they took of processors, whatever else these do."""
+    """Keeps planners, and the seconds of processor time that they took."""
 
     seconds: tuple[float, ...] = ()
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
-        """The maps, with what the last actions led to."""
+        """The planners, with what the last actions led to."""
         began = process_time()
         found = super().look(observation, blocked)
         self.seconds += (process_time() - began,)
@@ -179,17 +163,50 @@ class Clock(Tracker):
 
     @property
     def microseconds(self) -> float:
-        """Of a map's step, but for the first, which compiles; not a number where there was none."""
+        """Of a planner's step, but for the first, which compiles; not a number where there was none."""
         return 1e6 * float(np.mean(self.seconds[1:])) / len(self.actions) if self.seconds else np.nan
 
 
-def changed(player: str) -> dict[str, float]:
-    """The numbers that a player's map has in place of its own."""
-    return {} if player in (AS_IS, *SOURCES, *TELLERS) else constants(player)
+def variant(text: str) -> PlannerConfig:
+    """The configuration of ``replan_interval=48,gain_most=300``; a whole number stays whole.
+
+    Raises ``RequestError`` for an unknown field, or a value that is no number or that no planner can have.
+    """
+    known = {field.name: field.default for field in fields(PlannerConfig) if field.type in (int, float)}
+    changes = {}
+    for each in text.split(","):
+        name, _, value = each.strip().partition("=")
+        if name not in known:
+            near = get_close_matches(name, known, 1)
+            raise RequestError(
+                f"--set {text}: {name or 'nothing'} is no number of PlannerConfig"
+                + (f". Did you mean {near[0]}?" if near else "")
+            )
+        try:
+            changes[name] = type(known[name])(value)
+        except ValueError:
+            raise RequestError(
+                f"--set {text}: {name} needs a number such as it has, {known[name]}, not {value!r}"
+            ) from None
+    try:
+        return replace(TUNED, **changes)
+    except ValueError as error:
+        raise RequestError(f"--set {text}: {error}") from None
+
+
+def config_of(player: str) -> PlannerConfig:
+    """The configuration of a player's planner."""
+    return TUNED if player in (AS_IS, *SOURCES, *PRIORS) else variant(player)
+
+
+def _modules(package: ModuleType) -> list[ModuleType]:
+    """A package's modules and itself."""
+    names = [each.name for each in pkgutil.iter_modules(package.__path__)]
+    return [package, *(importlib.import_module(f"{package.__name__}.{name}") for name in names)]
 
 
 def explorer(envs: HouseVectorEnv, tracker: Tracker) -> Policy:
-    """An explorer for these environments, with what keeps its maps."""
+    """An explorer for these environments, with what keeps its planners."""
     policy = Explorer(shield(envs), envs.config)
     policy.tracker = tracker
     return policy
@@ -218,7 +235,7 @@ def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterat
     names = shares[AS_IS]
     yield Table(
         f"Share of the oracle's targets, {mode}, {len(rooms)} houses",
-        ("player", "iqm", *names, "µs of the map"),
+        ("player", "iqm", *names, "µs of the planner"),
         [
             (
                 player,
@@ -251,16 +268,3 @@ def cuts(shares: np.ndarray, rooms: np.ndarray) -> dict[str, np.ndarray]:
 def difference(pairs: np.ndarray) -> str:
     """A mean difference over houses (H,), with its standard error."""
     return f"{pairs.mean():+.3f} ± {pairs.std() / max(len(pairs) - 1, 1) ** 0.5:.3f}"
-
-
-def _play(study: Explorers, player: str) -> None:
-    LIBC.prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG: end if the study is killed
-    study.play(player)
-
-
-if __name__ == "__main__":
-    try:
-        tyro.cli(Explorers).run()
-    except VitruviusError as error:
-        say(f"error: {error}")
-        sys.exit(error.exit_code)

@@ -3,33 +3,26 @@
 Places are in cells, east and south of the eye.
 """
 
+from agent.planner.config import PlannerConfig
 from sim.runtime import ti
-
-SAME = 4.5
-"""A target seen so many cells from the one that is known is another: this one was picked up."""
-
-WITHIN = 12.0
-"""Cells from which a target's place is known well enough to say that it is not there."""
-
-FLAT = 0.02
-"""Cells that the ends of rays on one of its faces may lie apart across it."""
 
 
 @ti.data_oriented
-class Sight:
-    """What is made of looks at a square of half the side ``half``, in cells."""
+class Target:
+    """What follows from sightings of a square of half the side ``half``, in cells."""
 
-    def __init__(self, half: float) -> None:
+    def __init__(self, config: PlannerConfig, half: float) -> None:
         """Look at squares of this size."""
-        self.half = half
+        self.config, self.half = config, half
 
     @ti.func
     def centre(self, rays, low, high, way, known, before):
-        """The centre of a square that so many rays met between two corners, looking ``way`` on the whole;
+        """The centre of a square that ``rays`` rays met between two corners, looking ``way`` on the whole;
         it was known to lie at ``before``, or not known. It is exact along an axis where a face is seen, and
         else one of those places, if it was before, from which the square covers all that is seen of it.
         """
-        flat, least, most = high - low < FLAT, high - self.half, low + self.half
+        flat = high - low < ti.static(self.config.target_flat)
+        least, most = high - self.half, low + self.half
         middle = 0.5 * (low + high)
         if known and not self.other(middle, before):
             middle = ti.max(least, ti.min(most, before))
@@ -45,7 +38,16 @@ class Sight:
     @ti.func
     def other(self, one, before):
         """Whether a target at one place is another than the one that was known to lie at another place."""
-        return ti.cast(ti.abs(one - before).max() > SAME, ti.i32)
+        return ti.cast(ti.abs(one - before).max() > ti.static(self.config.target_apart), ti.i32)
+
+    @ti.func
+    def misses(self, at, ray, length):
+        """Whether a ray of some length along the vector ``ray`` misses a target at ``at`` that it should
+        meet.
+        """
+        along, aside = at.dot(ray) / ray.norm(), ti.abs(at.cross(ray)) / ray.norm()
+        past = length > along + ti.static(self.config.target_behind)
+        return ti.cast((along > 0) & (aside < ti.static(self.config.target_core)) & past, ti.i32)
 
     @ti.func
     def gone(self, at, missed):
@@ -53,5 +55,5 @@ class Sight:
         rays have ``missed`` it, that should have met it.
         """
         away = ti.abs(at).max()
-        touched = away < 1.0 + self.half + 0.125
-        return ti.cast(touched | ((missed > 0) & (away < WITHIN)), ti.i32)
+        touched = away < ti.static(1.0 + self.half + self.config.target_contact)
+        return ti.cast(touched | ((missed > 0) & (away < ti.static(self.config.target_certain))), ti.i32)

@@ -1,0 +1,102 @@
+"""The goal: the target that was seen, or else the next best view; and the paths to it."""
+
+from agent.planner.config import PlannerConfig
+from agent.planner.occupancy import Occupancy
+from agent.planner.paths import FAR, Paths
+from agent.planner.state import NONE, SEARCH, TARGET
+from agent.planner.viewpoints import Viewpoints
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Goal:
+    """The choice of a goal, for targets of half the side ``half``, in cells."""
+
+    def __init__(
+        self, config: PlannerConfig, occupancy: Occupancy, paths: Paths, viewpoints: Viewpoints, half: float
+    ) -> None:
+        """Choose on this map."""
+        self.config, self.occupancy, self.half = config, occupancy, half
+        self.paths, self.viewpoints = paths, viewpoints
+        self.radius = config.goal_radius_touching if occupancy.touching else config.goal_radius
+
+    @ti.func
+    def choose(self, memory: ti.template(), tables: ti.template(), state, base, fresh, hits):
+        """The goal and the paths to it: the target that was seen, or else the next best view."""
+        far = self.paths.far(memory, base, state.x, state.y)
+        state.progress = 0
+        if (fresh == 0) & (far < FAR) & (state.path < FAR):
+            state.progress = state.path - far
+        state.stale += hits
+        state.path_age += 1
+        state.plan_age += 1
+        old = (state.stale > 0) & (state.path_age > ti.static(self.config.path_interval))
+        again = ti.cast(old | (far == FAR), ti.i32)
+        search, within = again, 0
+        if state.known:
+            there = ti.cast(ti.floor(state.target + 0.5), ti.i32)
+            node = self.occupancy.at(there[0], there[1])
+            moved = ti.max(
+                ti.abs(self.occupancy.apart(self.occupancy.across(state.goal), self.occupancy.across(node))),
+                ti.abs(self.occupancy.apart(self.occupancy.down(state.goal), self.occupancy.down(node))),
+            )
+            # From far away, a node more or less on this side or on that makes no other path.
+            drifted = self.config.target_drift * moved > far
+            search |= ti.cast((state.kind != TARGET) | drifted, ti.i32)
+            state.kind, state.goal = TARGET, ti.select(search, node, state.goal)
+            # Mostly it is in sight: no path is tried first that is much longer than the straight one.
+            away = ti.max(
+                ti.abs(state.target[0] - 0.5 * ti.cast(state.x, ti.f32)),
+                ti.abs(state.target[1] - 0.5 * ti.cast(state.y, ti.f32)),
+            )
+            within = ti.cast(ti.static(self.config.path_detour) * away, ti.i32) + self.config.path_slack
+        elif state.kind == SEARCH:
+            gx, gy = self.occupancy.across(state.goal), self.occupancy.down(state.goal)
+            done = ti.cast((state.look == state.heading) & (far == 0), ti.i32)
+            if state.look < 0:
+                done = 1 - self.occupancy.hides(memory, base, gx, gy, state.since)
+            done |= ti.cast(state.plan_age > ti.static(self.config.replan_interval), ti.i32)
+            if done | self.occupancy.solid(memory, base, gx, gy):
+                state.kind = NONE
+        else:
+            state.kind = NONE
+        if (state.kind == SEARCH) & (far == FAR):
+            state.kind = NONE
+        while state.kind == NONE:
+            self.paths.forget(memory, base, state.queued)
+            state.queued, state.plan_age, search = 0, 0, 1
+            goal, look, longest = self.viewpoints.choose(memory, tables, state, base)
+            state.goal, state.look, within = goal, look, longest
+            if goal >= 0:
+                state.kind = SEARCH
+            elif state.since >= state.time:
+                break
+            else:
+                # All is seen: look again where it has not looked for longest.
+                state.since += ti.max(1, (state.time - state.since) // 2)
+                state.straight = -1
+                self.viewpoints.forget(memory, base)
+        if (search > 0) & (state.kind != NONE):
+            state = self.search(memory, state, base, within)
+        state.path = self.paths.far(memory, base, state.x, state.y)
+        return state
+
+    @ti.func
+    def search(self, memory: ti.template(), state, base, within):
+        """Search the paths to the goal, of ``within`` nodes, or else to what lies near to it."""
+        self.paths.forget(memory, base, state.queued)
+        state.queued, state.stale, state.path_age = 0, 0, 0
+        off, radius = ti.Vector([0.0, 0.0]), 0.5
+        if state.kind == TARGET:
+            # As near as the body must come to touch it.
+            off = state.target - ti.floor(state.target + 0.5)
+            radius = 1.0 + self.half - self.config.target_overlap
+        px, py = state.x, state.y
+        if within > 0:
+            state.queued = self.paths.measure(memory, base, state.goal, off, radius, within, px, py)
+        if self.paths.far(memory, base, px, py) == FAR:
+            # A viewpoint was chosen when less was known to be in its way: now a place near it will do.
+            self.paths.forget(memory, base, state.queued)
+            about = ti.static(self.radius)
+            state.queued = self.paths.measure(memory, base, state.goal, off, about, FAR, px, py)
+        return state

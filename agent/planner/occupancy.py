@@ -1,0 +1,235 @@
+"""The occupancy map: which cells rays have shown, when, and which of them are occupied.
+
+A cell is half a body wide, so a body that stands on a node, a corner of cells, covers just the four about it.
+Cell and node (i, j) share a number: the step at which the cell was last seen, 0 for never; above it whether
+the cell is occupied; below it whether the node is near to what was seen, and whether it is solid (a body has
+no room there). So one comparison tells the cells that are occupied or were seen since a step from all others.
+Houses stand still, so what is occupied stays so. The map is a torus: it follows the body wherever an episode
+starts.
+"""
+
+from agent.planner.config import PlannerConfig
+from sim.runtime import ti
+
+BITS = 8
+"""The map is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""
+
+HEADINGS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
+"""Steps east and south that ``forward`` makes at each of the eight headings."""
+
+SOLID, NEAR, OCCUPIED = 1, 2, 1 << 15
+"""Bits of a cell."""
+
+FLAGS = 2
+"""How many of them lie below the step."""
+
+LATEST = (1 << 15 - FLAGS) - 1
+"""The last step that a cell can tell."""
+
+TILE = 4
+"""Tiles are of 2^4 by 2^4 cells. One is dirty where more is known of its cells or nodes than at the last
+choice of a viewpoint."""
+
+
+@ti.data_oriented
+class Occupancy:
+    """A torus of 2^bits by 2^bits cells for each environment; ``base`` is where one's begins.
+
+    Where bodies fill the cells of a house that lies on a grid (``sim.grid``), its walls are lines between
+    them, that a body may touch: ``touching``. Cells on both sides of a line count as occupied, as ever, but
+    only nodes on the line are solid.
+    """
+
+    def __init__(
+        self, config: PlannerConfig, step: int = 1, touching: bool = False, bits: int = BITS
+    ) -> None:
+        """For bodies that go ``step`` half cells a step: four where they are ``touching``."""
+        self.config, self.bits, self.side, self.step = config, bits, 1 << bits, step
+        self.mask, self.area, self.touching = self.side - 1, 1 << 2 * bits, touching
+        self.wall_gap = config.wall_gap_touching if touching else config.wall_gap
+
+    @ti.func
+    def at(self, x, y):
+        """The place of a cell in its environment's map."""
+        return ((y & ti.static(self.mask)) << ti.static(self.bits)) | (x & ti.static(self.mask))
+
+    @ti.func
+    def across(self, node):
+        """How far east a cell lies."""
+        return node & ti.static(self.mask)
+
+    @ti.func
+    def down(self, node):
+        """How far south a cell lies."""
+        return node >> ti.static(self.bits)
+
+    @ti.func
+    def apart(self, one, other):
+        """One coordinate less another, the short way about the torus."""
+        half = ti.static(self.side // 2)
+        return ((one - other + half) & ti.static(self.mask)) - half
+
+    @ti.func
+    def beside(self, node, way):
+        """The place that lies a packed way, south and east, from another."""
+        mask = ti.static(self.mask)
+        return (((node & ~mask) + (way & ~mask)) & ti.static(self.area - 1)) | ((node + way) & mask)
+
+    @ti.func
+    def ahead(self, heading):
+        """Steps east and south at a heading."""
+        x, y = 0, 0
+        for h in ti.static(range(8)):
+            if heading == h:
+                x, y = HEADINGS[h][0], HEADINGS[h][1]
+        return ti.Vector([x, y])
+
+    @ti.func
+    def tile(self, node):
+        """The tile that a cell is in."""
+        return ((self.down(node) >> TILE) << ti.static(self.bits - TILE)) | (self.across(node) >> TILE)
+
+    @ti.func
+    def forget(self, memory: ti.template(), base):
+        """Know nothing."""
+        for k in range(self.area):
+            memory.cells[base + k] = ti.cast(0, ti.u16)
+        for k in range(ti.static(self.area >> 2 * TILE)):
+            memory.dirty[(base >> 2 * TILE) + k] = ti.cast(1, ti.u8)
+
+    @ti.func
+    def change(self, memory: ti.template(), base, node):
+        """Mark the tile of a cell or a node of which something is known that was not."""
+        memory.dirty[(base >> 2 * TILE) + self.tile(node)] = ti.cast(1, ti.u8)
+
+    @ti.func
+    def solid(self, memory: ti.template(), base, x, y):
+        """Whether the body has no room on a node."""
+        return ti.cast(ti.cast(memory.cells[base + self.at(x, y)], ti.i32) & SOLID != 0, ti.i32)
+
+    @ti.func
+    def open(self, memory: ti.template(), base, node):
+        """Whether a path may lead through a node: it is near to what was seen, and not solid."""
+        return ti.cast(ti.cast(memory.cells[base + node], ti.i32) & (SOLID | NEAR) == NEAR, ti.i32)
+
+    @ti.func
+    def close(self, memory: ti.template(), base, x, y):
+        """Make a node solid; whether it was not."""
+        node, had = self.at(x, y), 1 - self.solid(memory, base, x, y)
+        if had:
+            memory.cells[base + node] = memory.cells[base + node] | ti.cast(SOLID, ti.u16)
+            self.change(memory, base, node)
+        return had
+
+    @ti.func
+    def clear(self, memory: ti.template(), base, x, y):
+        """Make a node not solid: the body stands there."""
+        if self.solid(memory, base, x, y):
+            node = self.at(x, y)
+            memory.cells[base + node] = memory.cells[base + node] & ti.cast(~SOLID, ti.u16)
+            self.change(memory, base, node)
+
+    @ti.func
+    def room(self, memory: ti.template(), base, px, py):
+        """Whether the body has room at a pose, in half cells: on all nodes within half a cell of it."""
+        free = 1
+        for k in range(4):
+            free &= 1 - self.solid(memory, base, (px + (k & 1)) >> 1, (py + (k >> 1)) >> 1)
+        return free
+
+    @ti.func
+    def passes(self, memory: ti.template(), base, px, py, dx, dy, step: ti.template()):
+        """Whether the body has room all along ``step`` half cells from a pose."""
+        free = self.room(memory, base, px + step * dx, py + step * dy)
+        for k in ti.static(range(2, step, 2)):
+            free &= self.room(memory, base, px + k * dx, py + k * dy)
+        return free
+
+    @ti.func
+    def see(self, memory: ti.template(), base, node, bits, time):
+        """Mark a cell as seen, with some of its bits; what it was before."""
+        cell = ti.cast(memory.cells[base + node], ti.i32)
+        now = (cell & (SOLID | OCCUPIED)) | NEAR | bits | (time << FLAGS)
+        memory.cells[base + node] = ti.cast(now, ti.u16)
+        if (cell < 1 << FLAGS) | (bits & ~cell != 0):
+            self.change(memory, base, node)
+        if cell < 1 << FLAGS:
+            x, y = self.across(node), self.down(node)
+            for k in ti.static(range(8)):
+                far = ti.static(self.config.near)
+                near = base + self.at(x + HEADINGS[k][0] * far, y + HEADINGS[k][1] * far)
+                memory.cells[near] = memory.cells[near] | ti.cast(NEAR, ti.u16)
+        return cell
+
+    @ti.func
+    def unseen(self, cell):
+        """Whether a cell that was so had never been seen."""
+        return ti.cast(cell < 1 << FLAGS, ti.i32)
+
+    @ti.func
+    def see_body(self, memory: ti.template(), base, px, py, time):
+        """Mark the cells that the body covers wholly, or half of them between two nodes; how many are new."""
+        new = 0
+        for k in range(4):
+            node = self.at(((px + 1) >> 1) - 1 + (k & 1), ((py + 1) >> 1) - 1 + (k >> 1))
+            new += self.unseen(self.see(memory, base, node, 0, time))
+        return new
+
+    @ti.func
+    def hit(self, memory: ti.template(), base, x, y, time):
+        """Mark what stands at a place: the cells within ``hit_margin``. How many were not known to be
+        occupied, or where bodies touch, how many nodes to be solid.
+        """
+        margin = ti.static(self.config.hit_margin)
+        i0, i1 = ti.cast(ti.floor(x - margin), ti.i32), ti.cast(ti.floor(x + margin), ti.i32)
+        j0, j1 = ti.cast(ti.floor(y - margin), ti.i32), ti.cast(ti.floor(y + margin), ti.i32)
+        new = 0
+        for j in range(j0, j1 + 1):
+            for i in range(i0, i1 + 1):
+                if self.see(memory, base, self.at(i, j), OCCUPIED, time) & OCCUPIED == 0:
+                    new += 1
+                    if ti.static(not self.touching):
+                        for k in range(4):
+                            self.close(memory, base, i + (k & 1), j + (k >> 1))
+        if ti.static(self.touching):
+            new = self.line(memory, base, x, y)
+        return new
+
+    @ti.func
+    def line(self, memory: ti.template(), base, x, y):
+        """Make nodes solid about a hit on the line of a wall: bodies stand on even nodes, so lines run along
+        odd ones. How many were not.
+        """
+        new = 0
+        across, down = 2.0 * ti.floor(0.5 * x) + 1.0, 2.0 * ti.floor(0.5 * y) + 1.0
+        upright = ti.abs(x - across) < ti.abs(y - down)
+        line, along = ti.select(upright, across, down), ti.select(upright, y, x)
+        for k in range(2):
+            node = ti.floor(along) + ti.cast(k, ti.f32)
+            # Not the next one to a wall's end: there a door may begin.
+            if ti.abs(along - node) < ti.static(1.0 - self.config.hit_margin):
+                i = ti.cast(ti.select(upright, line, node), ti.i32)
+                j = ti.cast(ti.select(upright, node, line), ti.i32)
+                new += self.close(memory, base, i, j)
+        return new
+
+    @ti.func
+    def hides(self, memory: ti.template(), base, x, y, since):
+        """Whether a target may lie about a node, unseen since a step: it covers some 4 by 4 cells, the inner
+        four wholly. None of these may have been seen, and of the others ``outer_cells`` may not.
+        """
+        rows, columns = ti.Vector([0, 0, 0, 0]), ti.Vector([0, 0, 0, 0])
+        for k in ti.static(range(4)):
+            rows[k] = base + self.at(0, y - 2 + k)
+            columns[k] = self.at(x - 2 + k, 0)
+        limit, hides, outer = since << FLAGS, 1, 0
+        for j, i in ti.static(((1, 1), (1, 2), (2, 1), (2, 2))):
+            if hides:
+                hides = ti.cast(ti.cast(memory.cells[rows[j] + columns[i]], ti.i32) < limit, ti.i32)
+        if hides:
+            for j in ti.static(range(4)):
+                for i in ti.static(range(4)):
+                    if ti.static(i in (0, 3) or j in (0, 3)):
+                        outer += ti.cast(ti.cast(memory.cells[rows[j] + columns[i]], ti.i32) < limit, ti.i32)
+            hides = ti.cast(outer >= ti.static(self.config.outer_cells), ti.i32)
+        return hides

@@ -1,0 +1,259 @@
+"""A step of all planners: move, see, remember, choose, advise."""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+from agent.planner.advice import Advice
+from agent.planner.arrays import Bytes, Floats, Longs, Memory, Shorts, Tables, Wholes, Words
+from agent.planner.belief import Belief
+from agent.planner.candidates import Candidates
+from agent.planner.config import PlannerConfig
+from agent.planner.features import describe
+from agent.planner.goal import Goal
+from agent.planner.occupancy import BITS, Occupancy
+from agent.planner.paths import Paths
+from agent.planner.state import SEARCH, begun, loaded, store
+from agent.planner.target import Target
+from agent.planner.viewpoints import Viewpoints
+from agent.planner.visibility import Visibility
+from sim.runtime import ti
+
+
+class Body(NamedTuple):
+    """What a planner must know of the body and its rays."""
+
+    rays: int
+    channels: int
+    distance: int
+    """The channel that has it."""
+
+    step: int
+    """Half cells."""
+
+    touching: bool
+    """Whether it fills a cell of the house."""
+
+    target: float
+    """Half a target's side, cells."""
+
+    reach: float
+    """Of rays, parts of a cell."""
+
+    prior: bool
+    """Whether what unseen places count is given from outside."""
+
+
+Sight = ti.types.struct(
+    due=ti.i32,  # whether the rays were swept
+    hits=ti.i32,  # cells found to be occupied that were not known to be
+    forward=ti.i32,  # whether the rays leave the body room to go forward
+    spotted=ti.i32,  # rays that met the target
+    missed=ti.i32,  # whether a ray missed a known target that it should have met
+    low=ti.math.vec2,  # the corners of where rays met it, cells from the eye
+    high=ti.math.vec2,
+    side=ti.math.vec2,  # the sum of these rays' directions
+)
+
+
+@ti.data_oriented
+class Step:
+    """The parts of a step, for a configuration and a body; environment ``e``'s cells begin at ``base``."""
+
+    def __init__(self, config: PlannerConfig, body: Body) -> None:
+        """Make the parts."""
+        self.config, self.body = config, body
+        self.occupancy = Occupancy(config, body.step, body.touching, BITS)
+        self.visibility = Visibility(config, self.occupancy, body.rays, body.reach)
+        self.target = Target(config, body.target)
+        self.belief = Belief(config, self.occupancy, body.prior)
+        self.viewpoints = Viewpoints(config, self.occupancy, Candidates(config, self.occupancy, self.belief))
+        self.paths = Paths(config, self.occupancy)
+        self.advice = Advice(self.occupancy, self.paths)
+        self.ahead = body.step // 2 if body.touching else body.step
+        self.goal = Goal(config, self.occupancy, self.paths, self.viewpoints, body.target)
+
+    @ti.func
+    def move(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
+             action, blocked, fresh):  # fmt: skip
+        """The pose after an action; an empty map in a ``fresh`` episode. Whether all begins here, too."""
+        slant = -1
+        if fresh == 0:
+            if action < 2:
+                state.heading = (state.heading + ti.select(action == 0, 1, 7)) & 7
+                state.straight = -1
+            elif blocked == 0:
+                way = self.occupancy.ahead(state.heading)
+                if state.straight >= 0:
+                    state.straight += self.body.step
+                state.x += self.body.step * way[0]
+                state.y += self.body.step * way[1]
+        if (fresh == 1) | (state.aligned == 0):
+            slant = self.diagonal(tables, observation, e)
+            if (slant >= 0) & (slant != state.heading & 1):
+                # All that was seen, before the first wall, was taken for what lies 45 degrees aside.
+                fresh = 1
+        if fresh:
+            self.paths.forget(memory, base, state.queued)
+            self.occupancy.forget(memory, base)
+            self.viewpoints.forget(memory, base)
+            state = begun(ti.max(slant, 0))
+        if slant >= 0:
+            state.aligned = 1
+        state.time += 1
+        return state, fresh
+
+    @ti.func
+    def diagonal(self, tables: ti.template(), observation: ti.template(), e):
+        """Whether the heading lies at 45 degrees to the walls, -1 where no wall shows it. Where two
+        neighbouring rays end on one wall, the line through both ends runs along an axis in one of the two
+        cases: the pairs vote.
+        """
+        votes = ti.Vector([0, 0])
+        for r in range(self.body.rays - 1):
+            one, other = self.distance(observation, e, r), self.distance(observation, e, r + 1)
+            if (one < 1.0) & (other < 1.0):
+                for h in ti.static(range(2)):
+                    for axis in ti.static(range(2)):
+                        j = 2 * (h * self.body.rays + r) + axis
+                        gap = one * tables.directions[j] - other * tables.directions[j + 2]
+                        votes[h] += ti.cast(ti.abs(gap) < 1e-3, ti.i32)
+        return ti.select(votes[0] == votes[1], -1, ti.cast(votes[1] > votes[0], ti.i32))
+
+    @ti.func
+    def distance(self, observation: ti.template(), e, ray):
+        """How far a ray reaches, as a part of its range."""
+        return observation[(e * self.body.rays + ray) * self.body.channels + self.body.distance]
+
+    @ti.func
+    def see(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e):
+        """Mark what the body covers and the rays show on the map; what else they show."""
+        px, py, heading, time, known = state.x, state.y, state.heading, state.time, state.known
+        eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
+        off, new = state.target - eye, self.occupancy.see_body(memory, base, px, py, time)
+        sight = Sight(0)
+        sight.due = self.visibility.due(time, state.new, known, state.straight)
+        sight.forward, sight.low, sight.high = 1, ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
+        before, last_kind, last_far, last_reached = ti.Vector([0.0, 0.0]), -1, 0, 0
+        corner, pose = self.occupancy.at(px >> 1, py >> 1), (heading * 4) | (px & 1) | ((py & 1) << 1)
+        for r in range(self.body.rays):
+            d, j = self.distance(observation, e, r), 2 * (heading * self.body.rays + r)
+            reach = ti.Vector([tables.directions[j], tables.directions[j + 1]])
+            kind = ti.cast(d < 1.0, ti.i32)
+            if observation[(e * self.body.rays + r + 1) * self.body.channels - 1] > 0:
+                kind = 2
+            end = d * reach
+            if (kind != 2) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
+                sight.forward = 0
+            if sight.due:
+                far = ti.cast(d * self.body.reach, ti.i32)
+                unseen, reached = self.visibility.floor(
+                    memory, tables, base, e * self.body.rays + r, corner, pose, r, far, last_far,
+                    last_reached, state.straight, time,
+                )  # fmt: skip
+                new += unseen
+                if kind == 1:
+                    sight.hits += self.visibility.wall(memory, base, eye, end, before, last_kind == 1, time)
+                before, last_kind, last_far, last_reached = end, kind, far, reached
+            if kind == 2:
+                sight.spotted += 1
+                sight.side += reach / reach.norm()
+                sight.low, sight.high = ti.min(sight.low, end), ti.max(sight.high, end)
+            elif known:
+                sight.missed |= self.target.misses(off, reach, d * reach.norm())
+        if sight.due:
+            state.straight = 0
+        state.new = new
+        state.seen += new
+        if new > 0:
+            state.last_new = time
+        return state, sight
+
+    @ti.func
+    def remember(self, memory: ti.template(), state, sight, base, blocked):
+        """Where the target is, whether one was picked up, and what hinders the body."""
+        px, py, known, picked = state.x, state.y, state.known, 0
+        eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
+        off = state.target - eye
+        if sight.spotted > 0:
+            there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, off)
+            picked = known & self.target.other(there, off)
+            state.target = eye + there
+            known = 1
+        elif known & self.target.gone(off, sight.missed):
+            known = 0
+            picked = ti.cast(ti.abs(off).max() < ti.static(self.config.picked_up), ti.i32)
+        if picked:
+            state.since, state.straight = state.time, -1
+            state.found += 1
+            self.viewpoints.forget(memory, base)
+            spot = ti.cast(ti.floor(eye + off + 0.5), ti.i32)
+            state.found_here += self.belief.within(self.belief.start_room(memory, base), spot[0], spot[1])
+        state.known = known
+        if blocked != 0:
+            sight.forward = 0
+        if (px | py) & 1 == 0:
+            # It may stand nearer to a wall than the map would have let it go.
+            self.occupancy.clear(memory, base, px >> 1, py >> 1)
+        way = self.occupancy.ahead(state.heading)
+        noted = sight.due | ti.cast(blocked, ti.i32)
+        passes = self.occupancy.passes(memory, base, px, py, way[0], way[1], ti.static(self.body.step))
+        if (sight.forward == 0) & noted & passes:
+            # It cannot go where the map says it can: what hinders it lies between two rays.
+            qx, qy = px + self.ahead * way[0], py + self.ahead * way[1]
+            self.occupancy.close(memory, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)
+            sight.hits += 1
+        return state, sight
+
+    @ti.func
+    def advise(self, memory: ti.template(), tables: ti.template(), features: ti.template(), state, base, e,
+               forward):  # fmt: skip
+        """The action that leads to the goal; with it, the features of the whole are written."""
+        px, py, heading = state.x, state.y, state.heading
+        free, gains = self.advice.steps(memory, base, px, py, heading, forward)
+        turn = self.advice.turn(memory, base, px, py, heading, gains)
+        if (state.kind == SEARCH) & (state.look >= 0) & (state.path == 0):
+            turn = (state.look - heading) & 7
+        action = self.advice.action(turn)
+        bearing = ti.Vector(
+            [
+                ti.cast(self.occupancy.apart(self.occupancy.across(state.goal), px >> 1), ti.f32),
+                ti.cast(self.occupancy.apart(self.occupancy.down(state.goal), py >> 1), ti.f32),
+            ]
+        )
+        if state.known:
+            bearing = state.target - ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
+        middle = 2 * (heading * self.body.rays + ti.static(self.body.rays // 2))
+        nose = ti.Vector([tables.directions[middle], tables.directions[middle + 1]])
+        describe(features, state, e, forward, free, gains, turn, action, bearing, nose)
+        return action
+
+
+@cache
+def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
+    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    parts = Step(config, body)
+
+    @ti.kernel
+    def step(
+        observation: Floats, action: Longs, blocked: Bytes, begun: Bytes,
+        directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
+        cells: Shorts, distance: Shorts, queue: Shorts, dirty: Bytes, reached: Wholes, tiles: Words,
+        odds: Bytes, candidates: Bytes, gains: Shorts, prior: Bytes,
+        states: Wholes, advice: Longs, features: Floats,
+    ):  # fmt: skip
+        memory = ti.static(
+            Memory(cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, prior)
+        )
+        tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
+        ti.loop_config(block_dim=8)
+        for e in range(blocked.shape[0]):
+            base, state = e * parts.occupancy.area, loaded(states, e)
+            fresh, hit = ti.cast(begun[e], ti.i32), ti.cast(blocked[e], ti.i32)
+            state, fresh = parts.move(memory, tables, observation, state, base, e, action[e], hit, fresh)
+            state, sight = parts.see(memory, tables, observation, state, base, e)
+            state, sight = parts.remember(memory, state, sight, base, hit)
+            state = parts.goal.choose(memory, tables, state, base, fresh, sight.hits)
+            advice[e] = parts.advise(memory, tables, features, state, base, e, sight.forward)
+            store(states, e, state)
+
+    return step

@@ -1,0 +1,186 @@
+"""The next best view: the viewpoint, a place and a heading, with most information gain for its cost.
+
+The gain is how many candidates the view would show. The searcher (``sim.searcher``) goes by the same rule,
+but knows the house; a planner knows its own map.
+"""
+
+import numpy as np
+
+from agent.planner.candidates import NOT_COMPUTED, Candidates
+from agent.planner.config import CERTAIN, PlannerConfig
+from agent.planner.occupancy import OCCUPIED, SOLID, Occupancy
+from sim.runtime import ti
+
+TRIED = 128
+"""Bit of a candidate that a view should have shown by the map's cells, but did not: it counts for none."""
+
+
+def views(config: PlannerConfig) -> np.ndarray:
+    """The places on a view's rays, octant by octant: ways (n,) int32 from a node to each, as
+    ``Occupancy.beside`` takes them.
+    """
+    rays = config.viewpoint_rays
+    aside = (np.arange(rays) - rays // 2) / rays
+    angles = (np.pi / 4 * (np.arange(8)[:, None] + aside)).reshape(-1, 1)
+    along = config.view_stride * np.arange(1, config.view_reach // config.view_stride + 1)
+    x, y = (np.rint(along * way).astype(np.int32) for way in (np.cos(angles), -np.sin(angles)))
+    return (((y & 0xFF) << 8) | (x & 0xFF)).ravel()
+
+
+@ti.data_oriented
+class Viewpoints:
+    """The choice of a viewpoint. ``candidates`` has what each candidate counts while a choice is made,
+    nothing otherwise, and whether it was tried; ``gains`` what the best view from each viewpoint showed when
+    that was computed last.
+
+    Between two pick-ups a gain mostly falls. So a choice computes only those that may still be greater for
+    their cost than the best, as in Minoux's "Accelerated greedy algorithms for maximizing submodular set
+    functions" (1978). There gains only fall; here new ground can raise one, and what opens in sight of a view
+    of little worth may be missed until the next pick-up. And a choice computes the gain of every other
+    viewpoint along both axes first, of those between them only where these tell that it may be the best.
+    """
+
+    def __init__(self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates) -> None:
+        """Choose on this map."""
+        self.config, self.occupancy = config, occupancy
+        self.candidates, self.pitch = candidates, candidates.pitch
+        self.places = config.view_reach // config.view_stride
+        # A place on a ray stands for stride by stride cells, as wide as rays are apart there.
+        self.weight = config.view_stride**2 * np.pi / 4 / config.viewpoint_rays / 4
+
+    @ti.func
+    def forget(self, memory: ti.template(), base):
+        """Forget which candidates were tried, and all gains: in a new episode, after a pick-up, or where no
+        candidate is left.
+        """
+        for k in range(ti.static(self.candidates.area)):
+            memory.candidates[self.candidates.first(base) + k] = ti.cast(0, ti.u8)
+        for k in range(ti.static(self.candidates.places)):
+            memory.gains[self.candidates.part(base) + k] = ti.cast(NOT_COMPUTED, ti.u16)
+
+    @ti.func
+    def choose(self, memory: ti.template(), tables: ti.template(), state, base):
+        """The viewpoint to go to, a node and a heading: of those on nodes that were seen the one with most
+        information gain for its cost, as far as the kept gains are right. Where none shows enough, the
+        nearest candidate and -1; where there is none, -1 for both. Then how long paths there may be.
+        """
+        first, part = self.candidates.first(base), self.candidates.part(base)
+        px, py, heading = state.x, state.y, state.heading
+        nearest, within, total, likely, number, listed = self.candidates.collect(memory, state, base)
+        for k in range(3):
+            here = self.occupancy.at(px >> 1, py >> 1)
+            total -= self.gain(memory, tables, base, here, (heading + k + 7) & 7, 1)[1]
+        most = ti.cast(ti.min(total, ti.static(CERTAIN * self.config.gain_most)), ti.f32)
+        least = ti.static(CERTAIN * self.config.gain_least)
+        goal, look, best = nearest, -1, 0.0
+        for finer in range(2):
+            # First (-1) from where it is most likely to be best, so that there is less to look at.
+            head, going = ti.select((likely >= 0) & (finer == 0), -1, 0), 1
+            while (head < number) & going:
+                k = ti.select(head < 0, likely, head)
+                head += 1
+                node, distance = (
+                    ti.cast(memory.queue[base + 2 * k], ti.i32),
+                    ti.cast(memory.queue[base + 2 * k + 1], ti.i32),
+                )
+                x, y = self.occupancy.across(node), self.occupancy.down(node)
+                way = self.candidates.steps(distance)
+                # Viewpoints come in the order of their distance, to a step or two: from here on none can be
+                # better than the best one.
+                if most <= ti.max(best * way, least):
+                    going = 0
+                elif self.bound(memory, base, x, y, most, finer) > best * way:
+                    gains = ti.Vector([0.0] * 8)
+                    for octant in ti.static(range(8)):
+                        gains[octant] = self.gain(memory, tables, base, node, octant, 0)[0]
+                    bearing, highest = heading, 0.0
+                    if distance > 0:
+                        bearing = self.bearing(
+                            2 * self.occupancy.apart(x, px >> 1) - (px & 1),
+                            2 * self.occupancy.apart(y, py >> 1) - (py & 1),
+                        )
+                    for h in ti.static(range(8)):
+                        shows = gains[h] + gains[(h + 1) % 8] + gains[(h + 7) % 8]
+                        highest, gain = ti.max(highest, shows), ti.min(most, shows)
+                        turns = self.turns(heading, bearing) + self.turns(bearing, h)
+                        worth = gain / (way + ti.cast(turns, ti.f32))
+                        there = (distance == 0) & (turns == 0)
+                        if (gain >= least) & (worth > best) & (not there):
+                            best, goal, look, within = worth, node, h, distance
+                    if (x | y) & (self.pitch - 1) == 0:
+                        memory.gains[part + self.candidates.place(x, y)] = ti.cast(
+                            ti.min(highest, float(NOT_COMPUTED - 1)), ti.u16
+                        )
+        for k in range(listed):
+            i = first + ti.cast(memory.queue[base + self.candidates.listed + k], ti.i32)
+            memory.candidates[i] = memory.candidates[i] & ti.cast(TRIED, ti.u8)
+        return goal, look, within + self.config.path_slack
+
+    @ti.func
+    def bound(self, memory: ti.template(), base, x, y, most, finer):
+        """What the best view from a node may show, of ``most`` in all; 0 where none is to be computed in this
+        turn. Viewpoints between others, of which no gain is kept, are left for the ``finer`` turn.
+        """
+        part = self.candidates.part(base)
+        last, bound = ti.cast(memory.gains[part + self.candidates.place(x, y)], ti.f32), most
+        if (x | y) & (self.pitch - 1) != 0:
+            bound = ti.select(finer, 0.0, most)
+        elif last < NOT_COMPUTED:
+            bound = ti.select(finer, 0.0, self.config.gain_growth * last + self.config.gain_spare)
+        elif (x | y) & (2 * self.pitch - 1) != 0:
+            bound = 0.0
+            if finer:
+                about = -1.0
+                for j, i in ti.static(ti.ndrange((-1, 2), (-1, 2))):
+                    beside = part + self.candidates.place(
+                        (x + i * self.pitch) & self.occupancy.mask, (y + j * self.pitch) & self.occupancy.mask
+                    )
+                    if memory.gains[beside] < NOT_COMPUTED:
+                        about = ti.max(about, ti.cast(memory.gains[beside], ti.f32))
+                between = self.config.gain_between * about + self.config.gain_spare
+                bound = ti.select(about < 0, most, between)
+        return bound
+
+    @ti.func
+    def gain(self, memory: ti.template(), tables: ti.template(), base, node, octant, try_: ti.template()):
+        """The information gain of an octant from a node: what the candidates count that its rays meet, each
+        for the ground about it, as far as the next. With ``try_`` these are tried now: what they counted.
+        """
+        gain, count = 0, 0
+        rays = ti.static(self.config.viewpoint_rays)
+        places = ti.static(self.places)
+        for ray in range(rays):
+            j, k, clear = places * (rays * octant + ray), 0, 1
+            while clear & (k < places):
+                there = self.occupancy.beside(node, tables.views[j + k])
+                k += 1
+                if ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID):
+                    clear = 0
+                else:
+                    i = self.candidates.first(base) + self.candidates.at(there)
+                    here = ti.cast(memory.candidates[i], ti.i32) & (TRIED - 1)
+                    gain += k * here
+                    if ti.static(try_ == 1) and here > 0:
+                        count += here
+                        memory.candidates[i] = ti.cast(TRIED, ti.u8)
+        return ti.cast(gain, ti.f32) * ti.static(self.weight), count
+
+    @ti.func
+    def bearing(self, dx, dy):
+        """The heading that is nearest to a way east and south."""
+        across, down = ti.abs(dx), ti.abs(dy)
+        heading = 0
+        # The tangent of 22.5 degrees is 0.4142.
+        if 10000 * down > 4142 * across:
+            heading = ti.select(10000 * across > 4142 * down, 1, 2)
+        if dx < 0:
+            heading = 4 - heading
+        if dy > 0:
+            heading = -heading & 7
+        return heading
+
+    @ti.func
+    def turns(self, one, other):
+        """Turns from one heading to another."""
+        away = (one - other) & 7
+        return ti.min(away, 8 - away)

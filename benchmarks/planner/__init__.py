@@ -1,0 +1,1 @@
+"""Studies of the planner: ``explorers`` compares configurations, ``odds`` measures one of its tables."""
