@@ -1,0 +1,77 @@
+"""The planner as these tests see it: the one place that knows the names of its arrays."""
+
+from typing import Any
+
+import numpy as np
+import torch
+
+from agent.planner import Planner as Tested
+from agent.planner import mirrored_features
+from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
+from agent.planner.state import AT
+from sim.config import Config
+
+SIDE, UNKNOWN = 256, 65535
+"""Cells of a map along each axis; a node without a distance, or a viewpoint without a gain."""
+
+BITS = {"occupied": OCCUPIED, "solid": SOLID, "near": NEAR}
+KINDS = ("none", "search", "target")
+SHAPES = {"cells": (SIDE, SIDE), "distance": (SIDE, SIDE), "candidates": (128, 128), "gains": (64, 64)}
+MEMORY = (*SHAPES, "features", "advice", "states")
+
+flip = mirrored_features
+
+
+class Memory:
+    """What one environment's planner keeps: the arrays, and all numbers by name."""
+
+    def __init__(self, arrays: dict[str, np.ndarray]) -> None:
+        self.arrays, numbers = arrays, {name: int(arrays["states"][at]) for name, at in AT.items()}
+        self.__dict__.update(numbers)
+        self.kind, self.goal = KINDS[numbers["kind"]], (numbers["goal"] % SIDE, numbers["goal"] // SIDE)
+        self.target = arrays["states"][AT["target"] : AT["target"] + 2].view(np.float32)
+        self.tried, self.advice = arrays["candidates"] > 127, int(arrays["advice"][0])
+
+    def __getattr__(self, name: str) -> Any:
+        """Of cells [y, x]: when each was seen, 0 for never, its bits, and its node's distance; features."""
+        value = self.arrays["cells" if name in (*BITS, "seen_at") else name]
+        if name in BITS:
+            value = value & BITS[name] > 0
+        elif name == "seen_at":
+            value = (value & (OCCUPIED - 1)).astype(int) >> FLAGS
+        elif name == "distance":
+            value = np.where(value == UNKNOWN, -1, value.astype(int))
+        self.__dict__[name] = value
+        return value
+
+
+class Planner:
+    """Planners of E environments, whose memory is read and written as NumPy arrays."""
+
+    def __init__(self, world: Config, environments: int) -> None:
+        self.tested, self.environments = Tested(world, environments), environments
+
+    def step(self, *inputs: np.ndarray) -> None:
+        """Observation, blocked, action, begun, of all environments."""
+        self.tested.step(*(torch.as_tensor(each) for each in inputs))
+
+    def array(self, name: str) -> np.ndarray:
+        """An array of all environments, (E, ...): a view."""
+        view = self.tested.arrays[name].view()
+        return view.reshape(self.environments, *SHAPES.get(name, (-1,)))
+
+    def memory(self, e: int) -> Memory:
+        """A copy of what an environment's planner keeps."""
+        return Memory({name: self.array(name)[e].copy() for name in MEMORY})
+
+    def write(self, e: int, cells: Any = None, **numbers: Any) -> None:
+        """Change some numbers of an environment, or all its cells, to those of a memory."""
+        if cells is not None:
+            flags = cells.occupied * OCCUPIED | cells.solid * SOLID | cells.near * NEAR
+            self.array("cells")[e], self.array("dirty")[e] = cells.seen_at << FLAGS | flags, 1
+        for name, number in numbers.items():
+            self.array("states")[e, AT[name]] = KINDS.index(number) if name == "kind" else number
+
+    def forget_tiles(self) -> None:
+        """Mark every tile as dirty."""
+        self.array("dirty")[:] = 1

@@ -1,0 +1,116 @@
+"""Walks that the tests of the planner share: recorded once, and replayed through planners step by step."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+import torch
+
+from agent.world import make_worlds
+from logic import House, generate
+from sim import HouseVectorEnv
+from tests.agent.planner.adapter import Planner
+from tests.agent.planner.reference import WAYS, Body
+from tests.agent.test_world import mirror
+from tests.worlds import random_house
+
+E, STEPS = 8, 240
+
+
+class Step(NamedTuple):
+    """A step of one environment's planner: its inputs, and its memory before and after."""
+
+    e: int
+    observation: np.ndarray
+    blocked: bool
+    action: int
+    before: Any
+    after: Any
+
+
+@dataclass
+class Walk:
+    """Steps of environments in houses, and what truly was: poses, targets and rewards (E,)."""
+
+    envs: HouseVectorEnv
+    planner: Planner
+    inputs: list[tuple[np.ndarray, ...]] = field(default_factory=list)
+    poses: list[np.ndarray] = field(default_factory=list)
+    targets: list[np.ndarray] = field(default_factory=list)
+    rewards: list[np.ndarray] = field(default_factory=list)
+
+    @property
+    def body(self) -> Body:
+        return Body(self.envs.config)
+
+    @property
+    def houses(self) -> list[House]:
+        return [self.envs.houses[e % len(self.envs.houses)] for e in range(self.envs.num_envs)]
+
+    def record(self, steps: int, random: float = 0.0) -> "Walk":
+        """Go where the planner advises, and a ``random`` share of the steps anywhere, into walls too."""
+        number, noise = self.envs.num_envs, np.random.default_rng(0)
+        options = {"house": np.arange(number) % len(self.envs.houses)}
+        observation, info = self.envs.reset(seed=2, options=options)
+        blocked, action, reward = np.zeros(number, bool), np.zeros(number, np.int64), np.zeros(number)
+        for step in range(steps):
+            self.inputs.append((observation.copy(), blocked.copy(), action, np.full(number, step == 0)))
+            self.poses.append(info["pose"].copy())
+            self.targets.append(info["target"].copy())
+            self.rewards.append(reward)
+            self.planner.step(*self.inputs[-1])
+            advised = noise.random(number) >= random
+            action = np.where(
+                advised, self.planner.array("advice")[:, 0], noise.choice(3, number, p=[0.2, 0.1, 0.7])
+            )
+            observation, reward, _, _, info = self.envs.step(action)
+            blocked = info["blocked"]
+        return self
+
+    def __iter__(self) -> Iterator[Step]:
+        """Its steps, by a planner that begins again; all environments of one step after the other."""
+        before = [self.planner.memory(e) for e in range(self.envs.num_envs)]
+        for inputs in self.inputs:
+            self.planner.step(*inputs)
+            for e, (observation, blocked, action, _) in enumerate(zip(*inputs, strict=True)):
+                after = self.planner.memory(e)
+                yield Step(e, observation, bool(blocked), int(action), before[e], after)
+                before[e] = after
+
+
+def ask(walk: Walk, memories: list[Any], poses: list[tuple[int, int, int]], **numbers: Any) -> list[Any]:
+    """What planners make of these memories, one for each environment, from a pose each, in half cells:
+    after a step forward to it in which they look at nothing, without a goal unless ``numbers`` give one.
+    """
+    planner, number = walk.planner, walk.envs.num_envs
+    quiet = {"time": 301, "since": 280, "new": 0, "straight": 0, "known": 0, "kind": "none", "aligned": 1}
+    for e, (memory, (x, y, heading)) in enumerate(zip(memories, poses, strict=True)):
+        dx, dy = (walk.body.step * way for way in WAYS[heading])
+        planner.write(e, memory, x=x - dx, y=y - dy, heading=heading, **(quiet | numbers))
+    blank, no = np.zeros_like(walk.inputs[0][0]), np.zeros(number, bool)
+    planner.step(blank, no, np.full(number, 2), no)
+    return [planner.memory(e) for e in range(number)]
+
+
+@pytest.fixture(scope="session")
+def continuous() -> Walk:
+    """Seven furnished houses and the mirror image of the first."""
+    torch.set_num_threads(1)
+    houses = [random_house(seed) for seed in range(E - 1)]
+    envs = make_worlds([*houses, mirror(houses[0])], E, "mixed")
+    return Walk(envs, Planner(envs.config, E)).record(STEPS, random=0.2)
+
+
+@pytest.fixture(scope="session")
+def grid() -> Walk:
+    """A house whose edges lie on a grid, in whose cells bodies stand."""
+    torch.set_num_threads(1)
+    envs = make_worlds(list(generate(3, seed=5, count=1, cell=0.3)), E, "mixed", backend="grid")
+    return Walk(envs, Planner(envs.config, E)).record(STEPS, random=0.2)
+
+
+@pytest.fixture(params=["continuous", "grid"])
+def walk(request: pytest.FixtureRequest) -> Walk:
+    return request.getfixturevalue(request.param)
