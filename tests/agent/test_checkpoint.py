@@ -12,6 +12,7 @@ from agent.build import network_of
 from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, released, save
 from agent.config import PRESETS, DQNConfig, PQNConfig, TrainConfig
 from agent.network import QNetwork
+from agent.planner import FEATURES
 
 CONFIG = PQNConfig(steps=1000, seed=3)
 
@@ -105,3 +106,13 @@ def test_a_config_of_another_version_or_algorithm_is_refused(tmp_path):
     assert "steps" in refusal(spoiled(path, config=json.dumps({"steps": "many"})))
     assert "replay" not in refusal(spoiled(path, config=json.dumps(asdict(DQNConfig()))))
     assert "sarsa" in refusal(spoiled(path, algorithm="sarsa"))
+
+
+def test_a_checkpoint_keeps_a_network_that_reads_a_planner(tmp_path):
+    network = network_of(PQNConfig(map=True))
+    torch.nn.init.normal_(next(network.judge[-1].parameters()))
+    save(Checkpoint(network, PRESETS["pqn-map"], steps=1), tmp_path / "agent.safetensors")
+    found = load(tmp_path / "agent.safetensors")
+    given = torch.rand(2, 40, 2), torch.rand(2, 4, 6), torch.rand(2, FEATURES)
+    assert found.config == PRESETS["pqn-map"]
+    assert torch.equal(found.network(*given), network(*given))

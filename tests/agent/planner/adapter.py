@@ -6,7 +6,6 @@ import numpy as np
 import torch
 
 from agent.planner import Planner as Tested
-from agent.planner import mirrored_features
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
 from agent.planner.state import AT
 from sim.config import Config
@@ -18,8 +17,6 @@ BITS = {"occupied": OCCUPIED, "solid": SOLID, "near": NEAR}
 KINDS = ("none", "search", "target")
 SHAPES = {"cells": (SIDE, SIDE), "distance": (SIDE, SIDE), "candidates": (128, 128), "gains": (64, 64)}
 MEMORY = (*SHAPES, "features", "advice", "states")
-
-flip = mirrored_features
 
 
 class Memory:

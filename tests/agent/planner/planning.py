@@ -322,3 +322,10 @@ def stopped(body: Body, memory: Any, solid: np.ndarray) -> tuple[int, int] | Non
         return None
     x, y = memory.x + far * dx, memory.y + far * dy
     return (y + (dy > 0)) // 2 % SIDE, (x + (dx > 0)) // 2 % SIDE
+
+
+def flip(features: np.ndarray) -> np.ndarray:
+    """Features (B, 38) of the mirror image: left is right, and each heading is the opposite one."""
+    left, right, sides = features[:, 12:13], features[:, 13:14], features[:, 14:].reshape(-1, 8, 3)
+    image = [features[:, :11], -features[:, 11:12], right, left, sides[:, -np.arange(8)].reshape(-1, 24)]
+    return np.concatenate(image, axis=1)
