@@ -18,7 +18,7 @@ PITCH, HASTE, LEAST, PLENTY = 4, 4.0, 200, 60_000
 """Viewpoints are so many nodes apart; steps added to each path; what a view must show, and needs at most."""
 
 
-# - where targets may hide, and how far that is ----------------------------------------------------
+# - where targets may lie, and how far that is -----------------------------------------------------
 
 
 def openings(memory: Any) -> np.ndarray:
@@ -60,8 +60,8 @@ def hides(memory: Any, since: int) -> np.ndarray:
     return (inner & (np.sum(list(rolled.values()), axis=0) >= 12))[::2, ::2]
 
 
-def hiding(memory: Any) -> np.ndarray:
-    """What each block (128, 128) counts as a hiding place: 0, or how likely it is floor."""
+def likelihood(memory: Any) -> np.ndarray:
+    """What each block (128, 128) counts as a candidate: 0, or how likely it is floor."""
     floor = np.zeros((SIDE, SIDE), int)
     for dx, dy in WAYS:
         met = np.zeros((SIDE, SIDE), int)
@@ -75,12 +75,12 @@ def hiding(memory: Any) -> np.ndarray:
 
 
 def believed(memory: Any) -> np.ndarray:
-    """``hiding``, weighed by what pick-ups tell of the start room."""
+    """``likelihood``, weighed by what pick-ups tell of the start room."""
     west, east, north, south = start_room(memory)
     here, elsewhere = shares(memory.found_here, memory.found)
     at = (np.arange(0, SIDE, 2) + 128) % SIDE - 128
     inside = np.outer((at > north) & (at <= south), (at > west) & (at <= east))
-    return np.ceil(np.where(inside, here, elsewhere) * hiding(memory) - 1e-4).astype(int)
+    return np.ceil(np.where(inside, here, elsewhere) * likelihood(memory) - 1e-4).astype(int)
 
 
 # - choose a viewpoint -----------------------------------------------------------------------------
@@ -104,7 +104,7 @@ def looked(memory: Any, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 
 def gains(memory: Any, counts: np.ndarray, x: Any, y: Any) -> np.ndarray:
-    """The information gain (n, 8) of a look at each heading: hiding places in three octants of sight, each
+    """The information gain (n, 8) of a look at each heading: candidates in three octants of sight, each
     for the ground about it.
     """
     rows, columns, clear = looked(memory, x, y)
@@ -118,7 +118,7 @@ def turns(one: Any, other: Any) -> Any:
 
 
 def candidates(memory: Any) -> tuple[np.ndarray, np.ndarray, set[tuple[int, int]]]:
-    """How far all blocks are (128, 128); what each counts as a hiding place; the nearest of these."""
+    """How far all blocks are (128, 128); what each counts as a candidate; the nearest of these."""
     level = levels(memory, memory.x, memory.y)
     counts = np.where((level >= 0) & openings(memory)[::2, ::2], believed(memory), 0)
     places = [(int(x), int(y)) for y, x in np.argwhere(counts > 0)]
@@ -128,7 +128,7 @@ def candidates(memory: Any) -> tuple[np.ndarray, np.ndarray, set[tuple[int, int]
 
 @dataclass
 class Choice:
-    """What views are worth, by node and heading; the nearest hiding places; those that are tried now."""
+    """What views are worth, by node and heading; the nearest candidates; those that are tried now."""
 
     worth: dict[tuple[tuple[int, int], int], float]
     nearest: set[tuple[int, int]]

@@ -2,11 +2,14 @@
 houses.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from tests.agent.planner import reference
+from tests.agent.planner import planning, reference
 from tests.agent.planner.conftest import Walk
+from tests.agent.planner.reference import SIDE
 from tests.agent.planner.test_occupancy import in_house
 
 
@@ -68,8 +71,27 @@ def test_a_known_target_lies_where_it_truly_does(walk: Walk) -> None:
         (0, 1, (0.25, 1)),  # 0.05 / 0.5 / 0.5 + 1 = 1.2, 0.95 / 0.5 / 0.5 + 1 = 4.8
         (1, 2, (1, 1)),
         (3, 3, (1, 1.002 / 14.718)),
-        (1, 6, (1.00004 / 5.952, 1)),  # one in another room than it seemed, or else five by chance
+        (1, 6, (1.00004 / 5.952, 1)),  # one was taken for the wrong room, or targets lie anywhere
     ],
 )
 def test_pick_ups_tell_where_targets_lie_by_bayes_rule(here, found, shares) -> None:
     assert reference.shares(here, found) == pytest.approx(shares, rel=1e-3)
+
+
+def test_what_floor_surrounds_may_be_floor_and_what_walls_surround_is_none() -> None:
+    """The reference, by hand: of a place that was never seen, inside a ring that was."""
+    memory = SimpleNamespace(seen_at=np.zeros((SIDE, SIDE), int), since=5)
+    memory.seen_at[4:13, 4:13], memory.seen_at[6:11, 6:11] = 3, 0
+    for wall, likely in ((False, max(planning.ODDS)), (True, 0)):
+        memory.occupied = (memory.seen_at > 0) & wall
+        assert planning.likelihood(memory)[4, 4] == likely
+    assert list(planning.ODDS) == sorted(planning.ODDS)
+
+
+def test_the_start_room_is_what_was_seen_of_it_up_to_its_walls() -> None:
+    """The reference, by hand: walls five cells west and nine south, a door in the south, the rest unseen."""
+    memory = SimpleNamespace(occupied=np.zeros((SIDE, SIDE), bool), seen_at=np.zeros((SIDE, SIDE), int))
+    rows, columns = np.arange(-6, 12) % SIDE, np.arange(-6, 8) % SIDE
+    memory.seen_at[np.ix_(rows, columns)] = 9
+    memory.occupied[rows, -6 % SIDE] = memory.occupied[9, columns[:8]] = True
+    assert reference.start_room(memory) == (-5, 7, -6, 8)
