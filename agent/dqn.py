@@ -58,7 +58,7 @@ def double_q_targets(
     """Targets (B,) for the values of the taken actions: the return and the value of the state it leads to.
 
     The network chooses the action there by its values ``q_t_online`` (B, A), among those that are
-    ``allowed_t`` (B, A) bool; the target network's values ``q_t_target`` (B, A) say what it is worth.
+    ``allowed_t`` (B, A) bool; the target network's values ``q_t_target`` (B, A) are its values.
     """
     best = subsume(q_t_online, allowed_t)
     return g + discount_t * q_t_target.gather(1, best[:, None]).squeeze(1)

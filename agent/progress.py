@@ -16,7 +16,7 @@ Report = Callable[[float, str], None]
 def progress(title: str, every: float | None = None) -> Iterator[Report]:
     """Show the work under this title until the block ends.
 
-    In a pipe a plain line follows every so many seconds and at the end; with None, nothing is written.
+    In a pipe a plain line follows at that interval, in seconds, and at the end; with None, nothing.
     """
     if sys.stderr.isatty():
         bar = Progress(
@@ -35,7 +35,7 @@ def progress(title: str, every: float | None = None) -> Iterator[Report]:
 
 
 def _lines(title: str, every: float | None) -> Report:
-    """Write a line at the first report, then every so many seconds, and when all is done."""
+    """Write a line at the first report, then one at each interval, and one when all is done."""
     start, due = perf_counter(), 0.0
 
     def report(done: float, words: str) -> None:

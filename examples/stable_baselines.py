@@ -59,7 +59,7 @@ class Example(Task):
         model.learn(self.steps)
 
         def act(observation: Tensor) -> Tensor:
-            """By chance, as both explore a little: a body that remembers nothing would turn to and fro."""
+            """Sampled, as both explore a little: a body that remembers nothing would turn to and fro."""
             actions, _ = model.predict(observation.numpy(), deterministic=False)
             return one_hot(torch.from_numpy(actions), 3).float()
 

@@ -19,7 +19,7 @@ from torchrl.objectives.value import GAE
 
 
 def body(outputs: int) -> nn.Module:
-    """From the rays (B, 40, 2) to so many numbers (B, outputs)."""
+    """From the rays (B, 40, 2) to numbers (B, outputs)."""
     layers = nn.Linear(80, 128), nn.Tanh(), nn.Linear(128, 128), nn.Tanh(), nn.Linear(128, outputs)
     return nn.Sequential(nn.Flatten(-2), *layers)
 

@@ -58,7 +58,7 @@ class Candidates:
         -1 for none; how many viewpoints there are; and how many candidates.
         """
         first, part, px, py = self.first(base), self.part(base), state.x, state.y
-        nearest, within, total, likely, hoped, hiding = -1, 0, 0, -1, 0.0, 0
+        nearest, within, total, likely, hoped, listed_count = -1, 0, 0, -1, 0.0, 0
         room, shares = (
             self.belief.start_room(memory, base),
             self.belief.shares(state.found_here, state.found),
@@ -91,9 +91,9 @@ class Candidates:
                             nearest, within = node, 2 * level
                         if memory.candidates[first + i] == 0:
                             memory.candidates[first + i] = ti.cast(count, ti.u8)
-                            memory.queue[base + self.listed + hiding] = ti.cast(i, ti.u16)
+                            memory.queue[base + self.listed + listed_count] = ti.cast(i, ti.u16)
                             total += count
-                            hiding += 1
+                            listed_count += 1
                     pitched = (x | y) & (self.pitch - 1) == 0
                     if pitched and level > 0 and memory.cells[base + node] >> FLAGS != 0:
                         away = ti.max(
@@ -113,7 +113,7 @@ class Candidates:
                 tail = self.field.spread(memory, base, those, tile, tail)
             these, those = those, these
             level += 1
-        return nearest, within, total, likely, number, hiding
+        return nearest, within, total, likely, number, listed_count
 
     @ti.func
     def odds(self, memory: ti.template(), base, tile, block, since):

@@ -4,7 +4,7 @@ Each step is of one phase, the first of these that fits where the body is before
 
 | phase | the step is made |
 |---|---|
-| approach | after a ray has met the target: since its last pick-up the player knows where to go |
+| approach | after a ray has met the target: since its last pick-up the policy knows where to go |
 | door | with the eye within a body's side of a door |
 | crossing | in a space that no target can lie in: the main room, where targets are in secondary rooms |
 | survey | in a room that is new: it has seen of less than ``MOST`` of it whether a target lies there |
@@ -36,7 +36,7 @@ MOST = 0.9
 
 @dataclass(frozen=True)
 class Account:
-    """What a player's steps went to, one episode in each of H houses."""
+    """What a policy's steps went to, one episode in each of H houses."""
 
     steps: np.ndarray
     """(H, P) int64 steps of each phase."""

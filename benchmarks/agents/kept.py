@@ -7,7 +7,7 @@ from benchmarks.common.pages import ROOT
 
 
 def code() -> str:
-    """A hash of the code of players and environments: what other code played is played again."""
+    """A hash of the code of policies and environments: what other code played is played again."""
     paths = sorted(path for part in ("agent", "sim") for path in (ROOT / part).rglob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:8]
 

@@ -34,7 +34,7 @@ def agents_page(study: Study) -> str:
         modes=" | ".join(f"ratio, {WHERE[mode]}" for mode in study.results),
         dashes="---|" * len(study.results),
         order=" / ".join(study.results),
-        players=table_rows(_players(study)),
+        policies=table_rows(_policies(study)),
         rooms=_by_rooms(study),
         parts="\n\n".join(_parts(study, base) for base in bases) or "No change was measured.",
         time=table_rows(_time(study, entry) for entry in study.entries if _lasts(study, entry)),
@@ -74,8 +74,8 @@ def _unfinished(study: Study) -> str:
     return "Not in the tables, as these runs did not come to their end:\n\n" + "\n".join(lines)
 
 
-def _players(study: Study) -> Iterator[list[str]]:
-    """Each player's ratio, success and SPL in all modes that it was measured in."""
+def _policies(study: Study) -> Iterator[list[str]]:
+    """Each policy's ratio, success and SPL in all modes that it was measured in."""
     names = {entry.name: f"**{entry.name}**" for entry in study.presets()}
     for name in [*names, *study.baselines()]:
         figures = [result.figures(name) for result in study.results.values()]
@@ -95,7 +95,7 @@ def _by_rooms(study: Study) -> str:
         [name, *(result.ratio(name, count).text() for count in counts)] for name in names if name != "oracle"
     )
     head = " | ".join(f"{count} rooms" for count in counts)
-    return f"| player | {head} |\n|---|{'---|' * len(counts)}\n{table_rows(rows)}"
+    return f"| agent or baseline | {head} |\n|---|{'---|' * len(counts)}\n{table_rows(rows)}"
 
 
 def _parts(study: Study, base: Entry) -> str:
@@ -116,9 +116,9 @@ def _options(entry: Entry) -> str:
     return f"`{' '.join((*preset, *entry.options))}`"
 
 
-def _conduct(result: Result, player: str) -> list[str]:
+def _conduct(result: Result, policy: str) -> list[str]:
     """Ratio, blocked moves and overruled actions."""
-    figures = result.figures(player)
+    figures = result.figures(policy)
     return [figures["ratio"].text(), *(f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))]
 
 
@@ -163,8 +163,8 @@ PAGE = """# How well do agents learn?
 
 An agent learns by trial in some houses, then plays one episode of 1500 steps in each of many houses that it
 has never seen. Whenever it picks up a target the next one appears. The **ratio** is the share of the targets
-that an oracle picks up there, who knows the house and the target and takes the shortest way: 1 is perfect,
-and the human of the paper stands at {human}, who had the whole map in sight.
+that an oracle picks up there, who knows the house and the target and takes the shortest path: 1 is perfect,
+and the human of the paper stands at {human}, in another house and with the whole plan in sight.
 
 **Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
 core of the machine that the study began on; this share of it is the work of {minutes} minutes. No run was
@@ -173,17 +173,17 @@ chosen or left out by how well it did.
 - Learnt in: {learnt_in}.
 - Measured in: {measured_in}; nothing learns in them.
 
-![Ratio to the oracle of all players](agent-scores.png)
+![Ratio to the oracle of all agents and baselines](agent-scores.png)
 
 ## How well they do
-| player | {modes} | success, {order} | SPL, {order} |
+| agent or baseline | {modes} | success, {order} | SPL, {order} |
 |---|{dashes}---|---|
-{players}
+{policies}
 
 Ratios are interquartile means over houses and training runs, with 95 % intervals from a stratified bootstrap
 over both. It draws a run for each house by itself, so an interval is narrower than whole runs may differ: see
 the ticks in the picture and the table of every run. Success: the share of episodes whose first target was
-picked up within {soon} steps. SPL: that, weighted by the shortest way's length over the way taken. Agents
+picked up within {soon} steps. SPL: that, weighted by the shortest path's length over the path taken. Agents
 play for all three kinds of target, though each learnt for one (see below). Below them are baselines, which
 learn nothing; the searcher knows the house, but not where the target is.
 

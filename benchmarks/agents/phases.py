@@ -2,7 +2,7 @@
 
 For agents, the explorer and the searcher: the share of their steps of each phase (see ``account.py``), in all
 houses and by size, with what a target costs in steps of each; and where targets come into sight. What is
-played is kept, player by player, so that a run that was stopped goes on.
+played is kept, policy by policy, so that a run that was stopped goes on.
 """
 
 import io
@@ -83,17 +83,17 @@ def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Table]:
     where = f"{len(rooms)} houses"
     yield Table(
         f"Share of steps by phase, {where}",
-        ("player", *PHASES, "turns", "blocked"),
+        ("agent or baseline", *PHASES, "turns", "blocked"),
         [(name, *percents(each)) for name, each in accounts.items()],
     )
     yield Table(
         f"Steps of each phase for a target picked up, {where}",
-        ("player", *PHASES, "all"),
+        ("agent or baseline", *PHASES, "all"),
         [(name, *costs(each)) for name, each in accounts.items()],
     )
     yield Table(
         f"Targets picked up, by the phase in which a ray first met them, {where}",
-        ("player", "at once", *PHASES[1:], "targets an episode"),
+        ("agent or baseline", "at once", *PHASES[1:], "targets an episode"),
         [
             (name, *shares(each.sighted.sum(axis=0)), f"{each.sighted.sum() / len(rooms):.2f}")
             for name, each in accounts.items()
@@ -102,7 +102,7 @@ def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Table]:
     for number in np.unique(rooms):
         yield Table(
             f"Share of steps by phase, {number} rooms, {(rooms == number).sum()} houses",
-            ("player", *PHASES, "turns", "blocked"),
+            ("agent or baseline", *PHASES, "turns", "blocked"),
             [(name, *percents(each.of(rooms == number))) for name, each in accounts.items()],
         )
 

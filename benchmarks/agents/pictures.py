@@ -35,13 +35,13 @@ def pictures(study: Study) -> dict[str, bytes]:
 
 
 def _colours(study: Study) -> dict[str, str]:
-    """Of all players."""
+    """Of all agents and baselines."""
     agents = (each.name for each in study.presets())
     return COLOURS | dict(zip(agents, AGENTS * len(study.entries), strict=False))
 
 
 def _scores(study: Study) -> Figure:
-    """A panel for each mode: every player's ratio, its interval and, where there are several, its runs."""
+    """A panel for each mode: every policy's ratio, its interval and, where there are several, its runs."""
     agents = [each.name for each in study.presets()]
     learnt_for = {each.name: each.targets for each in study.entries}
     names = [*agents, *study.baselines()]

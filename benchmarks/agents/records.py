@@ -73,9 +73,9 @@ class Study:
     runs: tuple[Outcome, ...]
     """In the order of the entries' seeds."""
     results: dict[str, Result]
-    """By target mode. The players' runs are the finished ones of ``runs``, in their order."""
+    """By target mode. The policies' runs are the finished ones of ``runs``, in their order."""
     externals: tuple[External, ...] = ()
-    """Those that are players in the results of their targets."""
+    """Those that are policies in the results of their targets."""
     absent: tuple[Outcome, ...] = ()
     """Runs of external agents that were begun and have no score."""
 

@@ -77,7 +77,7 @@ PAGE = """# How hard is a house?
 
 CPU time of one core, in milliseconds. House `i` of each size has the random numbers of seed 0 and index `i`.
 What is done once is apart: a grammar is loaded, checked and grounded in {loading} s, and some houses are made
-before any is timed, as the first searches and refutations of each program take up to 30 ms more.
+before any is timed, as the first searches and conflicts of each program take up to 30 ms more.
 
 ## A furnished house
 | rooms | layout | place | both, mean | median | p95 | p95/median | inferences, place | inferences, both |
@@ -85,7 +85,7 @@ before any is timed, as the first searches and refutations of each program take 
 {houses}
 
 `layout` is stage 1 (clingo) until its first answer, `place` stage 2 (SWI-Prolog) for the layout of a finished
-house: medians of {rounds}. `both` is all that it takes, with the layouts that stage 2 refutes on the way.
+house: medians of {rounds}. `both` is all that it takes, with the layouts that are infeasible in stage 2.
 Prolog's inferences (medians) do not depend on the machine.
 
 | processes | rooms | houses a second (wall clock) |

@@ -48,7 +48,7 @@ def study(group: str, timer: Callable[[], float] = time.process_time) -> Any:
 @pytest.fixture(scope="module")
 def builder() -> Builder:
     made = Builder(find(GRAMMAR))
-    for index in range(8):  # What programs take at their first search and refutation is paid once too.
+    for index in range(8):  # What programs take at their first search and conflict is paid once too.
         made.house(Request(min(32, max(ROOMS))), 1, index, INFERENCES)
     return made
 

@@ -95,12 +95,12 @@ class Explorers:
         for text in self.set:
             variant(text)
         priors = [name for name, what in PRIORS.items() if what in self.prior]
-        players = list(dict.fromkeys((AS_IS, *self.set, *priors, *[SEARCHER] * self.searcher)))
-        for player in (ORACLE, *players):
-            self.play(player)
+        agents = list(dict.fromkeys((AS_IS, *self.set, *priors, *[SEARCHER] * self.searcher)))
+        for agent in (ORACLE, *agents):
+            self.play(agent)
         rooms, page = np.array([len(house.rooms) for house in self.bank]), []
         for mode in self.targets:
-            kept = {player: np.load(self.path(mode, player)) for player in (ORACLE, *players)}
+            kept = {agent: np.load(self.path(mode, agent)) for agent in (ORACLE, *agents)}
             # Where the oracle finds none, as if it found one in all of the episodes.
             most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1 / self.episodes)
             page += [sheet.markdown() for sheet in sheets(mode, kept, most, rooms)]
@@ -116,29 +116,29 @@ class Explorers:
             save([house for houses in series for house in houses], path)
         return load(path)
 
-    def path(self, mode: str, player: str) -> Path:
-        """Where what a player did is kept: its targets (3, H) of each third of an episode in each house, on
+    def path(self, mode: str, agent: str) -> Path:
+        """Where what a agent did is kept: its targets (3, H) of each third of an episode in each house, on
         average, and microseconds of the planner for a step of one environment.
         """
-        known, name = [bank_hash(self.bank), self.episodes, self.steps], player
-        sources = SOURCES.get(player, [*_modules(planner), policies, avoidance])
-        if player in PRIORS:
-            name, sources = player.replace(" ", "-"), [*sources, prior]
-        elif player not in SOURCES:
-            known, name = [*known, config_of(player), player == AS_IS], "explorer"
+        known, name = [bank_hash(self.bank), self.episodes, self.steps], agent
+        sources = SOURCES.get(agent, [*_modules(planner), policies, avoidance])
+        if agent in PRIORS:
+            name, sources = agent.replace(" ", "-"), [*sources, prior]
+        elif agent not in SOURCES:
+            known, name = [*known, config_of(agent), agent == AS_IS], "explorer"
         key = hashlib.sha256(repr([*known, *map(inspect.getsource, sources)]).encode()).hexdigest()
         return self.out / f"{mode}-{name}-{key[:12]}.npz"
 
-    def play(self, player: str) -> None:
+    def play(self, agent: str) -> None:
         """Play in the modes that are missing."""
         torch.set_num_threads(1)
         for mode in self.targets:
-            path, content = self.path(mode, player), io.BytesIO()
+            path, content = self.path(mode, agent), io.BytesIO()
             if not path.exists():
                 envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
-                what = PRIORS.get(player)
-                tracker = prior.Informed(envs, what) if what else Clock(envs.config, config_of(player))
-                policy = BASELINES[player](envs, 0) if player in SOURCES else explorer(envs, tracker)
+                what = PRIORS.get(agent)
+                tracker = prior.Informed(envs, what) if what else Clock(envs.config, config_of(agent))
+                policy = BASELINES[agent](envs, 0) if agent in SOURCES else explorer(envs, tracker)
                 if isinstance(tracker, prior.Informed) and what == prior.WALLS:
                     episode(envs, policy, self.steps, len(self.bank))
                     tracker.remember()
@@ -146,7 +146,7 @@ class Explorers:
                 targets = targets.reshape(len(THIRDS), self.episodes, -1).mean(axis=1)
                 np.savez(content, targets=targets, microseconds=tracker.microseconds)
                 write_whole(path, content.getvalue())
-                say(f"{mode}, {player}: {targets.sum() / len(self.bank):.2f} targets an episode")
+                say(f"{mode}, {agent}: {targets.sum() / len(self.bank):.2f} targets an episode")
 
 
 class Clock(Tracker):
@@ -194,9 +194,9 @@ def variant(text: str) -> PlannerConfig:
         raise RequestError(f"--set {text}: {error}") from None
 
 
-def config_of(player: str) -> PlannerConfig:
-    """The configuration of a player's planner."""
-    return TUNED if player in (AS_IS, *SOURCES, *PRIORS) else variant(player)
+def config_of(agent: str) -> PlannerConfig:
+    """The configuration of a agent's planner."""
+    return TUNED if agent in (AS_IS, *SOURCES, *PRIORS) else variant(agent)
 
 
 def _modules(package: ModuleType) -> list[ModuleType]:
@@ -213,7 +213,7 @@ def explorer(envs: HouseVectorEnv, tracker: Tracker) -> Policy:
 
 
 def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np.ndarray:
-    """Targets (3, E) that a policy picks up in each third of so many steps, environment i in house i modulo
+    """Targets (3, E) that a policy picks up in each third of the steps, environment i in house i modulo
     ``houses``.
     """
     observation = reset(envs, 0, np.arange(envs.num_envs) % houses)
@@ -228,39 +228,39 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np
 
 
 def sheets(mode: str, kept: dict, most: np.ndarray, rooms: np.ndarray) -> Iterator[Table]:
-    """A mode's tables, of what players did in houses of so many ``rooms`` (H,) where the oracle picks up
+    """A mode's tables, of what agents did in houses with ``rooms`` (H,) where the oracle picks up
     ``most`` (H,).
     """
-    shares = {player: cuts(each["targets"] / most, rooms) for player, each in kept.items()}
+    shares = {agent: cuts(each["targets"] / most, rooms) for agent, each in kept.items()}
     names = shares[AS_IS]
     yield Table(
         f"Share of the oracle's targets, {mode}, {len(rooms)} houses",
-        ("player", "iqm", *names, "µs of the planner"),
+        ("agent", "iqm", *names, "µs of the planner"),
         [
             (
-                player,
+                agent,
                 f"{interquartile_mean(each['mean']).value:.3f}",
                 *(f"{share.mean():.3f}" for share in each.values()),
-                f"{float(kept[player]['microseconds']):.1f}".replace("nan", "-"),
+                f"{float(kept[agent]['microseconds']):.1f}".replace("nan", "-"),
             )
-            for player, each in shares.items()
+            for agent, each in shares.items()
         ],
     )
     if len(shares) == 1:
         return
     yield Table(
         f"The same less that of the explorer as it is, {mode}, and the difference's standard error",
-        ("player", *names),
+        ("agent", *names),
         [
-            (player, *(difference(each[name] - names[name]) for name in names))
-            for player, each in shares.items()
-            if player != AS_IS
+            (agent, *(difference(each[name] - names[name]) for name in names))
+            for agent, each in shares.items()
+            if agent != AS_IS
         ],
     )
 
 
 def cuts(shares: np.ndarray, rooms: np.ndarray) -> dict[str, np.ndarray]:
-    """Shares (3, H) of all houses, of those with so many ``rooms`` (H,), and in each third as a whole."""
+    """Shares (3, H) of all houses, of those with ``rooms`` (H,), and in each third as a whole."""
     by_rooms = {f"{number} rooms": shares.sum(axis=0)[rooms == number] for number in np.unique(rooms)}
     return {"mean": shares.sum(axis=0)} | by_rooms | dict(zip(THIRDS, len(THIRDS) * shares, strict=True))
 
