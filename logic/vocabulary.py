@@ -56,22 +56,31 @@ def _read(node: Any, found: Words, atoms: dict[Signature, list[Any]]) -> None:
         return
     if not isinstance(node, AST):
         return
-    if node.ast_type == ASTType.ConditionalLiteral:
+    kind = node.ast_type
+    if kind == ASTType.ConditionalLiteral:
         _read(node.literal, found, atoms)
         _read(node.condition, found, found.used)
         return
-    if node.ast_type == ASTType.SymbolicAtom:
-        for atom in node.symbol.arguments if node.symbol.ast_type == ASTType.Pool else [node.symbol]:
+    if kind == ASTType.SymbolicAtom:
+        symbol = node.symbol
+        for atom in symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]:
             if atom.ast_type == ASTType.Function:
-                atoms.setdefault((atom.name, len(atom.arguments)), []).append(atom.location)
-                _read(atom.arguments, found, atoms)
+                arguments = atom.arguments
+                atoms.setdefault((atom.name, len(arguments)), []).append(atom.location)
+                _read(arguments, found, atoms)
         return
-    if node.ast_type == ASTType.Function and not node.arguments:
+    if kind == ASTType.Function and not node.arguments:
         found.constants.setdefault(node.name, []).append(node.location)
-    if node.ast_type == ASTType.SymbolicTerm and re.fullmatch("[a-z]\\w*", str(node.symbol)):
+    if kind == ASTType.SymbolicTerm and re.fullmatch("[a-z]\\w*", str(node.symbol)):
         found.constants.setdefault(str(node.symbol), []).append(node.location)
-    for key in node.child_keys:
+    if kind not in _CHILDREN:
+        _CHILDREN[kind] = node.child_keys
+    for key in _CHILDREN[kind]:
         _read(getattr(node, key), found, atoms)
+
+
+_CHILDREN: dict[ASTType, list[str]] = {}
+"""The children of each kind of node: to ask each node takes most of the time of reading."""
 
 
 def misspelt(files: Sequence[Path], sized: Iterable[str]) -> Iterator[GrammarError]:

@@ -158,3 +158,28 @@ def test_two_at_once_set_up_once(machine: Machine) -> None:
     assert [process.returncode for process in both] == [3, 3]
     assert machine.set_ups() == 1
     assert any("waiting for another ./run" in err for _, err in answers)
+
+
+@pytest.mark.parametrize(
+    ("args", "given"),
+    [
+        ((), "-q -n auto --maxprocesses 8 --dist worksteal"),
+        (("-n", "0"), "-q -n auto --maxprocesses 8 --dist worksteal -n 0"),
+        (("tests/sim", "-k", "rays"), "-q -n auto --maxprocesses 8 --dist worksteal tests/sim -k rays"),
+        (("tests/test_run.py",), "-q tests/test_run.py"),
+    ],
+)
+def test_tests_run_side_by_side_unless_files_are_named(
+    machine: Machine, args: tuple[str, ...], given: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    machine.run("demo")
+    python = machine.checkout / ".venv/bin/python"
+    python.unlink()
+    python.write_text(
+        '#!/usr/bin/env bash\necho "$* in $PWD, $OMP_NUM_THREADS ${PYTHONDONTWRITEBYTECODE-}"\n'
+    )
+    python.chmod(0o755)
+    code, out, _ = machine.run("test", *args)
+    assert (code, out) == (0, f"-m pytest {given} in {machine.checkout}, 1 \n")

@@ -174,6 +174,6 @@ def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypat
 
 def test_a_device_that_is_not_there_is_refused(tmp_path):
     if torch.cuda.is_available():
-        pytest.skip("there is one")
+        pytest.skip("there is a GPU")
     with pytest.raises(RequestError, match="torch finds no GPU here"):
         run(HOUSES, replace(CONFIG, device="cuda"), tmp_path / "run")
