@@ -62,7 +62,7 @@ def parse(arguments: list[str]) -> Any:
     return tyro.cli(kind, **options)
 
 
-ABOUT = "Furnished houses from rules, simulated by thousands, an agent that learns in them."
+ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
 
 
 def _help_of(table: Mapping[str, tuple[str, str]]) -> dict[str, Any]:

@@ -92,7 +92,7 @@ class QLearningConfig(TrainConfig):
     """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""
 
     gamma: float = 0.99
-    """Discount: what a reward one step later is worth."""
+    """Discount per step."""
 
     final_lr_fraction: float = 0.05
     """The learning rate falls on a line to this fraction of it."""

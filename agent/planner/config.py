@@ -19,7 +19,7 @@ class PlannerConfig:
     # Occupancy.
 
     near: int = 8
-    """Cells beyond what was seen through which paths may lead: most likely there is nothing further on."""
+    """Unseen cells up to this far from seen ones count as free for paths."""
 
     hit_margin: float = 0.07
     """Cells about a ray's end that count as occupied too: a centimetre, more than the shield's margin."""
@@ -106,7 +106,7 @@ class PlannerConfig:
     """Cells between two places on such a ray."""
 
     view_reach: int = 54
-    """Cells from a viewpoint to the last place on a ray: 7.7 m, the range of the body's rays."""
+    """Cells from a viewpoint to the last place on a ray: 7.7 m, just under the range of the rays."""
 
     gain_most: int = 600
     """Candidates beyond which more information gain counts for nothing."""

@@ -166,6 +166,10 @@ has never seen. Whenever it picks up a target the next one appears. The **ratio*
 that an oracle picks up there, who knows the house and the target and takes the shortest path: 1 is perfect,
 and the human of the paper stands at {human}, in another house and with the whole plan in sight.
 
+In the main room a network learns all that it does. In secondary rooms, where a target must be sought, the
+search of an agent with a planner is the planner's ([planner.md](planner.md)): compare it with `explorer`,
+which is the planner alone.
+
 **Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
 core of the machine that the study began on; this share of it is the work of {minutes} minutes. No run was
 chosen or left out by how well it did.

@@ -16,14 +16,20 @@ ROOT = Path(__file__).resolve().parents[2]
 
 DOCS = ROOT / "docs"
 
+BY_HAND = b"<!-- What follows is written by hand. -->\n"
+"""A published page keeps this line, and what follows it."""
+
 
 def write(files: Mapping[str, bytes], out: Path, publish: bool = False) -> None:
     """Write a study's page and pictures into its folder, and into docs too where they are to be published."""
     if publish and not DOCS.is_dir():
         raise RequestError(f"--publish: there is no {DOCS}: pages are published in a checkout of the project")
-    for folder in (out, DOCS)[: 1 + publish]:
-        for name, content in files.items():
-            write_whole(folder / name, content)
+    for name, content in files.items():
+        write_whole(out / name, content)
+        if publish:
+            page = DOCS / name
+            _, mark, by_hand = page.read_bytes().partition(BY_HAND) if page.exists() else (b"", b"", b"")
+            write_whole(page, content + b"\n" + mark + by_hand if mark else content)
 
 
 def table_rows(rows: Iterable[Iterable[str]]) -> str:
