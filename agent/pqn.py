@@ -29,10 +29,11 @@ def lambda_returns(
 ) -> Tensor:
     """Peng's Q(lambda) targets (T, E) for the actions taken.
 
-    ``r_t`` (T, E) are rewards, ``v_t`` (T, E) the value of the state that each step led to: its greatest
-    allowed Q-value, or with a map that of the action which would be preferred. ``terminated_t`` and
-    ``truncated_t`` (T, E) bool say how it ended. The value of a terminal state is 0; that of a state at a
-    time-out is ``v_t``, as the episode could have gone on; no return flows from an episode to the one before.
+    ``r_t`` (T, E) are rewards. ``v_t`` (T, E) is the value of the state that each step led to: the greatest
+    Q-value of an allowed action, or with a planner that of the allowed action that the policy prefers.
+    ``terminated_t`` and ``truncated_t`` (T, E) bool say how a step ended. The value of a terminal state is 0;
+    that of a state at a time-out is ``v_t``, as the episode could have gone on; no return flows from an
+    episode to the one before.
     Not cut at exploring actions: Peng's form, whose bias is small where these are few.
     """
     bootstrap = r_t + gamma * v_t.masked_fill(terminated_t, 0.0)
@@ -99,7 +100,9 @@ class PQN(Learner):
     def act(self, epsilon: float) -> None:
         """Fill the rollout: act in all environments, a share ``epsilon`` of the actions at random."""
         self.rollout.fill(
-            *(self.envs, self.network, self.avoidance),
+            self.envs,
+            self.network,
+            self.avoidance,
             epsilon=epsilon,
             forward=self.config.forward,
             generator=self.generator,

@@ -89,7 +89,7 @@ def store(states: ti.template(), e, state):
 
 
 @ti.func
-def begun(heading):
+def first_state(heading):
     """The state of an episode that begins."""
     state = State(0)
     state.heading, state.since, state.straight = heading, 1, -1

@@ -12,7 +12,7 @@ from agent.planner.features import describe
 from agent.planner.goal import Goal
 from agent.planner.occupancy import BITS, Occupancy
 from agent.planner.paths import Paths
-from agent.planner.state import SEARCH, begun, loaded, store
+from agent.planner.state import SEARCH, first_state, loaded, store
 from agent.planner.target import Target
 from agent.planner.viewpoints import Viewpoints
 from agent.planner.visibility import Visibility
@@ -42,6 +42,9 @@ class Body(NamedTuple):
     prior: bool
     """Whether what unseen places count is given from outside."""
 
+
+NOTHING, WALL, TARGET = range(3)
+"""What a ray ends on: its range, a wall or a piece, the target."""
 
 Sight = ti.types.struct(
     due=ti.i32,  # whether the rays were swept
@@ -96,7 +99,7 @@ class Step:
             self.paths.forget(memory, base, state.queued)
             self.occupancy.forget(memory, base)
             self.viewpoints.forget(memory, base)
-            state = begun(ti.max(slant, 0))
+            state = first_state(ti.max(slant, 0))
         if slant >= 0:
             state.aligned = 1
         state.time += 1
@@ -129,37 +132,40 @@ class Step:
         """Mark what the body covers and the rays show on the map; what else they show."""
         px, py, heading, time, known = state.x, state.y, state.heading, state.time, state.known
         eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
-        off, new = state.target - eye, self.occupancy.see_body(memory, base, px, py, time)
+        offset, new = state.target - eye, self.occupancy.see_body(memory, base, px, py, time)
         sight = Sight(0)
         sight.due = self.visibility.due(time, state.new, known, state.straight)
         sight.forward, sight.low, sight.high = 1, ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
         before, last_kind, last_far, last_reached = ti.Vector([0.0, 0.0]), -1, 0, 0
-        corner, pose = self.occupancy.at(px >> 1, py >> 1), (heading * 4) | (px & 1) | ((py & 1) << 1)
+        corner = self.occupancy.at(px >> 1, py >> 1)
+        row = (heading * 4) | (px & 1) | ((py & 1) << 1)  # of the fan: the heading, and where in a cell
         for r in range(self.body.rays):
             d, j = self.distance(observation, e, r), 2 * (heading * self.body.rays + r)
             reach = ti.Vector([tables.directions[j], tables.directions[j + 1]])
-            kind = ti.cast(d < 1.0, ti.i32)
+            kind = ti.select(d < 1.0, WALL, NOTHING)
             if observation[(e * self.body.rays + r + 1) * self.body.channels - 1] > 0:
-                kind = 2
+                kind = TARGET
             end = d * reach
-            if (kind != 2) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
+            if (kind != TARGET) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
                 sight.forward = 0
             if sight.due:
                 far = ti.cast(d * self.body.reach, ti.i32)
                 unseen, reached = self.visibility.floor(
-                    memory, tables, base, e * self.body.rays + r, corner, pose, r, far, last_far,
+                    memory, tables, base, e * self.body.rays + r, corner, row, r, far, last_far,
                     last_reached, state.straight, time,
                 )  # fmt: skip
                 new += unseen
-                if kind == 1:
-                    sight.hits += self.visibility.wall(memory, base, eye, end, before, last_kind == 1, time)
+                if kind == WALL:
+                    sight.hits += self.visibility.wall(
+                        memory, base, eye, end, before, last_kind == WALL, time
+                    )
                 before, last_kind, last_far, last_reached = end, kind, far, reached
-            if kind == 2:
+            if kind == TARGET:
                 sight.spotted += 1
                 sight.side += reach / reach.norm()
                 sight.low, sight.high = ti.min(sight.low, end), ti.max(sight.high, end)
             elif known:
-                sight.missed |= self.target.misses(off, reach, d * reach.norm())
+                sight.missed |= self.target.misses(offset, reach, d * reach.norm())
         if sight.due:
             state.straight = 0
         state.new = new
@@ -173,20 +179,20 @@ class Step:
         """Where the target is, whether one was picked up, and what hinders the body."""
         px, py, known, picked = state.x, state.y, state.known, 0
         eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
-        off = state.target - eye
+        offset = state.target - eye
         if sight.spotted > 0:
-            there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, off)
-            picked = known & self.target.other(there, off)
+            there = self.target.centre(sight.spotted, sight.low, sight.high, sight.side, known, offset)
+            picked = known & self.target.other(there, offset)
             state.target = eye + there
             known = 1
-        elif known & self.target.gone(off, sight.missed):
+        elif known & self.target.gone(offset, sight.missed):
             known = 0
-            picked = ti.cast(ti.abs(off).max() < ti.static(self.config.picked_up), ti.i32)
+            picked = ti.cast(ti.abs(offset).max() < ti.static(self.config.picked_up), ti.i32)
         if picked:
             state.since, state.straight = state.time, -1
             state.found += 1
             self.viewpoints.forget(memory, base)
-            spot = ti.cast(ti.floor(eye + off + 0.5), ti.i32)
+            spot = ti.cast(ti.floor(eye + offset + 0.5), ti.i32)
             state.found_here += self.belief.within(self.belief.start_room(memory, base), spot[0], spot[1])
         state.known = known
         if blocked != 0:
@@ -245,7 +251,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
             Memory(cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, prior)
         )
         tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
-        ti.loop_config(block_dim=8)
+        ti.loop_config(block_dim=8)  # few environments to a thread: their steps take very different times
         for e in range(blocked.shape[0]):
             base, state = e * parts.occupancy.area, loaded(states, e)
             fresh, hit = ti.cast(begun[e], ti.i32), ti.cast(blocked[e], ti.i32)
