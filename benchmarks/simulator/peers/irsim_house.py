@@ -2,7 +2,6 @@
 # requires-python = ">=3.11,<3.14"
 # dependencies = ["ir-sim==2.12.0", "shapely==2.2.0", "numpy==2.4.6"]
 # ///
-# pyright: reportMissingImports=false
 """IR-SIM, a robot simulator in Python: ``uv run --no-project irsim_house.py``.
 
 Set as its documentation does for training: ``headless``, a list of environments that are stepped one after

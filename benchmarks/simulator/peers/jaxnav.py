@@ -2,7 +2,6 @@
 # requires-python = ">=3.11,<3.14"
 # dependencies = ["jaxmarl==0.2.0", "jax==0.10.2", "jaxlib==0.10.2", "numpy==2.4.6"]
 # ///
-# pyright: reportMissingImports=false
 """JaxNav, robot navigation in JAX, of JaxMARL: ``uv run --no-project jaxnav.py``.
 
 Set as JaxMARL's own training is: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled.

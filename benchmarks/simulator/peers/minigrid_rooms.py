@@ -2,7 +2,6 @@
 # requires-python = ">=3.11,<3.14"
 # dependencies = ["minigrid==3.2.0", "gymnasium==1.4.0", "numpy==2.4.6"]
 # ///
-# pyright: reportMissingImports=false
 """MiniGrid in Gymnasium's vector environments: ``uv run --no-project minigrid_rooms.py``.
 
 Set as its documentation does: ``ImgObsWrapper``, which leaves the mission's text out, and Gymnasium's own

@@ -2,7 +2,6 @@
 # requires-python = ">=3.11,<3.14"
 # dependencies = ["navix==0.7.4", "jax==0.10.2", "jaxlib==0.10.2", "numpy==2.4.6"]
 # ///
-# pyright: reportMissingImports=false
 """NAVIX, MiniGrid in JAX: ``uv run --no-project navix_rooms.py``.
 
 Set as its own benchmarks are: ``jax.vmap`` over environments, ``lax.scan`` over steps, the whole compiled;

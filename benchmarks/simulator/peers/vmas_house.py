@@ -2,7 +2,6 @@
 # requires-python = ">=3.11,<3.14"
 # dependencies = ["vmas==1.5.2", "torch==2.15.0"]
 # ///
-# pyright: reportMissingImports=false
 """VMAS, multi-agent simulation in PyTorch: ``uv run --no-project vmas_house.py``.
 
 Set as its authors do: one batched world on the processor, no gradients, continuous actions, lidars cast for

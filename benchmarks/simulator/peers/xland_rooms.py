@@ -2,7 +2,6 @@
 # requires-python = ">=3.11,<3.14"
 # dependencies = ["xminigrid==0.9.3", "jax==0.10.2", "jaxlib==0.10.2", "numpy==2.4.6"]
 # ///
-# pyright: reportMissingImports=false
 """XLand-MiniGrid, meta-learning gridworlds in JAX: ``uv run --no-project xland_rooms.py``.
 
 Set as its own ``scripts/benchmark_xland.py`` is: its wrapper that resets at the step of the end, ``jax.vmap``
