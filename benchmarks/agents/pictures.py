@@ -22,6 +22,8 @@ SEEDS = ("#1f5ea8", "#c96a12", "#2f9c95", "#a5518e", "#7a9a3a")
 
 QUIET = "#8b8f96"
 
+ELSEWHERE = "human of the paper, another house"
+
 
 def pictures(study: Study) -> dict[str, bytes]:
     """PNG files by name; none for what was not measured."""
@@ -57,7 +59,7 @@ def _scores(study: Study) -> Figure:
         if mode in HUMAN:
             axes.axvline(HUMAN_RATIO, color="#555555", linestyle="--", linewidth=1)
             label = {"textcoords": "offset points", "size": 7, "color": "#555555"}
-            axes.annotate("human of the paper, another house", (HUMAN_RATIO, len(names) - 0.45), (3, 0), **label)
+            axes.annotate(ELSEWHERE, (HUMAN_RATIO, len(names) - 0.45), (3, 0), **label)
         axes.set(title=f"targets in {WHERE[mode]}", xlabel="ratio to the oracle", xlim=(-0.03, 1.12))
         _plain(axes, "x")
     columns[0].set_yticks(range(len(names)), names)
@@ -103,7 +105,7 @@ def _rooms(study: Study) -> Figure:
         label = max(y[-1], label + 0.045)  # not over the label below it
         axes.text(x[-1] + 0.08, label, name, color=colour, va="center", size=9)
     axes.axhline(HUMAN_RATIO, color="#555555", linestyle=":", linewidth=1)
-    axes.text(result.rooms.min(), HUMAN_RATIO + 0.01, "human of the paper, another house", color="#555555", size=7)
+    axes.text(result.rooms.min(), HUMAN_RATIO + 0.01, ELSEWHERE, color="#555555", size=7)
     axes.set(xlabel="secondary rooms in the house", ylabel="ratio to the oracle", ylim=(-0.03, 1.03))
     axes.set(xlim=(result.rooms.min() - 0.1, result.rooms.max() + 1.1), xticks=np.unique(result.rooms))
     axes.set_title(
