@@ -1,5 +1,6 @@
 """Houses by request: solver processes at work, their answers in order, their ends in hand."""
 
+import atexit
 import contextlib
 import json
 import os
@@ -15,7 +16,15 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import Finding, GrammarError, LimitReached, RequestError, VitruviusError, from_record
+from logic.errors import (
+    Finding,
+    GrammarError,
+    LimitReached,
+    RequestError,
+    Unsatisfiable,
+    VitruviusError,
+    from_record,
+)
 from logic.fixed import fixed_rooms
 from logic.grammar import find
 from logic.house import BODY, House
@@ -23,6 +32,9 @@ from logic.request import MOST_ROOMS, Count, Request
 
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
+
+MOST_IDLE = 2
+"""Solver processes kept for the next request for the same rules: to start one takes half a second."""
 
 ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Rule files are UTF-8 whatever the user's language."""
@@ -80,8 +92,9 @@ def generate(
             raise RequestError(f"keep: 1 to {rooms} of the {rooms} rooms can be fixed, not {len(keep.rooms)}")
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
-    opening = {"grammar": str(find(grammar).directory), "cell": float(cell)}
-    return _houses(opening, question, range(start, start + count), workers, seconds)
+    rules = find(grammar)
+    opening = {"grammar": str(rules.directory), "cell": float(cell)}
+    return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
 
 
 def count_layouts(
@@ -127,16 +140,24 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
 
 
 def _houses(
-    opening: dict[str, Any], request: dict[str, Any], indices: range, workers: int, seconds: float
+    opening: dict[str, Any],
+    rules: str,
+    request: dict[str, Any],
+    indices: range,
+    workers: int,
+    seconds: float,
 ) -> Iterator[House]:
     """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
-    team = [_Worker(opening) for _ in range(min(workers, len(indices)))]
+    key = (rules, *opening.values())
+    team = [_idle_worker(key) or _Worker(opening) for _ in range(min(workers, len(indices)))]
+    reusable = False
     try:
         for worker in team:
-            worker.answer(
-                START_UP,
-                f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
-            )
+            if worker.unanswered:
+                worker.answer(
+                    START_UP,
+                    f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
+                )
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})
         for turn, index in enumerate(indices):
@@ -146,10 +167,47 @@ def _houses(
             )
             if turn + len(team) < len(indices):
                 worker.ask(request | {"index": indices[turn + len(team)]})
+            reusable = True
             yield House.from_dict(record["house"])
+            reusable = False
+        reusable = True
+    except Unsatisfiable:
+        reusable = True
+        raise
     finally:
         for worker in team:
+            if reusable and not worker.unanswered:
+                _idle.append((key, worker))
+            else:
+                worker.end()
+        while len(_idle) > MOST_IDLE:
+            _idle.pop(0)[1].end()
+
+
+_idle: list[tuple[tuple[Any, ...], "_Worker"]] = []
+"""Solver processes that have answered everything, by what they have loaded; the one used last comes last."""
+
+
+def _idle_worker(key: tuple[Any, ...]) -> "_Worker | None":
+    """An idle solver process that has loaded just these rules, if there is one."""
+    for place, (loaded, worker) in enumerate(_idle):
+        if loaded == key:
+            del _idle[place]
+            if worker.is_alive():
+                return worker
             worker.end()
+            return _idle_worker(key)
+    return None
+
+
+@atexit.register
+def _end_idle() -> None:
+    while _idle:
+        _idle.pop()[1].end()
+
+
+# A forked child has copies of the pipes, but the processes answer its parent.
+os.register_at_fork(after_in_child=_idle.clear)
 
 
 class _Worker:
@@ -172,10 +230,12 @@ class _Worker:
         os.set_blocking(self._output, False)
         self._answers.register(self._output, selectors.EVENT_READ)
         self._received = b""
+        self.unanswered = 0
         self.ask(opening)
 
     def ask(self, question: dict[str, Any]) -> None:
         """Send a request; that the process is gone shows in its answer."""
+        self.unanswered += 1
         try:
             self._questions.write(json.dumps(question).encode() + b"\n")
             self._questions.flush()
@@ -193,10 +253,15 @@ class _Worker:
                 raise self._died()
             self._received += part
         line, self._received = self._received.split(b"\n", 1)
+        self.unanswered -= 1
         record = json.loads(line)
         if "error" in record:
             raise from_record(record["error"])
         return record
+
+    def is_alive(self) -> bool:
+        """Whether the process still runs."""
+        return self._process.poll() is None
 
     def _died(self) -> VitruviusError:
         code = self._process.wait()

@@ -326,6 +326,29 @@ def children(process: int) -> list[int]:
     return [int(pid) for pid in found.stdout.split()]
 
 
+def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) -> None:
+    """To start one takes half a second. After any edit of the rules there is another."""
+    folder = edited("sizes.pl", "passage(0.42).", "passage(0.43).")
+    first = next(generate(rooms=2, grammar=folder))
+    waiting = set(children(os.getpid()))
+    again = next(generate(rooms=2, grammar=folder))
+    assert set(children(os.getpid())) == waiting
+    assert again == first
+    edited("sizes.pl", "passage(0.43).", "passage(0.9).")
+    assert next(generate(rooms=2, grammar=folder)) != first
+    assert set(children(os.getpid())) != waiting
+
+
+def test_a_solver_that_was_killed_while_it_waited_is_replaced(edited: Edit) -> None:
+    folder = edited("sizes.pl", "passage(0.42).", "passage(0.44).")
+    before = set(children(os.getpid()))
+    first = next(generate(rooms=2, grammar=folder))
+    for worker in set(children(os.getpid())) - before:
+        os.kill(worker, signal.SIGKILL)
+        os.waitid(os.P_PID, worker, os.WEXITED | os.WNOWAIT)
+    assert next(generate(rooms=2, grammar=folder)) == first
+
+
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_no_solver_outlives_its_parent(how: signal.Signals) -> None:
     parent = subprocess.Popen(
