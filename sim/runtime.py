@@ -9,6 +9,7 @@ import io
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,7 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
-    from taichi.lang import impl
+    from taichi.lang import impl, kernel_impl
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
 __all__ = ["Array", "Launch", "start", "ti"]
@@ -43,7 +44,20 @@ def _once(describe: Callable[[Any, Any], str]) -> Any:
     return describe_once
 
 
+def _read_once(read: Callable[[Any], tuple[list[str], int]]) -> Any:
+    """Taichi finds the source of a function in its file each time that it inlines it: a quarter of the rest."""
+    known: dict[CodeType, tuple[list[str], int]] = {}
+
+    def read_once(function: Any) -> tuple[list[str], int]:
+        if function.__code__ not in known:
+            known[function.__code__] = read(function)
+        return known[function.__code__]
+
+    return read_once
+
+
 ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
+kernel_impl.getsourcelines = _read_once(kernel_impl.getsourcelines)
 
 
 def start(device: str = "cpu", threads: int | None = None) -> Any:
