@@ -8,6 +8,7 @@ import selectors
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -149,7 +150,7 @@ def _houses(
 ) -> Iterator[House]:
     """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
     key = (rules, *opening.values())
-    team = [_idle_worker(key) or _Worker(opening) for _ in range(min(workers, len(indices)))]
+    team = [_idle.take(key) or _Worker(opening) for _ in range(min(workers, len(indices)))]
     reusable = False
     try:
         for worker in team:
@@ -177,37 +178,49 @@ def _houses(
     finally:
         for worker in team:
             if reusable and not worker.unanswered:
-                _idle.append((key, worker))
+                _idle.add(key, worker)
             else:
                 worker.end()
-        while len(_idle) > MOST_IDLE:
-            _idle.pop(0)[1].end()
 
 
-_idle: list[tuple[tuple[Any, ...], "_Worker"]] = []
-"""Solver processes that have answered everything, by what they have loaded; the one used last comes last."""
+class _Idle:
+    """Solver processes that have answered everything, by what they have loaded; safe among threads."""
+
+    def __init__(self) -> None:
+        self.forget()
+        atexit.register(self.end)
+        # A forked child has copies of the pipes, but the processes answer its parent.
+        os.register_at_fork(after_in_child=self.forget)
+
+    def forget(self) -> None:
+        """Begin with none."""
+        self._lock, self._workers = threading.Lock(), []
+
+    def take(self, key: tuple[Any, ...]) -> "_Worker | None":
+        """One that has loaded just these rules and still runs, if there is one."""
+        with self._lock:
+            places = [place for place, (loaded, _) in enumerate(self._workers) if loaded == key]
+            worker = self._workers.pop(places[-1])[1] if places else None
+        if worker is None or worker.is_alive():
+            return worker
+        worker.end()
+        return self.take(key)
+
+    def add(self, key: tuple[Any, ...], worker: "_Worker") -> None:
+        """Keep one, and end those beyond ``MOST_IDLE`` that were used the longest time ago."""
+        with self._lock:
+            self._workers.append((key, worker))
+            late = [self._workers.pop(0)[1] for _ in range(len(self._workers) - MOST_IDLE)]
+        for unused in late:
+            unused.end()
+
+    def end(self) -> None:
+        """End all."""
+        while self._workers:
+            self._workers.pop()[1].end()
 
 
-def _idle_worker(key: tuple[Any, ...]) -> "_Worker | None":
-    """An idle solver process that has loaded just these rules, if there is one."""
-    for place, (loaded, worker) in enumerate(_idle):
-        if loaded == key:
-            del _idle[place]
-            if worker.is_alive():
-                return worker
-            worker.end()
-            return _idle_worker(key)
-    return None
-
-
-@atexit.register
-def _end_idle() -> None:
-    while _idle:
-        _idle.pop()[1].end()
-
-
-# A forked child has copies of the pipes, but the processes answer its parent.
-os.register_at_fork(after_in_child=_idle.clear)
+_idle = _Idle()
 
 
 class _Worker:

@@ -45,7 +45,7 @@ def _once(describe: Callable[[Any, Any], str]) -> Any:
 
 
 def _read_once(read: Callable[[Any], tuple[list[str], int]]) -> Any:
-    """Taichi finds the source of a function in its file each time that it inlines it: a quarter of the rest."""
+    """Taichi finds a function's source in its file each time that it inlines it: a quarter of the rest."""
     known: dict[CodeType, tuple[list[str], int]] = {}
 
     def read_once(function: Any) -> tuple[list[str], int]:
