@@ -73,6 +73,8 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
         # kernels that LLVM optimises again, and take half of the time to compile.
         options = {"arch": arch, "fast_math": False, "log_level": ti.ERROR}
         options |= {"advanced_optimization": False, "cfg_optimization": False}
+        # Kernels are kept on disk for the next process. Ours take more than the 100 MB that Taichi keeps.
+        options["offline_cache_max_size_of_files"] = 1 << 30
         if threads is not None:
             options["cpu_max_num_threads"] = threads
         before = _threads()

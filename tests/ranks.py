@@ -1,4 +1,4 @@
-"""What each rank of ``test_agent_ranks.py`` does, and the single process: ``python -m tests.ranks FILE``."""
+"""What each rank of ``test_ranks.py`` does, and the single process: ``python -m tests.ranks FILE``."""
 
 import sys
 import weakref
