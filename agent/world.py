@@ -13,7 +13,7 @@ from sim import HouseVectorEnv
 from sim.config import Config
 
 
-def make_worlds(
+def make_envs(
     houses: Sequence[House],
     number: int,
     targets: str = "main",

@@ -14,7 +14,7 @@ from agent.actions import ACTIONS, LEFT, RIGHT
 from agent.avoidance import Stack
 from agent.evaluation.episodes import play
 from agent.policies import QPolicy
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from logic import load
 from sim import DEFAULT
 
@@ -31,7 +31,7 @@ def stride(observation: Tensor, blocked: Tensor) -> Tensor:
 def main(houses: tyro.conf.Positional[Path], agent: str = "pqn-map") -> None:
     """Play an episode in each house with and without the layer."""
     bank, network = load(houses), checkpoint.load(agent).network
-    envs = make_worlds(bank, len(bank), "main")
+    envs = make_envs(bank, len(bank), "main")
     for name, layer in {"shield": shield(envs), "shield, stride": Stack(shield(envs), stride)}.items():
         policy = QPolicy(network, layer, torch.Generator().manual_seed(0))
         score = play(envs, policy, seed=0)

@@ -26,7 +26,7 @@ from agent.evaluation.episodes import play
 from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.result import Result
 from agent.evaluation.scores import Bank, ScoreFile, modes_of
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from logic import load
 from logic.files import write_whole
 from sim.lookout import Lookout
@@ -77,7 +77,7 @@ class Task:
         """Measure, print and write how good an agent is: preferences (E, 3) for observations (E, 40, 2)."""
         name += " + avoidance" if self.avoid else ""
         houses = load(self.held_out) if self.held_out else banks.benchmark()
-        envs = make_worlds(houses, len(houses), self.targets)
+        envs = make_envs(houses, len(houses), self.targets)
         policies = {name: Agent(act, envs if self.avoid else None), "oracle": BASELINES["oracle"](envs, 0)}
         lookout = Lookout(envs)
         runs = {each: (play(envs, policy, 0, lookout=lookout),) for each, policy in policies.items()}

@@ -10,7 +10,7 @@ from agent import ranks
 from agent.config import PQNConfig
 from agent.pqn import PQN
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 WORLDS = 8
 CONFIG = PQNConfig(

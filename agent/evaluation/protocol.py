@@ -17,7 +17,7 @@ from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.policies import Policy
 from agent.progress import Report
-from agent.world import make_worlds
+from agent.world import make_envs
 from logic import House
 from sim import HouseVectorEnv
 from sim.config import DEFAULT, PAPER, Config
@@ -80,7 +80,7 @@ class Setting:
 
     def __init__(self, houses: Sequence[House], mode: str, sensor: Config, backend: str) -> None:
         """Environments over these houses, with targets of this mode."""
-        self._make = partial(make_worlds, houses, len(houses), mode, preset=sensor, backend=backend)
+        self._make = partial(make_envs, houses, len(houses), mode, preset=sensor, backend=backend)
 
     @cached_property
     def envs(self) -> HouseVectorEnv:

@@ -20,7 +20,7 @@ from agent.config import TargetMode
 from agent.planner import Planner
 from agent.planner.occupancy import BITS
 from agent.planner.state import NONE, TARGET
-from agent.world import make_worlds
+from agent.world import make_envs
 from logic import House
 from sim.film import MARGIN, PAPER, SHARP, Camera, View, film
 from sim.geometry import geometry
@@ -55,7 +55,7 @@ class Film:
         """Play and write."""
         torch.set_num_threads(1)
         house = benchmark()[self.house]
-        envs, found = make_worlds([house], 1, self.targets), checkpoint.load(self.agent)
+        envs, found = make_envs([house], 1, self.targets), checkpoint.load(self.agent)
         seen, info = envs.reset(seed=self.house, options={"house": np.zeros(1, int)})
         policy = policy_of(found.network, found.config, envs, 0)
         policy.begin(1)

@@ -22,7 +22,7 @@ from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.tables import Table
 from agent.policies import Policy
-from agent.world import make_worlds
+from agent.world import make_envs
 from benchmarks.agents.account import PHASES, Account, follow
 from benchmarks.agents.kept import code, fingerprint
 from logic import load
@@ -55,7 +55,7 @@ class Phases:
         """Play and print."""
         torch.set_num_threads(1)
         houses = load(self.houses) if self.houses else benchmark()
-        envs = make_worlds(houses, len(houses), self.targets)
+        envs = make_envs(houses, len(houses), self.targets)
         makers: dict[str, tuple[str, Callable[[], Policy]]] = {}
         for path in self.agents or tuple(map(Path, checkpoint.released())):
             found = checkpoint.load(path)

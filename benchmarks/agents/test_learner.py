@@ -17,7 +17,7 @@ from torch.profiler import profile
 from agent.config import PRESETS, PQNConfig
 from agent.network import STRIDE, WINDOW
 from agent.pqn import PQN
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from logic import generate
 
 SIZES = [64, 256, 1024]
@@ -30,7 +30,7 @@ def started(environments: int = 256) -> PQN:
     assert isinstance(preset, PQNConfig)
     num_steps = preset.num_steps * preset.num_envs // environments
     config = replace(preset, num_envs=environments, num_steps=num_steps, steps=10**9)
-    learner = PQN(config, make_worlds(list(generate(rooms=4, count=64)), environments))
+    learner = PQN(config, make_envs(list(generate(rooms=4, count=64)), environments))
     learner.iterate()
     return learner
 

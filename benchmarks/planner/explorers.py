@@ -35,7 +35,7 @@ from agent.evaluation.statistics import interquartile_mean
 from agent.evaluation.tables import Table
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.policies import Explorer, Policy, Tracker
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from benchmarks.common.houses import ROOMS
 from benchmarks.common.processes import say
 from benchmarks.planner import prior
@@ -135,7 +135,7 @@ class Explorers:
         for mode in self.targets:
             path, content = self.path(mode, agent), io.BytesIO()
             if not path.exists():
-                envs = make_worlds(self.bank, self.episodes * len(self.bank), mode)
+                envs = make_envs(self.bank, self.episodes * len(self.bank), mode)
                 what = PRIORS.get(agent)
                 tracker = prior.Informed(envs, what) if what else Clock(envs.config, config_of(agent))
                 policy = BASELINES[agent](envs, 0) if agent in SOURCES else explorer(envs, tracker)

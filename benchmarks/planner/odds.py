@@ -23,7 +23,7 @@ from agent.planner.belief import Belief
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import BITS, NEAR, SOLID, Occupancy
 from agent.policies import Explorer
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from benchmarks.common.houses import ROOMS
 from logic import House, generate
 from logic.errors import RequestError
@@ -166,7 +166,7 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
     target, and all that explorers were asked for.
     """
     number, chance = len(houses), np.random.default_rng(0)
-    envs = make_worlds(houses, number, "mixed")
+    envs = make_envs(houses, number, "mixed")
     observation, info = envs.reset(seed=0, options={"house": np.arange(number)})
     policy = Explorer(shield(envs), envs.config)
     policy.begin(number)

@@ -9,7 +9,7 @@ from torch import Tensor
 from agent.planner import Planner
 from agent.planner.config import CERTAIN
 from agent.policies import Tracker
-from agent.world import make_worlds
+from agent.world import make_envs
 from benchmarks.planner.odds import BESIDE, SIDE, Truth
 from sim import HouseVectorEnv
 
@@ -31,7 +31,7 @@ class Informed(Tracker):
         """Give one of ``PRIORS``; walls after an episode from the same starts, when asked to ``remember``."""
         super().__init__(envs.config, prior=True)
         self.environments, self.walls = envs.unwrapped.world, None
-        anywhere = make_worlds(envs.unwrapped.houses, 1, "mixed")
+        anywhere = make_envs(envs.unwrapped.houses, 1, "mixed")
         anywhere.reset(seed=0)
         self.counts = [(anywhere, CERTAIN)] if what == FLOOR else [(anywhere, ELSEWHERE), (envs, CERTAIN)]
 

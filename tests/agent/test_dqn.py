@@ -16,7 +16,7 @@ from agent.policies import QPolicy, RandomPolicy
 from agent.world import shield
 from logic import House, Rect
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E = 8
 PRESET = cast(DQNConfig, PRESETS["dqn"])

@@ -26,7 +26,7 @@ from agent.dqn import DQN
 from agent.paper import Paper
 from agent.policies import Explorer
 from agent.pqn import PQN
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from logic import generate
 from sim import HouseVectorEnv
 
@@ -50,7 +50,7 @@ EXPLORERS = {
 def environments(targets: str, world: str = "default", cell: float = 0.0) -> HouseVectorEnv:
     houses = [*generate(4, cell=cell, count=ENVIRONMENTS)] if cell else benchmark()[:ENVIRONMENTS]
     backend = "grid" if cell else "continuous"
-    return make_worlds(houses, ENVIRONMENTS, targets, preset=world, backend=backend)
+    return make_envs(houses, ENVIRONMENTS, targets, preset=world, backend=backend)
 
 
 def play(envs: HouseVectorEnv, policy: Any, look: Callable[[], tuple[torch.Tensor, ...]]) -> dict[str, Any]:

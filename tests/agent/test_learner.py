@@ -12,7 +12,7 @@ from agent.learner import Diverged, Progress, linear
 from agent.network import QNetwork
 from agent.pqn import PQN
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E = 16
 SHORT = PQNConfig(num_envs=E, num_steps=8, steps=600)

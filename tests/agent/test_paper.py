@@ -11,7 +11,7 @@ from agent.build import network_of
 from agent.config import PRESETS, PaperConfig
 from agent.paper import Paper, PaperNetwork, explore, q_targets, squared_loss
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E = 8
 PRESET = cast(PaperConfig, PRESETS["paper"])

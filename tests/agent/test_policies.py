@@ -8,8 +8,8 @@ from agent.actions import FORWARD, LEFT, RIGHT
 from agent.build import network_of
 from agent.config import PQNConfig
 from agent.policies import QPolicy, defer, epsilon_greedy, exploration_noise, explore
-from agent.world import make_worlds, shield
-from tests.worlds import random_house
+from agent.world import make_envs, shield
+from tests.sample_houses import random_house
 
 
 def seeded() -> torch.Generator:
@@ -40,7 +40,7 @@ def test_a_network_prefers_the_maps_advice_where_actions_have_about_the_same_val
 
 
 def test_a_new_network_with_a_map_does_what_the_map_advises():
-    envs = make_worlds([random_house(seed) for seed in range(5)], 6, "mixed")
+    envs = make_envs([random_house(seed) for seed in range(5)], 6, "mixed")
     policy = QPolicy(network_of(PQNConfig(map=True)), shield(envs), torch.Generator(), epsilon=0.0)
     seen, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(6, dtype=torch.bool)
     policy.begin(6)

@@ -13,7 +13,7 @@ from agent.pqn import PQN, Batch, lambda_returns, q_loss
 from agent.recurrent import RecurrentQNetwork
 from logic.errors import RequestError
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E = 16
 

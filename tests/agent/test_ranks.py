@@ -13,7 +13,7 @@ from agent.config import PQNConfig
 from agent.runs import run
 from logic import RequestError, save
 from tests.ranks import main as learn
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 ROOT = Path(__file__).parents[2]
 TORCHRUN = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node=2", "--master-port=0"]

@@ -9,7 +9,7 @@ from agent.network import QNetwork
 from agent.rollout import Rollout
 from agent.world import shield
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E, STEPS = 16, 40
 

@@ -20,7 +20,7 @@ from agent.pqn import PQN
 from agent.runs import run
 from logic import save
 from logic.errors import RequestError
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
 ROOT = Path(__file__).parents[2]

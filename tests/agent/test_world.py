@@ -10,10 +10,10 @@ import torch
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.evaluation.episodes import play
 from agent.policies import RandomPolicy
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from logic import Door, House, HouseFileError, Rect, Room
 from sim import HouseVectorEnv
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E = 16
 EAST, NORTH = 0.0, math.pi / 2
@@ -40,7 +40,7 @@ def envs() -> HouseVectorEnv:
     two_rooms = House(Rect(0, 0, 4, 4), (Room(4.0, 0.5, 3.0, 3.0, type="hall", children=(), door=door),))
     corridor = House(Rect(0, 0, 8, 0.9), ())
     furnished = [random_house(seed) for seed in range(13)]
-    return make_worlds([*furnished[:12], corridor, two_rooms, furnished[12], mirror(furnished[12])], E)
+    return make_envs([*furnished[:12], corridor, two_rooms, furnished[12], mirror(furnished[12])], E)
 
 
 def everywhere(house: int) -> np.ndarray:
@@ -99,4 +99,4 @@ def test_in_a_flipped_house_the_rays_are_the_flipped_rays(envs):
 
 def test_a_house_where_nothing_can_stand_is_refused_as_a_wrong_file():
     with pytest.raises(HouseFileError, match="house 0"):
-        make_worlds([House(Rect(0, 0, 0.2, 0.2), ())], 1)
+        make_envs([House(Rect(0, 0, 0.2, 0.2), ())], 1)

@@ -13,7 +13,7 @@ from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
 from agent.policies import Explorer
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
 from benchmarks.planner.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
@@ -21,7 +21,7 @@ from benchmarks.planner.prior import ELSEWHERE, Informed
 from logic import save
 from logic.errors import RequestError
 from sim.lookout import origins_of
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
 
@@ -163,7 +163,7 @@ def places_of(envs: Any, house: int) -> np.ndarray:
 
 @pytest.mark.parametrize("what", ["floor", "rooms"])
 def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
-    envs, anywhere = (make_worlds(HOUSES, len(HOUSES), targets) for targets in ("secondary", "mixed"))
+    envs, anywhere = (make_envs(HOUSES, len(HOUSES), targets) for targets in ("secondary", "mixed"))
     _, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
     found = Informed(envs, what)
     found.begin(len(HOUSES))
@@ -191,7 +191,7 @@ def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
 def test_each_planner_reads_its_own_prior() -> None:
     """Though they share a kernel: a study plays in several modes by one process."""
     torch.set_num_threads(1)
-    envs = make_worlds(HOUSES, len(HOUSES), "secondary")
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
     kinds = []
     for count in (0, CERTAIN):
         found = Informed(envs, "rooms")
@@ -205,7 +205,7 @@ def test_each_planner_reads_its_own_prior() -> None:
 
 def test_walls_are_known_and_nothing_counts_as_seen() -> None:
     torch.set_num_threads(1)
-    envs = make_worlds(HOUSES, len(HOUSES), "secondary")
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
     found = Informed(envs, "walls")
     policy = explorers.explorer(envs, found)
     explorers.episode(envs, policy, 150, len(HOUSES))
@@ -226,7 +226,7 @@ def test_walls_are_known_and_nothing_counts_as_seen() -> None:
 def explored(steps: int) -> tuple[Any, Explorer, Truth]:
     """Explorers after some steps, and the truth about them."""
     torch.set_num_threads(1)
-    envs = make_worlds(HOUSES, len(HOUSES), "mixed")
+    envs = make_envs(HOUSES, len(HOUSES), "mixed")
     observation, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
     explorer = Explorer(shield(envs), envs.config)
     explorer.begin(len(HOUSES))

@@ -12,11 +12,11 @@ from gymnasium.vector import AutoresetMode
 from logic import House
 from sim import HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.backend import METHODS
-from tests import worlds
+from tests import sample_houses
 
 PAGE = Path(__file__).parents[2] / "docs/backends.md"
 NAME = "main_room:MainRoom"
-HOUSES = [worlds.drawn(worlds.ONE_ROOM), *worlds.RANDOM[:2]]
+HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 EMPTY = [House(house.floor, ()) for house in HOUSES]
 """Their main rooms alone."""
 

@@ -19,11 +19,11 @@ from gymnasium.vector import AutoresetMode
 from logic import House
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from sim.runtime import impl
-from tests import worlds
+from tests import sample_houses
 
-DRAWN = worlds.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
-HOUSES = [DRAWN, *worlds.RANDOM[:3]]
-OTHERS = worlds.RANDOM[3:]
+DRAWN = sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2)
+HOUSES = [DRAWN, *sample_houses.RANDOM[:3]]
+OTHERS = sample_houses.RANDOM[3:]
 SHORT = replace(DEFAULT, ends_on_collision=True, steps=20)
 """Episodes end often, and not together."""
 

@@ -19,9 +19,9 @@ from msgspec.structs import replace
 
 from logic import House, save
 from sim import Config, HouseVectorEnv
-from tests import worlds
+from tests import sample_houses
 
-HOUSES = [worlds.drawn(worlds.ONE_ROOM), *worlds.RANDOM[:2]]
+HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 COUNT = 5
 
 
@@ -222,7 +222,7 @@ def test_wrong_seeds_are_refused_and_change_nothing(envs, usual):
         envs.reset(seed=-1)
 
 
-CRAMPED = worlds.drawn("a+\n..", cell=0.5)
+CRAMPED = sample_houses.drawn("a+\n..", cell=0.5)
 ROOM = HOUSES[0].rooms[0]
 
 
@@ -244,7 +244,7 @@ WRONG_HOUSES = {
     "house 1 of 2: room R0 is at (0.0, 0.0), inf x ": [HOUSES[0], with_room(width=np.inf)],
     "house 0 of 1: the door of room R0 is at": [with_room(door=replace(ROOM.door, height=np.nan))],
     "house 0 of 1: a table in room R0 is at": [with_room(children=(replace(ROOM.children[0], width=-0.1),))],
-    "house 0 of 1: it reaches further than 100 m": [worlds.drawn("a+a\n...\n...", cell=40.0)],
+    "house 0 of 1: it reaches further than 100 m": [sample_houses.drawn("a+a\n...\n...", cell=40.0)],
     "house 0 of 1: the body has nowhere to stand in the main room": [with_floor(width=0.2, height=0.2)],
 }
 
@@ -274,14 +274,14 @@ def test_a_wrong_state_is_refused_and_changes_nothing(envs, usual):
 
 def test_the_grid_backend_refuses_other_banks_and_goes_on_as_before():
     text = "aaaaa.bbb\naa+aa.bbb\n......+bb\n......bbb\n......bbb"
-    envs = HouseVectorEnv([worlds.drawn(text, cell=0.45)], num_envs=COUNT, backend="grid")
+    envs = HouseVectorEnv([sample_houses.drawn(text, cell=0.45)], num_envs=COUNT, backend="grid")
     envs.reset(seed=0)
     usual = outputs(envs, PLAN)
     observation, info = envs.reset()
     usual += [observation, *info.values()]
     for house, message in (
-        (worlds.RANDOM[0], "no grid of cells as wide as the body"),
-        (worlds.drawn(text, cell=0.5), "these houses need another body and step"),
+        (sample_houses.RANDOM[0], "no grid of cells as wide as the body"),
+        (sample_houses.drawn(text, cell=0.5), "these houses need another body and step"),
     ):
         envs.reset(seed=0)
         with unharmed(envs, usual, ValueError, message):
@@ -316,13 +316,13 @@ def test_with_autoreset_disabled_an_ended_environment_needs_a_reset():
 
 NO_CUDA = """
 from sim import HouseVectorEnv
-from tests import worlds
+from tests import sample_houses
 
 try:
-    HouseVectorEnv(worlds.RANDOM[:1], device="cuda")
+    HouseVectorEnv(sample_houses.RANDOM[:1], device="cuda")
 except ValueError as error:
     print(error)
-HouseVectorEnv(worlds.RANDOM[:1]).reset(seed=0)
+HouseVectorEnv(sample_houses.RANDOM[:1]).reset(seed=0)
 print("went on")
 """
 
@@ -403,7 +403,7 @@ def test_importing_and_starting_print_nothing(bank):
 
 
 def test_a_reward_in_an_episodes_last_step_is_not_given_again_as_the_next_begins():
-    envs = HouseVectorEnv([worlds.drawn(worlds.ONE_ROOM)], max_episode_steps=1)
+    envs = HouseVectorEnv([sample_houses.drawn(sample_houses.ONE_ROOM)], max_episode_steps=1)
     here = {"house": [0], "pose": [[4.5, 1.35, 0.0]], "target": [[4.95, 1.35]]}
     envs.reset(seed=0, options=here)
     _, reward, _, truncated, _ = envs.step(np.array([2]))

@@ -15,14 +15,14 @@ from msgspec.structs import replace as changed
 
 from logic import House, Piece, Rect, Room
 from sim import DEFAULT, HouseVectorEnv
-from tests import worlds
+from tests import sample_houses
 from tests.logic.handmade import turned_house
 from tests.reference import Boxes, sides
 
 SEEING = replace(DEFAULT, sees_kind=True)
 EACH, STEPS = 200, 60
 LEFT, RIGHT, FORWARD = 0, 1, 2
-HOUSES = [worlds.random_house(seed, original) for seed in (20, 21) for original in (False, True)]
+HOUSES = [sample_houses.random_house(seed, original) for seed in (20, 21) for original in (False, True)]
 Placed = TypeVar("Placed", bound=Rect)
 
 
@@ -97,7 +97,7 @@ def walked(envs):
     """Walks in the houses as they are, along walls and into them."""
     rng = np.random.default_rng(0)
     envs.set_houses(HOUSES)
-    pose = np.concatenate([worlds.free_poses(house, EACH, seed=5) for house in HOUSES])
+    pose = np.concatenate([sample_houses.free_poses(house, EACH, seed=5) for house in HOUSES])
     pose[:, :2] = pose[:, :2].astype(np.float32)
     target = (pose[:, :2] + rng.uniform(-2, 2, (len(pose), 2))).astype(np.float32)
     plan = rng.choice(3, p=[0.1, 0.1, 0.8], size=(STEPS, len(pose)))
@@ -173,9 +173,9 @@ from sim.runtime import Array, Launch, ti
 ti.init(arch=ti.cpu, debug=True, fast_math=False, cfg_optimization=False, log_level=ti.ERROR)
 
 from sim import Config, HouseVectorEnv, Oracle
-from tests import worlds
+from tests import sample_houses
 
-houses = [worlds.drawn(worlds.ONE_ROOM, cell=0.8)] * 2
+houses = [sample_houses.drawn(sample_houses.ONE_ROOM, cell=0.8)] * 2
 for backend in ("continuous", "grid"):
     for by_ray in (False, True):
         envs = HouseVectorEnv(

@@ -7,9 +7,9 @@ from PIL import Image, ImageSequence
 from sim import DEFAULT, HouseVectorEnv
 from sim.film import BODY, FLOOR, INK, TARGET, Camera, View, film
 from sim.geometry import geometry
-from tests import worlds
+from tests import sample_houses
 
-HOUSE = worlds.drawn(worlds.ONE_ROOM, cell=1.0)
+HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from sim.geometry import geometry
-from tests import worlds
+from tests import sample_houses
 from tests.reference import walls
 
 
@@ -17,7 +17,7 @@ def as_lines(rows: np.ndarray) -> shapely.MultiLineString:
 @pytest.mark.parametrize("original", [False, True])
 @pytest.mark.parametrize("seed", range(20))
 def test_walls_equal_those_of_the_reference(seed, original):
-    house = worlds.random_house(seed, original)
+    house = sample_houses.random_house(seed, original)
     shape = geometry(house)
     ours = shapely.union_all([as_lines(shape.verticals), as_lines(shape.horizontals)])
     theirs = walls(house)
@@ -25,13 +25,13 @@ def test_walls_equal_those_of_the_reference(seed, original):
 
 
 def test_a_door_opens_the_wall_that_a_room_shares_with_the_main_room():
-    shape = geometry(worlds.drawn(worlds.ONE_ROOM, cell=1.0))
+    shape = geometry(sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0))
     shared = shape.verticals[shape.verticals[:, 0] == 4.0]
     assert sorted((y - half, y + half) for _, y, _, half in shared) == [(0.0, 1.0), (2.0, 3.0)]
 
 
 def test_pieces_and_their_children_are_solid():
-    shape = geometry(worlds.drawn(worlds.ONE_ROOM, cell=1.0))
+    shape = geometry(sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0))
     np.testing.assert_array_equal(shape.pieces, [[1.5, 1.5, 0.5, 0.5]])
-    house = worlds.example()
+    house = sample_houses.example()
     assert len(geometry(house).pieces) == sum(len(room.pieces) for room in house.rooms) > 10

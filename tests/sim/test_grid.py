@@ -12,11 +12,14 @@ from logic.house import Provenance
 from sim import DEFAULT, HouseVectorEnv
 from sim.body import HEADINGS
 from sim.oracle import Oracle
-from tests import worlds
+from tests import sample_houses
 
 CELL = 0.45
 ROOMS = "aaaaa.bbb\naAaaa.bbb\naa+aa.bBb\n......+bb\n......bbb\n......bbb"
-HOUSES = [worlds.drawn(ROOMS, cell=CELL), worlds.drawn("aaaa\naaAa\naaaa\na+aa\n....\n....\n....", cell=CELL)]
+HOUSES = [
+    sample_houses.drawn(ROOMS, cell=CELL),
+    sample_houses.drawn("aaaa\naaAa\naaaa\na+aa\n....\n....\n....", cell=CELL),
+]
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +131,7 @@ def test_a_pose_between_cells_is_refused():
 
 def test_houses_off_the_grid_are_refused():
     with pytest.raises(ValueError, match="no grid of cells as wide as the body"):
-        HouseVectorEnv([worlds.RANDOM[0]], backend="grid")
+        HouseVectorEnv([sample_houses.RANDOM[0]], backend="grid")
     with pytest.raises(ValueError, match=r"house 0 of 1: the edge at .* m is off the grid of 0.35 m"):
         HouseVectorEnv([replace_cell(HOUSES[0], 0.35)], backend="grid")
 

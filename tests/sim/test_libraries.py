@@ -17,9 +17,9 @@ from gymnasium.wrappers import vector as wrappers
 from logic import generate, save
 from sim import HouseEnv, HouseVectorEnv, check_autoreset_modes, check_vector_env
 from sim.film import film
-from tests import worlds
+from tests import sample_houses
 
-HOUSES = [worlds.drawn(worlds.ONE_ROOM), worlds.RANDOM[0]]
+HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), sample_houses.RANDOM[0]]
 COUNT, STEPS = 3, 20
 NEXT, SAME, DISABLED = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED
 

@@ -7,10 +7,12 @@ import pytest
 
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from sim.continuous.layout import CELL
-from tests import worlds
+from tests import sample_houses
 from tests.reference import Boxes, sights, stopped
 
-HOUSES = [worlds.random_house(seed, original) for seed in range(100, 110) for original in (False, True)]
+HOUSES = [
+    sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)
+]
 EACH = 100
 """Poses in each house."""
 

@@ -11,9 +11,9 @@ import pytest
 from logic import generate
 from sim import DEFAULT, PAPER, HouseVectorEnv, Oracle, shortest_path
 from sim.runtime import Array, Launch, ti
-from tests import worlds
+from tests import sample_houses
 
-HOUSE = worlds.drawn("aaa\naAa\na+a\n...\n...", cell=0.9)
+HOUSE = sample_houses.drawn("aaa\naAa\na+a\n...\n...", cell=0.9)
 COARSE = replace(DEFAULT, step=0.15)
 
 
@@ -127,7 +127,7 @@ def test_paths_from_any_pose_are_shortest_and_lead_to_the_target(coarse):
 
 @pytest.mark.parametrize("config", [DEFAULT, PAPER])
 def test_an_episode_played_is_the_same_as_stepped(config):
-    house = worlds.random_house(2)
+    house = sample_houses.random_house(2)
     envs = HouseVectorEnv([house, HOUSE], num_envs=3, targets="mixed", preset=replace(config, steps=300))
     envs.reset(seed=0)
     oracle = Oracle(envs)
@@ -160,7 +160,7 @@ def test_the_oracle_finds_the_path_from_wherever_the_body_is():
 
 def test_shortest_path_answers_for_one_pose_and_target():
     """Straight ahead the number of actions is plain; behind a wall there is none."""
-    house = worlds.drawn("a+a\n...\n...\n...", cell=1.2)
+    house = sample_houses.drawn("a+a\n...\n...\n...", cell=1.2)
     reach = (DEFAULT.body[0] + DEFAULT.target) / 2
     path = found(shortest_path(house, (1.8, 3.3, np.pi / 2), (1.8, 1.9)))
     assert path.tolist() == [2] * int(np.ceil((3.3 - 1.9 - reach) / DEFAULT.step))
@@ -187,7 +187,7 @@ def replace_door(house):
 def test_an_oracle_follows_its_environments_to_another_bank():
     envs = HouseVectorEnv([HOUSE], targets="secondary", preset=COARSE)
     oracle = Oracle(envs)
-    for houses in ([worlds.random_house(2)], [HOUSE]):
+    for houses in ([sample_houses.random_house(2)], [HOUSE]):
         envs.set_houses(houses)
         envs.reset(seed=0)
         _, (reward,), _, _, _ = envs.step(oracle.act())
@@ -223,7 +223,7 @@ def test_an_episode_of_1500_steps_takes_at_most_a_fifth_of_a_second():
 def test_on_a_grid_an_episode_played_equals_one_stepped():
     """The grid's own body, step and lattice."""
     cell = 0.3
-    house = worlds.drawn("aaaa\naAaa\na+aa\n....\n....", cell=3 * cell)
+    house = sample_houses.drawn("aaaa\naAaa\na+aa\n....\n....", cell=3 * cell)
     envs = HouseVectorEnv(
         [house], num_envs=3, backend="grid", targets="mixed", preset=replace(DEFAULT, steps=80)
     )

@@ -5,7 +5,7 @@ import pytest
 
 from sim import HouseVectorEnv
 from sim.config import PIXEL
-from tests import worlds
+from tests import sample_houses
 
 START = (185, 190, 90)
 """Where the recording's episodes start: the body's north-west corner in pixels, and degrees."""
@@ -14,8 +14,8 @@ START = (185, 190, 90)
 @pytest.fixture(scope="module")
 def replay():
     """The recording, and each of its steps made by ours from the pose before it."""
-    house = worlds.example(whole_pixels=True)
-    trace = dict(np.load(worlds.FIXTURES / "example1-trace.npz"))
+    house = sample_houses.example(whole_pixels=True)
+    trace = dict(np.load(sample_houses.FIXTURES / "example1-trace.npz"))
     after, episode = trace["pose"].astype(float), trace["episode"]
     before = np.vstack([[START], after[:-1]])
     before[np.flatnonzero(np.diff(episode)) + 1] = START

@@ -9,7 +9,7 @@ import pytest
 
 from logic import House, generate, load
 from sim import DEFAULT, HouseVectorEnv
-from tests import worlds
+from tests import sample_houses
 from tests.reference import Boxes, sights
 
 SEEING = replace(DEFAULT, sees_kind=True)
@@ -23,9 +23,9 @@ WORST = 4e-6
 """Metres: the error that a ray may have."""
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "family-4-rooms.json"
-MIRROR = worlds.drawn("a+a\n...\n...\n...", cell=1.0)
-DOOR = worlds.drawn("aaaa....\naaa+....\naaaa....", cell=1.0)
-WIDE = worlds.drawn("a+a......\n.........", cell=4.0)
+MIRROR = sample_houses.drawn("a+a\n...\n...\n...", cell=1.0)
+DOOR = sample_houses.drawn("aaaa....\naaa+....\naaaa....", cell=1.0)
+WIDE = sample_houses.drawn("a+a......\n.........", cell=4.0)
 TWO_ROOMS = "aa+Aa.bbb\n......+bb\n......bbB"
 FAR_AWAY = (-50.0, -50.0)
 
@@ -38,9 +38,15 @@ def furnished() -> list[House]:
 
 BANKS = {
     "random": lambda: [
-        worlds.random_house(seed, original) for seed in range(8) for original in (False, True)
+        sample_houses.random_house(seed, original) for seed in range(8) for original in (False, True)
     ],
-    "drawn": lambda: [MIRROR, DOOR, WIDE, worlds.drawn(worlds.ONE_ROOM), worlds.drawn(TWO_ROOMS, cell=1.2)],
+    "drawn": lambda: [
+        MIRROR,
+        DOOR,
+        WIDE,
+        sample_houses.drawn(sample_houses.ONE_ROOM),
+        sample_houses.drawn(TWO_ROOMS, cell=1.2),
+    ],
     "generated": furnished,
     "golden": lambda: load(GOLDEN),
 }
@@ -48,7 +54,7 @@ BANKS = {
 
 @pytest.fixture(scope="module")
 def envs():
-    return HouseVectorEnv(worlds.RANDOM, num_envs=EACH, preset=SEEING)
+    return HouseVectorEnv(sample_houses.RANDOM, num_envs=EACH, preset=SEEING)
 
 
 def look(

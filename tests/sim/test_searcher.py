@@ -6,10 +6,10 @@ import pytest
 from sim import HouseVectorEnv, Oracle
 from sim.lookout import WORD, Lookout
 from sim.searcher import KNOWN, Searcher
-from tests import worlds
+from tests import sample_houses
 
-HOUSE = worlds.random_house(3)
-GRID = worlds.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)
+HOUSE = sample_houses.random_house(3)
+GRID = sample_houses.drawn("aaa\naAa\na+a\n...\n...\nb+b\nbbb", cell=0.9)
 
 
 def bits(words, count):
@@ -69,7 +69,9 @@ def test_what_one_environment_forgets_the_others_keep():
 
 
 def test_a_room_counts_once_the_eye_is_in_it():
-    envs = HouseVectorEnv([worlds.drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], num_envs=2, targets="mixed")
+    envs = HouseVectorEnv(
+        [sample_houses.drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], num_envs=2, targets="mixed"
+    )
     poses = np.array([[1.35, 3.1, np.pi / 2], [1.35, 3.1, -np.pi / 2]])
     envs.reset(seed=0, options={"house": np.zeros(2, int), "pose": poses})
     lookout = Lookout(envs)
@@ -111,7 +113,7 @@ def test_the_target_is_always_where_the_searcher_still_looks(targets):
 
 
 def test_the_searcher_is_never_blocked_and_stands_below_the_oracle():
-    houses = [worlds.random_house(seed) for seed in range(6)]
+    houses = [sample_houses.random_house(seed) for seed in range(6)]
     envs = HouseVectorEnv(houses, num_envs=6, targets="secondary")
     _, targets, blocked = played(envs, 0, 1500)
     envs.reset(seed=0, options={"house": np.arange(6)})
@@ -134,7 +136,7 @@ def test_a_target_in_sight_is_picked_up_by_a_shortest_way():
 
 
 def test_a_searcher_does_the_same_alone_as_among_others():
-    houses = [worlds.random_house(seed) for seed in range(4)]
+    houses = [sample_houses.random_house(seed) for seed in range(4)]
     many = HouseVectorEnv(houses, num_envs=40, targets="mixed")
     alone = HouseVectorEnv(houses[:1], targets="mixed")
     assert (played(many, 7, 300)[0][:, 0] == played(alone, 7, 300)[0][:, 0]).all()

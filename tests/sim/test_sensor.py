@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from sim import DEFAULT, HouseVectorEnv
-from tests import worlds
+from tests import sample_houses
 
 EXACT = replace(DEFAULT, sees_kind=True)
 ROUGH = replace(EXACT, sees_angle=True, noise=0.05, dropout=0.1)
 COUNT, STEPS = 400, 40
-HOUSES = worlds.RANDOM[:4]
+HOUSES = sample_houses.RANDOM[:4]
 
 
 def outputs(envs: HouseVectorEnv, seed: int = 0, first: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,10 +13,10 @@ from gymnasium.vector import AutoresetMode
 from logic import House, save
 from sim import DEFAULT, Cover, HouseVectorEnv, Oracle, Reach
 from sim.tasks import Box
-from tests import worlds
+from tests import sample_houses
 
-ONE = worlds.drawn(worlds.ONE_ROOM)
-HOUSES = [ONE, *worlds.RANDOM]
+ONE = sample_houses.drawn(sample_houses.ONE_ROOM)
+HOUSES = [ONE, *sample_houses.RANDOM]
 COUNT = 40
 
 
@@ -55,7 +55,7 @@ def lie_in(targets: np.ndarray, boxes: list[Box]) -> np.ndarray:
     ids=str,
 )
 def test_targets_lie_in_the_tasks_spaces(targets):
-    houses = worlds.RANDOM
+    houses = sample_houses.RANDOM
     envs = HouseVectorEnv(houses, num_envs=len(houses), targets=targets)
     envs.reset(seed=0, options={"house": np.arange(len(houses))})
     for house, coming in zip(houses, envs.targets(30), strict=True):
@@ -89,7 +89,7 @@ def test_the_targets_that_peek_shows_come_whatever_the_agent_does():
 
 @pytest.mark.parametrize("mode", AutoresetMode)
 def test_a_room_is_reached_once_and_that_ends_the_episode(mode):
-    task, houses = {"task": "reach", "room": "hall"}, worlds.RANDOM
+    task, houses = {"task": "reach", "room": "hall"}, sample_houses.RANDOM
     envs = HouseVectorEnv(houses, num_envs=len(houses), targets=task, autoreset_mode=mode)
     envs.reset(seed=1)
     oracle = Oracle(envs)

@@ -8,10 +8,10 @@ from logic import House, Rect
 from sim import HouseVectorEnv
 from sim.philox import Words, philox
 from sim.runtime import start, ti
-from tests import worlds
+from tests import sample_houses
 from tests.reference import Reference
 
-HOUSES = [worlds.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2), *worlds.RANDOM]
+HOUSES = [sample_houses.drawn("aa+aa.bbb\n......+bb\n......bbb", cell=1.2), *sample_houses.RANDOM]
 STEPS = 120
 
 
@@ -187,7 +187,7 @@ def test_the_step_after_an_end_only_begins_the_next_episode(alone):
 
 
 def test_a_pick_up_earns_one_and_a_new_target():
-    house = worlds.drawn("a+a\n...\n...", cell=1.2)
+    house = sample_houses.drawn("a+a\n...\n...", cell=1.2)
     envs = HouseVectorEnv([house])
     options = {"house": [0], "pose": [[1.8, 3.2, np.pi / 2]], "target": [[1.8, 2.7]]}
     envs.reset(seed=0, options=options)
@@ -202,7 +202,7 @@ def test_a_pick_up_earns_one_and_a_new_target():
 
 
 def test_a_collision_ends_a_paper_episode_and_only_blocks_a_default_one():
-    house = worlds.drawn("a+a\n...\n...", cell=1.2)
+    house = sample_houses.drawn("a+a\n...\n...", cell=1.2)
     for preset, ends in (("default", False), ("paper", True)):
         envs = HouseVectorEnv([house], preset=preset)
         envs.reset(seed=0, options={"house": [0], "pose": [[0.4, 1.5, np.pi / 2]]})

@@ -12,11 +12,11 @@ from agent.config import PQNConfig
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.policies import QPolicy, RandomPolicy
-from agent.world import make_worlds
+from agent.world import make_envs
 from sim import HouseVectorEnv
 from sim.lookout import Lookout
 from sim.oracle import Oracle
-from tests.worlds import drawn, random_house
+from tests.sample_houses import drawn, random_house
 
 ENVIRONMENTS = 4
 
@@ -24,7 +24,7 @@ ENVIRONMENTS = 4
 @pytest.fixture(scope="module")
 def envs() -> HouseVectorEnv:
     """Some random houses, with targets in the main room."""
-    return make_worlds([random_house(seed) for seed in range(ENVIRONMENTS)], ENVIRONMENTS)
+    return make_envs([random_house(seed) for seed in range(ENVIRONMENTS)], ENVIRONMENTS)
 
 
 class Straight:
@@ -63,7 +63,7 @@ def test_only_the_first_episode_of_each_environment_counts():
 
 
 def test_coverage_and_rooms_are_noted_after_500_steps_and_at_the_end():
-    envs = make_worlds([drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], 4, "mixed")
+    envs = make_envs([drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], 4, "mixed")
     lookout = Lookout(envs)
     noted = play(envs, Straight(), seed=0, houses=np.zeros(4, int), lookout=lookout)
     assert noted.coverage.shape == (2, 4)

@@ -15,7 +15,7 @@ from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import SENSORS, Setting, measure
 from logic import RequestError, save
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
 

@@ -10,7 +10,7 @@ from agent.banks import bank_hash
 from agent.evaluation.result import Result
 from agent.evaluation.scores import Bank, ScoreError, ScoreFile, external, joined, load, modes_of, result_of
 from tests.agent.evaluation.cases import result, scores
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(2)]
 RESULT = result(scores([5, 7], [30, np.inf]), scores([6, 8]), mode="main", others={"script": scores([1, 2])})

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import torch
 
-from agent.world import make_worlds
+from agent.world import make_envs
 from logic import House, generate
 from sim import HouseVectorEnv
 from tests.agent.planner.adapter import Planner
 from tests.agent.planner.reference import WAYS, Body
 from tests.agent.test_world import mirror
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 E, STEPS = 8, 240
 
@@ -99,7 +99,7 @@ def continuous() -> Walk:
     """Seven furnished houses and the mirror image of the first."""
     torch.set_num_threads(1)
     houses = [random_house(seed) for seed in range(E - 1)]
-    envs = make_worlds([*houses, mirror(houses[0])], E, "mixed")
+    envs = make_envs([*houses, mirror(houses[0])], E, "mixed")
     return Walk(envs, Planner(envs.config, E)).record(STEPS, random=0.2)
 
 
@@ -107,7 +107,7 @@ def continuous() -> Walk:
 def grid() -> Walk:
     """A house whose edges lie on a grid, in whose cells bodies stand."""
     torch.set_num_threads(1)
-    envs = make_worlds(list(generate(3, seed=5, count=1, cell=0.3)), E, "mixed", backend="grid")
+    envs = make_envs(list(generate(3, seed=5, count=1, cell=0.3)), E, "mixed", backend="grid")
     return Walk(envs, Planner(envs.config, E)).record(STEPS, random=0.2)
 
 

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.world import make_worlds
+from agent.world import make_envs
 from logic import Door, House, Piece, Rect, Room
 from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
@@ -211,7 +211,7 @@ def test_what_was_never_seen_is_not_on_the_map() -> None:
     for depth, pieces in ((2.0, ()), (3.5, (table,))):
         hidden = Room(6.0, 0.5, depth, 2.5, "hall", pieces, Door(6.0, 1.0, 0.0, 0.762))
         near = Room(0.0, 4.0, 4.0, 3.0, "hall", (), Door(1.0, 4.0, 0.762, 0.0))
-        envs = make_worlds([House(Rect(0, 0, 6.0, 4.0), (near, hidden))], E, "main")
+        envs = make_envs([House(Rect(0, 0, 6.0, 4.0), (near, hidden))], E, "main")
         options = {"house": [0] * E, "pose": [[3.0, 2.0, np.pi]] * E, "target": [[0.6, 0.6]] * E}
         turns = [LEFT, RIGHT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT] * 4
         planner = Planner(envs.config, E)
@@ -237,7 +237,7 @@ def test_where_no_wall_is_in_sight_an_episode_begins_at_the_first_wall(continuou
     walls.
     """
     room = Room(0.0, 20.0, 4.0, 3.0, "hall", (), Door(1.0, 20.0, 0.762, 0.0))
-    envs = make_worlds([House(Rect(0, 0, 20.0, 20.0), (room,))], E, "main")
+    envs = make_envs([House(Rect(0, 0, 20.0, 20.0), (room,))], E, "main")
     pose = [10.0, 10.0, slant * np.pi / 4]
     options = {"house": [0] * E, "pose": [pose] * E, "target": [[2.0, 18.0]] * E}
     assert (envs.reset(seed=0, options=options)[0][..., 0] == 1.0).all()

@@ -4,14 +4,14 @@ import numpy as np
 import torch
 
 from agent.policies import Explorer
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from sim import HouseVectorEnv
 from sim.oracle import Oracle
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import UNKNOWN
 from tests.agent.planner.conftest import E, Walk
 from tests.agent.planner.test_occupancy import abilities
-from tests.worlds import random_house
+from tests.sample_houses import random_house
 
 
 def test_paths_are_as_short_as_a_breadth_first_search_finds(walk: Walk) -> None:
@@ -116,7 +116,7 @@ def test_an_explorer_on_a_grid_never_bumps(grid: Walk) -> None:
 
 def test_an_explorer_finds_targets_behind_walls(continuous: Walk) -> None:
     """Far more than a target-blind walk, in every house; and the planner knows how many it picked up."""
-    envs = make_worlds([random_house(seed) for seed in range(6)], 6, "secondary")
+    envs = make_envs([random_house(seed) for seed in range(6)], 6, "secondary")
     explorer, rewards, bumps = explored(envs, 1499, seed=0)
     truly, found = rewards.sum(0), explorer.tracker.planner.found.numpy()
     assert (truly >= 3).all()
@@ -127,7 +127,7 @@ def test_an_explorer_finds_targets_behind_walls(continuous: Walk) -> None:
 def test_a_target_in_sight_is_reached_in_hardly_more_steps_than_it_takes() -> None:
     """Against the simulator's shortest paths, turns and all: in three quarters of cases in just as many."""
     number = 160
-    envs = make_worlds([random_house(0)], number, "main")
+    envs = make_envs([random_house(0)], number, "main")
     observation, _ = envs.reset(seed=1, options={"house": np.zeros(number, int)})
     sees, least = (
         observation[..., -1].any(-1),

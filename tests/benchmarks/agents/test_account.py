@@ -7,9 +7,9 @@ import torch
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play, reset
 from agent.policies import RandomPolicy
-from agent.world import make_worlds, shield
+from agent.world import make_envs, shield
 from benchmarks.agents.account import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, Search, follow, room_of
-from tests.worlds import drawn, random_house
+from tests.sample_houses import drawn, random_house
 
 HOUSES = [random_house(seed) for seed in range(3)]
 
@@ -21,7 +21,7 @@ def walk(envs):
 
 @pytest.mark.parametrize("targets", ["main", "secondary", "mixed"])
 def test_each_step_and_each_target_is_of_one_phase(targets):
-    envs = make_worlds(HOUSES, len(HOUSES), targets)
+    envs = make_envs(HOUSES, len(HOUSES), targets)
     account = follow(envs, walk(envs), seed=3)
     assert (account.steps.sum(axis=1) == envs.config.steps).all()
     score = play(envs, walk(envs), 3)
@@ -31,12 +31,12 @@ def test_each_step_and_each_target_is_of_one_phase(targets):
 
 
 def test_where_targets_lie_anywhere_nothing_is_crossed():
-    envs = make_worlds(HOUSES, len(HOUSES), "mixed")
+    envs = make_envs(HOUSES, len(HOUSES), "mixed")
     assert follow(envs, walk(envs), seed=3).steps[:, CROSSING].sum() == 0
 
 
 def test_the_searcher_spends_less_on_rooms_that_hold_nothing_than_a_walk_does():
-    envs = make_worlds(HOUSES, len(HOUSES), "secondary")
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
     searcher = follow(envs, BASELINES["searcher"](envs, 3), seed=3)
     left = [
         account.steps[:, [CORNERS, OUT]].sum() / account.steps.sum()
@@ -47,7 +47,7 @@ def test_the_searcher_spends_less_on_rooms_that_hold_nothing_than_a_walk_does():
 
 def test_a_room_is_new_then_left_and_after_a_pick_up_searched_again():
     """A bare room is seen whole by a turn in its middle."""
-    envs = make_worlds([drawn("aaaa....\naaa+....\naaaa....")], 1, "secondary")
+    envs = make_envs([drawn("aaaa....\naaa+....\naaaa....")], 1, "secondary")
     reset(envs, 0)
     pose = {"house": np.zeros(1, int), "target": np.array([[0.4, 0.4]])}
 
