@@ -290,7 +290,9 @@ def test_torchrl_refuses_the_next_step_mode_by_name():
 
 def test_the_readmes_examples_run(folder, monkeypatch):
     """Those of the simulator; ``tests/test_examples.py`` runs the examples with other libraries."""
-    page = (Path(__file__).parents[2] / "README.md").read_text().split("## The simulator")[1]
+    page = (
+        (Path(__file__).parents[2] / "README.md").read_text().split("## The simulator")[1].split("\n## ")[0]
+    )
     (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert "check_vector_env" in program
     monkeypatch.chdir(folder)
