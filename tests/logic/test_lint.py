@@ -228,8 +228,9 @@ def test_a_mistake_is_found_at_its_place(mistake: str, tmp_path: Path) -> None:
     text = (folder / file).read_text()
     assert old in text
     (folder / file).write_text(text.replace(old, new, 1))
-    found = [finding for finding in lint(folder) if words in finding.text]
-    assert found, lint(folder)
+    findings = lint(folder)
+    found = [finding for finding in findings if words in finding.text]
+    assert found, findings
     assert found[0].severity == severity
     if "has no clause" not in words:  # That is nowhere.
         line = text[: text.index(old)].count("\n") + 1
@@ -239,7 +240,7 @@ def test_a_mistake_is_found_at_its_place(mistake: str, tmp_path: Path) -> None:
     if severity == "error":
         with pytest.raises(GrammarError) as caught:
             next(generate(rooms=3, grammar=folder))
-        assert caught.value.message in {finding.text for finding in lint(folder)}
+        assert caught.value.message in {finding.text for finding in findings}
 
 
 @pytest.mark.parametrize("grammar", shipped())
