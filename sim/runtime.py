@@ -7,6 +7,7 @@ import contextlib
 import inspect
 import io
 import os
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import CodeType
@@ -24,6 +25,9 @@ with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
     from taichi.lang import impl, kernel_impl
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
+
+LOCK_AGE = 60.0
+"""Seconds; to write the kernels of a process takes less than one."""
 
 __all__ = ["Array", "Launch", "start", "ti"]
 
@@ -77,6 +81,7 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
         options["offline_cache_max_size_of_files"] = 1 << 30
         if threads is not None:
             options["cpu_max_num_threads"] = threads
+        drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
         before = _threads()
         with contextlib.redirect_stdout(io.StringIO()):
             ti.init(**options)
@@ -88,6 +93,18 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
         now = names.get(running, running.name)
         raise ValueError(f"device {device!r} cannot be had: Taichi runs on {now} in this process")
     return runtime.prog
+
+
+def drop_stale_lock(folder: Path) -> None:
+    """Remove the lock of Taichi's kernel cache in a folder, if it is older than ``LOCK_AGE``.
+
+    A process that is killed while it writes its kernels leaves the lock there. As long as it stays no process
+    reads or writes the cache, so each compiles all kernels.
+    """
+    lock = folder / "ticache.lock"
+    with contextlib.suppress(FileNotFoundError):
+        if time.time() - lock.stat().st_mtime > LOCK_AGE:
+            lock.unlink()
 
 
 def _threads() -> set[int]:
