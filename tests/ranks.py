@@ -41,11 +41,11 @@ def main(file: str) -> None:
             return step(*given)
 
         setattr(learner.optimizer, "step", noted)  # noqa: B010
-        told = [learner.iterate() for _ in range(2)]
+        reports = [learner.iterate() for _ in range(2)]
         weights = torch.cat([p.detach().flatten() for p in learner.network.parameters()])
         everyones = ranks.gathered(weights)
         if not ranks.rank():
-            steps, targets = [now.steps for now in told], [now.targets for now in told]
+            steps, targets = [now.steps for now in reports], [now.targets for now in reports]
             record = {"gradients": gradients, "weights": everyones, "steps": steps, "targets": targets}
     if record:
         torch.save({**record, "left": group is None or group() is None}, file)

@@ -1,4 +1,4 @@
-"""The simulator's geometry told a second time, in plain terms and float64: the oracle of rays and moves.
+"""The simulator's geometry written a second time, in plain terms and float64: the oracle of rays and moves.
 
 It shares nothing with ``sim``: walls by shapely's set operations, rays by cross products, moves by the
 convex hull of what the body sweeps. Where it is too close to say, it says so.
@@ -19,7 +19,7 @@ from logic import House
 from sim.geometry import Geometry
 
 CLOSE = 1e-4
-"""Metres: what passes an edge nearer than this could be told either way in float32."""
+"""Metres: what passes an edge nearer than this may be decided either way in float32."""
 
 SEAM = 2e-5
 """Metres that lines reach beyond their ends for rays, as the simulator states it."""
@@ -163,7 +163,7 @@ def sights(
             met.append(meetings(lines[..., one[:, 0, axis] == one[:, 1, axis], :, :], eye, angle))
         met[-3][2][:] = True  # a wall has two faces
         met[-1][0][inside] = np.inf
-    told = []
+    outcomes = []
     for slack, only_faces in ((SEAM - ROUNDING, True), (SEAM + ROUNDING, False)):
         # A ray that grazes a box's far corner meets a side that looks away: it may count or not.
         nearest = np.array(
@@ -182,8 +182,8 @@ def sights(
         kind = np.where(first[0] <= first[1], *kind)
         first = first.min(axis=0)
         kind[first >= reach] = 0
-        told.append((np.minimum(first, reach), kind, clear & (np.abs(first - reach) > 1e-5)))
-    (short, kind_short, _), (distance, kind, clear) = told
+        outcomes.append((np.minimum(first, reach), kind, clear & (np.abs(first - reach) > 1e-5)))
+    (short, kind_short, _), (distance, kind, clear) = outcomes
     sure = np.abs(short - distance) < 1e-9
     return distance, kind, sure, sure & clear & (kind_short == kind)
 
@@ -194,7 +194,7 @@ def stopped(
     """Whether squares that slide from centres (N, 2) to others are stopped by a box, and where that is beyond
     doubt: the way in time that the square overlaps each box along x, and along y, and whether they meet.
     """
-    told = []
+    outcomes = []
     for skin in (SKIN - ROUNDING, SKIN + ROUNDING):
         enter, leave = np.zeros((len(old), len(boxes.all))), np.ones((len(old), len(boxes.all)))
         for axis in (0, 1):
@@ -207,5 +207,5 @@ def stopped(
             never = still & ((start <= low) | (start >= high))
             enter = np.maximum(enter, np.where(still, np.where(never, 2.0, 0.0), np.minimum(a, b)))
             leave = np.minimum(leave, np.where(still, 1.0, np.maximum(a, b)))
-        told.append((enter < leave).any(axis=1))
-    return told[1], told[0] == told[1]
+        outcomes.append((enter < leave).any(axis=1))
+    return outcomes[1], outcomes[0] == outcomes[1]

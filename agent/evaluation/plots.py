@@ -37,7 +37,7 @@ def ratio_plot(results: Sequence[Result]) -> bytes:
         _ratios(axes[0, column], result)
         _by_rooms(axes[1, column], result)
     axes[1, 0].set_ylabel("ratio to the oracle")
-    return _png(figure)
+    return png(figure)
 
 
 def learning_curve(history: Sequence[Progress], result: Result | None = None) -> bytes:
@@ -70,8 +70,8 @@ def learning_curve(history: Sequence[Progress], result: Result | None = None) ->
         axes.text(1.02, label, f"{name} {estimate.value:.1f}", color=colour, va="center", transform=at)
     axes.set(xlabel="environment steps (millions)", ylabel="targets per 1500 steps")
     axes.set(xlim=(0, millions[-1]), ylim=(0, 1.1 * top + 1e-9))
-    _plain(axes, "y")
-    return _png(figure)
+    plain(axes, "y")
+    return png(figure)
 
 
 def _ratios(axes: Axes, result: Result) -> None:
@@ -91,7 +91,7 @@ def _ratios(axes: Axes, result: Result) -> None:
     axes.set_title(f"Targets in {WHERE.get(result.mode, result.mode)}")
     if result.mode in HUMAN:
         axes.annotate(HUMAN_NAME, (HUMAN_RATIO, -0.5), (3, 0), textcoords="offset points", size=7)
-    _plain(axes, "x")
+    plain(axes, "x")
 
 
 def _by_rooms(axes: Axes, result: Result) -> None:
@@ -106,7 +106,7 @@ def _by_rooms(axes: Axes, result: Result) -> None:
     _human(axes.axhline, result)
     axes.set(xlabel="secondary rooms", ylim=(-0.03, 1.06))
     axes.set_xticks(np.unique(result.rooms))
-    _plain(axes, "y")
+    plain(axes, "y")
 
 
 def _human(line: Any, result: Result) -> None:
@@ -114,12 +114,14 @@ def _human(line: Any, result: Result) -> None:
         line(HUMAN_RATIO, color="#555555", linestyle="--", linewidth=1)
 
 
-def _plain(axes: Axes, grid: Any) -> None:
+def plain(axes: Axes, grid: Any) -> None:
+    """Axes without a frame, with a light grid along ``grid``."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis=grid, alpha=0.25)
 
 
-def _png(figure: Figure) -> bytes:
+def png(figure: Figure) -> bytes:
+    """The figure as the bytes of a PNG file."""
     content = io.BytesIO()
     figure.savefig(content, format="png")
     return content.getvalue()

@@ -1,6 +1,5 @@
 """The study of agents in pictures: scores, scores by rooms, what each part contributes, learning curves."""
 
-import io
 from collections.abc import Sequence
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
-from agent.evaluation.plots import COLOURS
+from agent.evaluation.plots import COLOURS, plain, png
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import WHERE
@@ -33,7 +32,7 @@ def pictures(study: Study) -> dict[str, bytes]:
         drawn["agent-rooms.png"] = _rooms(study)
     if bases:
         drawn["agent-parts.png"] = _parts(study, bases)
-    return {name: _png(figure) for name, figure in drawn.items()}
+    return {name: png(figure) for name, figure in drawn.items()}
 
 
 def _colours(study: Study) -> dict[str, str]:
@@ -61,7 +60,7 @@ def _scores(study: Study) -> Figure:
             label = {"textcoords": "offset points", "size": 7, "color": "#555555"}
             axes.annotate(ELSEWHERE, (HUMAN_RATIO, len(names) - 0.45), (3, 0), **label)
         axes.set(title=f"targets in {WHERE[mode]}", xlabel="ratio to the oracle", xlim=(-0.03, 1.12))
-        _plain(axes, "x")
+        plain(axes, "x")
     columns[0].set_yticks(range(len(names)), names)
     columns[0].set_ylim(len(names) - 0.2, -0.7)
     for label, name in zip(columns[0].get_yticklabels(), names, strict=True):
@@ -112,7 +111,7 @@ def _rooms(study: Study) -> Figure:
         "Targets in secondary rooms. Solid: agents that learnt; dashed: baselines",
         size=9,
     )
-    _plain(axes, "y")
+    plain(axes, "y")
     return figure
 
 
@@ -139,7 +138,7 @@ def _parts(study: Study, bases: list[Entry]) -> Figure:
         axes.set_title(
             f"{base.name}, targets in {WHERE[base.targets]}: ratio {ratio:.2f} as it is", size=10, loc="left"
         )
-        _plain(axes, "x")
+        plain(axes, "x")
         axes.margins(x=0.1)
     panels[-1].set_xlabel("change of the ratio to the oracle")
     figure.suptitle(
@@ -176,7 +175,7 @@ def _curves(study: Study) -> Figure:
         axes.set(xlim=(0, 1), ylim=(0, 1.05 * tops.get(entry.targets, 1.0)))
         axes.set_title(f"{entry.name}\n{entry.steps / 1e6:.3g} M steps, {entry.targets}", size=9)
         axes.tick_params(labelsize=7)
-        _plain(axes, "y")
+        plain(axes, "y")
     key: Any = [
         grid[0].plot([], [], color=SEEDS[k % len(SEEDS)], label=f"seed {seed}")[0]
         for k, seed in enumerate(seeds)
@@ -193,14 +192,3 @@ def _curve(axes: Axes, curve: tuple[tuple[int, float], ...], steps: int, **look:
     if curve:
         seen, targets = np.array(curve).T
         axes.plot(seen / steps, targets, **look)
-
-
-def _plain(axes: Axes, grid: Any) -> None:
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(axis=grid, alpha=0.25)
-
-
-def _png(figure: Figure) -> bytes:
-    content = io.BytesIO()
-    figure.savefig(content, format="png")
-    return content.getvalue()

@@ -105,7 +105,7 @@ def explored(name: str) -> dict[str, Any]:
 
 
 def learnt(preset: str) -> dict[str, Any]:
-    """What a preset learns in so many steps of each environment: the losses' mean and the weights' digest."""
+    """What a preset learns in ``STEPS`` of each environment: the losses' mean and the weights' digest."""
     torch.set_num_threads(1)
     config = PRESETS[preset]
     config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))

@@ -1,4 +1,4 @@
-"""A backend of one's own: the documentation's example runs as it stands, and what is none is refused."""
+"""A user's backend: the documentation's example runs as it stands, and what is none is refused."""
 
 import importlib
 import re

@@ -15,7 +15,7 @@ it.
 """
 
 PITCH, HASTE, LEAST, PLENTY = 4, 4.0, 200, 60_000
-"""Viewpoints are so many nodes apart; steps added to each path; what a view must show, and needs at most."""
+"""Nodes between viewpoints; steps added to each path; what a view must show, and needs at most."""
 
 
 # - where targets may lie, and how far that is -----------------------------------------------------

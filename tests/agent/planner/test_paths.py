@@ -95,7 +95,7 @@ def test_steps_that_are_free_on_the_map_of_a_grid_are_free_in_the_house(grid: Wa
 
 
 def explored(envs: HouseVectorEnv, steps: int, seed: int) -> tuple[Explorer, np.ndarray, int]:
-    """An explorer after so many steps; its rewards (T, E) and bumps."""
+    """An explorer after some steps; its rewards (T, E) and bumps."""
     explorer, rewards, bumps = Explorer(shield(envs), envs.config), [], 0
     explorer.begin(envs.num_envs)
     observation, _ = envs.reset(seed=seed, options={"house": np.arange(envs.num_envs) % len(envs.houses)})

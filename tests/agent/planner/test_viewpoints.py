@@ -75,17 +75,17 @@ def test_the_viewpoint_is_the_best_wherever_targets_may_be(continuous: Walk) -> 
 def test_kept_gains_change_next_to_no_choice_and_spare_looks(continuous: Walk) -> None:
     """As long as nothing is new: against a planner that forgets them. Choices one after the other."""
     memories, random = last(continuous), np.random.default_rng(1)
-    lazy, anew = continuous, Walk(continuous.envs, Planner(continuous.envs.config, E), continuous.inputs)
-    kept, forgotten = lazy.planner.array("gains"), anew.planner.array("gains")
+    lazy, fresh = continuous, Walk(continuous.envs, Planner(continuous.envs.config, E), continuous.inputs)
+    kept, forgotten = lazy.planner.array("gains"), fresh.planner.array("gains")
     kept[:] = UNKNOWN
-    for planner in (lazy.planner, anew.planner):
+    for planner in (lazy.planner, fresh.planner):
         planner.array("candidates")[:] = 0
     same, again, known, lazily, in_all = [], 0, 0, 0, 0
     for _ in range(24):
         forgotten[:] = UNKNOWN
         kept[kept < UNKNOWN] += 1  # so that a look shows: it writes what there is
         marked, poses = kept.copy(), poses_in(memories, random)
-        pairs = (ask(each, memories, poses, since=200) for each in (lazy, anew))
+        pairs = (ask(each, memories, poses, since=200) for each in (lazy, fresh))
         same += [(one.goal, one.look) == (other.goal, other.look) for one, other in zip(*pairs, strict=True)]
         looked = kept != marked
         again, known = again + (looked & (marked < UNKNOWN)).sum(), known + (marked < UNKNOWN).sum()
