@@ -2,7 +2,8 @@
 
 import gzip
 import os
-import tempfile
+import secrets
+import stat
 import zlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -54,27 +55,33 @@ def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
-    """Write a file beside its place, flush it to disk and rename it: a kill tears nothing."""
-    path = Path(path)
+    """Write a file beside its place, flush it to disk and rename it: a kill tears nothing.
+
+    A link stays one, and what it leads to is replaced; a file that was there keeps its mode. What is no
+    regular file, a device or a pipe, is written to. Raises ``OSError`` for a folder or where writing fails.
+    """
+    path = Path(os.path.realpath(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    before = (
+        path.stat() if path.exists() or path.is_symlink() else None
+    )  # a link is left where links go round
+    if before and not stat.S_ISREG(before.st_mode):
+        path.write_bytes(content)
+        return
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
-        with os.fdopen(descriptor, "wb") as file:
+        with open(beside, "xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(beside, 0o666 & ~_umask())
-        os.replace(beside, path)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
+        if before:
+            beside.chmod(stat.S_IMODE(before.st_mode))
+        beside.replace(path)
+    except BaseException as error:
+        beside.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno:
+            error.filename = str(path)
         raise
-
-
-def _umask() -> int:
-    """The process's umask, which can only be read by setting it."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _ends(line: bytes) -> bool:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 # Else Taichi takes the redirection for a notebook's, says so, and wraps each launch to print through it.
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
+# Taichi would ask its makers for a newer version once a day, by a name that it keeps for this machine.
+os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
     from taichi.lang import impl, kernel_impl
