@@ -14,6 +14,9 @@ import msgspec
 from logic.errors import HouseFileError
 from logic.house import House
 
+MOST_BYTES, MOST_LINE = 1 << 30, 1 << 25
+"""What is read of a house file, unpacked, and of one house."""
+
 
 def load(path: str | Path) -> list[House]:
     """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file.
@@ -22,12 +25,13 @@ def load(path: str | Path) -> list[House]:
     """
     path = Path(path)
     try:
-        content = path.read_bytes()
-        if path.suffix == ".gz":
-            content = gzip.decompress(content)
+        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
     except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
+    if len(content) > MOST_BYTES:
+        raise HouseFileError(f"{path}: holds more than {MOST_BYTES >> 20} MiB: split it")
     lines = [(1, content)] if _holds_one(path) else enumerate(content.split(b"\n"), start=1)
     houses = [_parsed(line, f"{path}:{number}") for number, line in lines if line.strip() and not _ends(line)]
     if not houses:
@@ -95,6 +99,8 @@ def _holds_one(path: Path) -> bool:
 
 
 def _parsed(line: bytes, place: str) -> House:
+    if len(line) > MOST_LINE:
+        raise HouseFileError(f"{place}: a house of more than {MOST_LINE >> 20} MiB")
     try:
         record: dict[str, Any] = msgspec.json.decode(line)
         return House.from_dict(record)

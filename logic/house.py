@@ -22,6 +22,9 @@ PIXEL = 0.3048 / 8.5
 BODY = 0.287
 """Metres: side of the square body that walks in houses, and the least cell of a grid."""
 
+FARTHEST, MOST_ROOMS, MOST_PIECES = 1000.0, 1024, 256
+"""What is read of a file: metres from the origin, rooms of a house, pieces of a room."""
+
 Orientation = Literal["", "N", "E", "S", "W"]
 
 
@@ -176,11 +179,18 @@ def _scaled(house: House, factor: float) -> House:
 
 
 def _require_sizes(house: House) -> None:
-    """Refuse what is no house at all: sizes that are not positive, lengths that are not finite."""
+    """Refuse what is no house at all: sizes that are not positive, lengths that are not finite, and too many
+    or too far parts, before anything is computed of them.
+    """
+    cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
+    if type(cell) not in (int, float) or not 0 <= cell <= FARTHEST:
+        raise msgspec.ValidationError(f"provenance.request.cell must be a length in metres, not {cell!r}")
+    if len(house.rooms) > MOST_ROOMS:
+        raise msgspec.ValidationError(f"has {len(house.rooms)} rooms: at most {MOST_ROOMS:,}")
 
     def require(rect: Rect, name: str) -> None:
-        if not all(abs(value) < 1e6 for value in (rect.x, rect.y, rect.width, rect.height)):
-            raise msgspec.ValidationError(f"{name} lies beyond 1000 km or is not a number")
+        if not all(abs(value) <= FARTHEST for value in rect.box):
+            raise msgspec.ValidationError(f"{name} lies beyond {FARTHEST:g} m or is not a number")
         if rect.width < 0 or rect.height < 0 or (rect.area == 0 and not isinstance(rect, Door)):
             raise msgspec.ValidationError(f"{name} is {rect.width} by {rect.height}: sizes must be positive")
 
@@ -188,6 +198,8 @@ def _require_sizes(house: House) -> None:
     for index, room in enumerate(house.rooms):
         require(room, f"R{index}")
         require(room.door, f"R{index}.door")
+        if len(room.pieces) > MOST_PIECES:
+            raise msgspec.ValidationError(f"R{index} has {len(room.pieces)} pieces: at most {MOST_PIECES:,}")
         if (room.door.width > 0) == (room.door.height > 0):
             raise msgspec.ValidationError(f"R{index}.door must be a segment: its width or its height is zero")
         for place, piece in enumerate(room.pieces):

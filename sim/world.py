@@ -215,8 +215,12 @@ class World:
             self.arrays[name].fill(state[name])
 
 
+FARTHEST = 100.0
+"""Metres from the origin that a house may reach: beyond, float32 places are coarser than the body's skin."""
+
+
 def _check(houses: Sequence[House]) -> None:
-    """Raise ``ValueError`` where a house has a length that is none."""
+    """Raise ``ValueError`` where a length of a house is none, or too far off, before memory is taken."""
     for index, house in enumerate(houses):
         rects: list[tuple[str, Any]] = [("the main room", house.floor)]
         for k, room in enumerate(house.rooms):
@@ -228,3 +232,6 @@ def _check(houses: Sequence[House]) -> None:
                     f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
                     f"{rect.height}: all must be finite numbers of metres, sides not negative"
                 )
+            if max(map(abs, rect.box)) > FARTHEST:
+                at = f"house {index} of {len(houses)}: {name}"
+                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin")

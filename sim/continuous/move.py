@@ -9,9 +9,6 @@ from sim.continuous.layout import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, HEADER, 
 from sim.geometry import Geometry
 from sim.runtime import ti
 
-FARTHEST = 100.0
-"""Metres from the origin that a house may reach: beyond, float32 places are coarser than ``SKIN``."""
-
 
 @ti.data_oriented
 class Motion:
@@ -25,8 +22,6 @@ class Motion:
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
         """A house's own lattice lies half a step off its corner, so that no body is flush by construction."""
         west, north, east, south = shape.bounds
-        if max(abs(west), abs(north), abs(east), abs(south)) > FARTHEST:
-            raise ValueError(f"it reaches further than {FARTHEST:.0f} m from the origin")
         corner, step = np.array([west, north]), self.config.step
         if origin is None:
             origin = (corner + step / 2).astype(np.float32)

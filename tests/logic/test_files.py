@@ -22,6 +22,9 @@ from tests.logic.handmade import built, houses, sketches
 EXAMPLE = Path(__file__).parents[1] / "fixtures" / "example1.json"
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 
+PIECE = HOUSE.to_dict()["R0"]["children"][0]
+PROVENANCE = {"grammar": "", "grammar_hash": "", "request": {}, "seed": 0, "index": 0, "versions": {}}
+
 provenances = st.builds(
     Provenance,
     grammar=st.text(max_size=9),
@@ -117,8 +120,15 @@ def changed(path: str, value: Any) -> dict[str, Any]:
         ("floor", ..., "floor"),
         ("floor.width", "wide", r"Expected `float`, got `str` - at `\$.floor.width`"),
         ("floor.width", 0.0, "floor is 0.0 by 4.2: sizes must be positive"),
-        ("floor.x", float("nan"), "floor lies beyond 1000 km or is not a number"),
-        ("floor.x", float("inf"), "floor lies beyond 1000 km or is not a number"),
+        ("floor.x", float("nan"), "floor lies beyond 1000 m or is not a number"),
+        ("floor.x", float("inf"), "floor lies beyond 1000 m or is not a number"),
+        ("R0.x", 5000.0, "R0 lies beyond 1000 m"),
+        ("R0.children", 300 * [PIECE], "R0 has 600 pieces: at most 256"),
+        (
+            "provenance",
+            {**PROVENANCE, "request": {"cell": "0.3"}},
+            "cell must be a length in metres, not '0.3'",
+        ),
         ("unit", "ft", "unit"),
         ("format", "vitruvius-9", "format"),
         ("colour", "red", "colour"),
@@ -180,6 +190,19 @@ def test_a_damaged_gzip_file_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "houses.jsonl.gz"
     path.write_bytes(content)
     with pytest.raises(HouseFileError, match="cannot be read"):
+        load(path)
+
+
+def test_a_small_file_that_unpacks_to_more_than_is_read_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "houses.jsonl.gz"
+    path.write_bytes(gzip.compress(bytes(4 << 20)))
+    monkeypatch.setattr("logic.files.MOST_LINE", 1 << 20)
+    with pytest.raises(HouseFileError, match=":1: a house of more than 1 MiB"):
+        load(path)
+    monkeypatch.setattr("logic.files.MOST_BYTES", 2 << 20)
+    with pytest.raises(HouseFileError, match="holds more than 2 MiB"):
         load(path)
 
 
