@@ -46,6 +46,10 @@ class HouseEnv(gymnasium.Env):
         frames = self.envs.render()
         return None if frames is None else frames[0]
 
+    def close(self) -> None:
+        """End: to step or reset after it is an error."""
+        self.envs.close()
+
 
 def _only(info: dict[str, Any]) -> dict[str, Any]:
     """The info of the only environment."""

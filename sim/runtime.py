@@ -7,6 +7,7 @@ import contextlib
 import inspect
 import io
 import os
+import threading
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -66,12 +67,29 @@ ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
 kernel_impl.getsourcelines = _read_once(kernel_impl.getsourcelines)
 
 
+_stranded = threading.Event()
+"""Set in a fork of a process in which Taichi ran: its threads are not here."""
+
+os.register_at_fork(after_in_child=lambda: _stranded.set() if impl.get_runtime().prog else None)
+
+
+def _require_threads() -> None:
+    """Raise ``RuntimeError`` in a fork of a process in which Taichi ran."""
+    if _stranded.is_set():
+        raise RuntimeError(
+            "Taichi ran before this process was forked, and cannot run in it: start processes by 'spawn', as "
+            'in vector_kwargs={"context": "spawn"}; or make one HouseVectorEnv for all environments'
+        )
+
+
 def start(device: str = "cpu", threads: int | None = None) -> Any:
     """Start Taichi, once: one that runs already, ours or the caller's, is left as it is. Returns its program.
 
     ``device``: ``cpu`` or ``cuda``; ``ValueError`` if it is not there, or another one runs already.
     ``threads`` bounds its workers (all cores by default). Call it in the main thread: kernels compile there.
+    Raises ``RuntimeError`` in a fork of a process in which it ran.
     """
+    _require_threads()
     arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
     runtime = impl.get_runtime()
     if runtime.prog is None:
@@ -238,5 +256,6 @@ class Launch:
 
     def __call__(self) -> None:
         """Run it."""
+        _require_threads()
         program: Any = impl.get_runtime().prog
         self._graph.jit_run(program.config(), self._arguments)

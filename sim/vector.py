@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import spaces
-from gymnasium.error import ResetNeeded
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
@@ -142,6 +142,17 @@ class HouseVectorEnv(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
+        self._arguments = {
+            "num_envs": num_envs,
+            "backend": backend,
+            "preset": preset,
+            "seed": seed,
+            "max_episode_steps": max_episode_steps,
+            "render_mode": render_mode,
+            "autoreset_mode": self.autoreset_mode,
+            "device": device,
+            "by_ray": by_ray,
+        }
         self._outputs = Outputs(self.world)
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
@@ -181,6 +192,7 @@ class HouseVectorEnv(VectorEnv):
         bool, those environments that begin a new episode, all but the first time. ``ValueError`` for wrong
         ones, before anything is changed.
         """
+        self._require_open()
         asked = read_options(options or {}, self.world, first=not self._ready)
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
@@ -329,8 +341,18 @@ class HouseVectorEnv(VectorEnv):
             found=state["found"] - 1,
         )
 
+    def _require_open(self) -> None:
+        if self.closed:
+            raise ClosedEnvironmentError("these environments were closed: make new ones")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the arguments and the state: what is read goes on bit for bit."""
+        arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
+        return _remade, (type(self), arguments, self._np_random, self.state if self._ready else None)
+
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, cannot be done now."""
+        self._require_open()
         if not self._ready:
             raise ResetNeeded("call reset() before step()")
         if actions.shape != (self.num_envs,):
@@ -348,3 +370,17 @@ class HouseVectorEnv(VectorEnv):
                     f"the episode of environment {int(over.argmax())} has ended: reset it by "
                     'reset(options={"reset_mask": ...})'
                 )
+
+
+def _remade(
+    kind: type[HouseVectorEnv],
+    arguments: dict[str, Any],
+    np_random: np.random.Generator | None,
+    state: dict[str, np.ndarray] | None,
+) -> HouseVectorEnv:
+    """The environments that were pickled."""
+    envs = kind(**arguments)
+    envs._np_random = np_random
+    if state is not None:
+        envs.state = state
+    return envs

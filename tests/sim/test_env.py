@@ -1,6 +1,7 @@
 """The environments as Gymnasium has them, and every wrong use of them."""
 
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.error import ResetNeeded
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from msgspec.structs import replace
@@ -413,3 +414,51 @@ def test_a_reward_in_an_episodes_last_step_is_not_given_again_as_the_next_begins
     assert (reward[0], truncated[0]) == (1, True)
     _, reward, _, truncated, _ = envs.step(np.array([2]))
     assert (reward[0], truncated[0]) == (0, False)
+
+
+def test_pickled_environments_go_on_bit_for_bit():
+    envs = HouseVectorEnv(HOUSES[:1], num_envs=3, max_episode_steps=9, render_mode="rgb_array")
+    fresh = pickle.loads(pickle.dumps(envs))
+    envs.set_houses(HOUSES, targets="mixed")
+    envs.reset(seed=5)
+    envs.step(np.array([2, 0, 1]))
+    again = pickle.loads(pickle.dumps(envs))
+    for action in range(20):
+        actions = np.array([2, action % 3, 0])
+        for one, other in zip(envs.step(actions), again.step(actions), strict=True):
+            np.testing.assert_equal(one, other)
+    assert (fresh.num_envs, fresh.render_mode, len(fresh.houses)) == (3, "rgb_array", 1)
+    with pytest.raises(ResetNeeded):
+        fresh.step(np.zeros(3, int))
+
+
+def test_after_close_to_step_or_reset_is_an_error():
+    env = gymnasium.make("sim:Vitruvius/House-v0", houses=HOUSES[:1])
+    env.reset(seed=0)
+    env.close()
+    for act in (env.reset, lambda: env.step(2)):
+        with pytest.raises(ClosedEnvironmentError, match="make new ones"):
+            act()
+
+
+FORKED = """
+import os, numpy, sim
+from tests.sim.test_env import HOUSES
+envs = sim.HouseVectorEnv(HOUSES[:1])
+envs.reset(seed=0)
+if os.fork():
+    os._exit(os.waitstatus_to_exitcode(os.wait()[1]))
+for act in (lambda: envs.step(numpy.zeros(1, int)), lambda: sim.HouseVectorEnv(HOUSES[:1])):
+    try:
+        act()
+    except RuntimeError as error:
+        print(error, flush=True)
+os._exit(7)
+"""
+
+
+def test_in_a_fork_of_a_process_that_ran_environments_all_is_one_clear_error():
+    command = [sys.executable, "-c", FORKED]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 7, done.stderr
+    assert done.stdout.count("start processes by 'spawn'") == 2
