@@ -2,13 +2,53 @@
 
 /** <module> A grammar's .pl files, loaded
 
-They are loaded into the module `grammar`: room_size/3, piece_size/4 and the named lengths. A grammar may state its
-clauses in any order, in one file or several.
+They are loaded into the module `grammar`: the predicates that are declared here. A grammar may state its clauses in any
+order, in one file or several.
 */
 
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+
+%!  room_size(?Type, -Width, -Depth)
+%
+%   how large rooms of this Type are, in metres: Width along the wall with the door, Depth away from it.
+%
+%       room_size(cellar, W, D) :- { W >= 2.4, W =< 4.0, D >= 2.4, D =< W }.
+
+%!  piece_size(?Piece, -Length, -Depth, +Wall)
+%
+%   how large such pieces or companions are, in metres: Length along the wall behind them, Depth out from it. Wall is the
+%   length of that wall from corner to corner; in the middle of a room, the room's width.
+%
+%       piece_size(rack,  L, D, Wall) :- { L >= 0.8, L =< 0.5*Wall, D = 0.4 }.
+%       piece_size(keg,   L, D, _)    :- { L = 1.0, D = L }.
+%       piece_size(crate, L, D, _)    :- { L >= 0.3, L =< 0.5, D = L }.
+%       piece_size(stool, L, D, _)    :- { L = 0.4, D = L }.
+
+%!  door_width(-Width)
+%
+%   how wide every door is, in metres.
+%
+%       door_width(0.762).
+
+%!  door_clearance(-Distance)
+%
+%   how far furniture stands from a door at least, in metres, on either side of the wall.
+%
+%       door_clearance(0.45).
+
+%!  passage(-Width)
+%
+%   how wide a way between furniture is at least, in metres.
+%
+%       passage(0.42).
+
+%!  room_gap(-Distance)
+%
+%   how far apart neighbouring rooms stand at least, in metres.
+%
+%       room_gap(0.6).
 
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- multifile grammar:room_size/3, grammar:piece_size/4.
