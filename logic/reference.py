@@ -4,6 +4,7 @@ A documentation comment is ``%*! name(Argument,..): what it says *%`` in an ``.l
 file; its indented lines are an example. A predicate without one is the core's own.
 """
 
+import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -111,7 +112,8 @@ def page() -> str:
     parts["lengths"] = _table(prolog_entries())
     parts["goals"] = ", ".join(f"`{goal}`" for goal in goals())
     parts["recipes"] = "\n\n".join(map(str, recipes()))
-    parts["inexpressible"] = ""
+    limits = json.loads((RULES / "inexpressible.json").read_text(encoding="utf-8"))
+    parts["inexpressible"] = "\n".join(f"| {each['topic']} | {each['says']} |" for each in limits)
     return re.sub("<!-- (\\w+) -->", lambda place: parts[place[1]], PAGE.read_text(encoding="utf-8"))
 
 
