@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -55,11 +56,15 @@ class Recipe:
 
 
 def recipes() -> list[Recipe]:
-    """All recipes: about rooms, about furniture, about new types, pieces and lengths."""
-    found = [
-        Recipe(file.stem, (file, *RECIPES.glob(f"{file.stem}.pl"))) for file in sorted(RECIPES.glob("*.lp"))
-    ]
-    return sorted(found, key=lambda recipe: (len(recipe.files), "#program room." in str(recipe)))
+    """All recipes, by what they are about and by name."""
+    files = sorted(RECIPES.glob("*.lp"))
+    return sorted((Recipe(file.stem, (file, *RECIPES.glob(f"{file.stem}.pl"))) for file in files), key=_about)
+
+
+def _about(recipe: Recipe) -> str:
+    if len(recipe.files) > 1:
+        return "Types, pieces and lengths"
+    return "Furniture of a room" if "#program room." in str(recipe) else "A house's rooms"
 
 
 def asp_entries() -> dict[str, list[Entry]]:
@@ -111,7 +116,8 @@ def page() -> str:
     parts = {name: _table(entries) for name, entries in asp_entries().items()}
     parts["lengths"] = _table(prolog_entries())
     parts["goals"] = ", ".join(f"`{goal}`" for goal in goals())
-    parts["recipes"] = "\n\n".join(map(str, recipes()))
+    groups = groupby(recipes(), _about)
+    parts["recipes"] = "\n\n".join("\n\n".join([f"### {about}", *map(str, group)]) for about, group in groups)
     limits = json.loads((RULES / "inexpressible.json").read_text(encoding="utf-8"))
     parts["inexpressible"] = "\n".join(f"| {each['topic']} | {each['says']} |" for each in limits)
     return re.sub("<!-- (\\w+) -->", lambda place: parts[place[1]], PAGE.read_text(encoding="utf-8"))
