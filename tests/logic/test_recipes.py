@@ -29,9 +29,11 @@ def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
     from logic.builder import Builder
     from logic.linter import findings
 
-    found, builder = findings(find(folder)), Builder(find(folder))
-    houses = [builder.house(Request(rooms), 0, index, 10**8) for index, rooms in enumerate(SAMPLE * times)]
-    list(Prolog.query(f"forall((source_file(F), sub_atom(F,0,_,_,'{folder}')), unload_file(F))"))
+    try:
+        found, builder = findings(find(folder)), Builder(find(folder))
+        houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
+    finally:
+        list(Prolog.query(f"forall((source_file(F), sub_atom(F,0,_,_,'{folder}')), unload_file(F))"))
     return found, houses
 
 
