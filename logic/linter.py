@@ -16,7 +16,7 @@ def findings(grammar: Grammar) -> list[Finding]:
     loaded = LoadedGrammar(grammar)
     errors, warnings = loaded.errors, []
     if not errors:
-        warnings = _warnings(grammar, map(str, loaded.types))
+        warnings = [*loaded.warnings, *_warnings(grammar, map(str, loaded.types))]
         try:
             loaded.programs.refuse_remarks()
         except GrammarError as error:

@@ -10,10 +10,17 @@ from logic.audit import audit
 from logic.errors import GrammarError
 from logic.grammar import Grammar
 from logic.layout import Program
-from logic.placement import Placer
+from logic.placement import Placer, unknown
 from logic.programs import Programs
+from logic.spelling import closest
 from logic.terms import Lengths, length_facts
 from logic.vocabulary import misspelt, place_of
+
+LONGEST = {("length", 1): 5.0, ("size", 1): 50.0, ("size", 2): 20.0}
+"""Metres above which a named length, a side of a room or of a piece is likely to be in another unit."""
+
+SHORTEST = 0.01
+"""Metres below which it is, if it is not 0."""
 
 
 class LoadedGrammar:
@@ -22,7 +29,8 @@ class LoadedGrammar:
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
         """Load the files, for houses on a grid of such cells (m) if not 0.
 
-        ``errors`` is what is wrong with them: the rest stands only where it is empty.
+        ``errors`` is what is wrong with them: the rest stands only where it is empty. ``warnings`` are about
+        lengths that are no likely number of metres.
         """
         self._grammar = grammar
         self.placer = Placer(grammar, cell)
@@ -31,6 +39,7 @@ class LoadedGrammar:
         self._extremes: dict[str, Any] = {}
         self.errors = [*audit(grammar.asp), *self.placer.problems] or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
+        self.warnings = [] if self.errors else list(self._unlikely())
         self.programs = Programs(grammar, self.furniture, self.lengths)
 
     def _errors(self) -> Iterator[GrammarError]:
@@ -45,23 +54,65 @@ class LoadedGrammar:
         for type_ in unnamed:
             why = f"{type_}: a type is named by a word that begins in lower case, as in bedroom"
             yield self._at(Function("type", [type_]), why)
-        wrong = [*self._wrong(probe), *misspelt(self._grammar.asp, (name for _, name, _, _ in sized))]
+        wrong = [*self._wrong(probe), *misspelt(self._grammar.asp, (name for _, name, *_ in sized))]
         yield from wrong
         if not self.types:
             yield GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory)
         if wrong or unnamed or not self.types:
             return
         self.furniture = _furniture(probe)
-        self._extremes, errors = self.placer.lengths(self.furniture)
+        turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
+        turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
+        self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
         yield from errors
+        yield from {str(error): error for error in map(self._absent, absent)}.values()
         names = {
             "room_size": set(self.furniture),
             "piece_size": {p for ps in self.furniture.values() for p in ps},
         }
-        for predicate, name, file, line in sized:
+        for predicate, name, file, line, column in sized:
             if name not in names[predicate]:
                 kind = "room type: see type/1" if predicate == "room_size" else "piece in any room: see may/4"
-                yield GrammarError(f"{predicate}: {name} is no {kind}", file, line, 1)
+                meant = closest(name, names[predicate])
+                hint = f". Did you mean {meant}?" if meant else ""
+                yield unknown(name, f"{predicate}: {name} is no {kind}{hint}", file, line, column)
+
+    def _absent(self, clause: Symbol) -> GrammarError:
+        """An error for a clause that no ``.pl`` file states: at the fact that calls for it."""
+        if clause.name == "length":
+            name = clause.arguments[0].name
+            hint = f"{name}/1 has no clause: add one, as {name}(0.5). for half a metre"
+            return GrammarError(hint, self._grammar.prolog[-1], 1, 1)
+        *room, name = clause.arguments
+        if room:
+            predicate = "piece_size/4"
+            facts = [
+                Function("may", clause.arguments),
+                Function("beside", [name]),
+                Function("around", [name]),
+            ]
+        else:
+            predicate, facts = "room_size/3", [Function("type", [name])]
+        fact = next((each for each in facts if place_of(each, self._grammar.asp)), facts[0])
+        return self._at(fact, f"{predicate} has no clause for {name}: add one to a .pl file")
+
+    def _unlikely(self) -> Iterator[GrammarError]:
+        """Lengths that look like centimetres or millimetres, by their clauses."""
+        sizes = {Function("length", [Function(name)]): [m] for name, m in self._extremes["lengths"].items()}
+        for type_, room in self._extremes["rooms"].items():
+            sizes[Function("size", [Function(type_)])] = room
+            if max(room) <= LONGEST["size", 1]:  # A piece may be as long as its wall.
+                for piece, size in self._extremes["pieces"][type_].items():
+                    sizes[Function("size", [Function(type_), Function(piece)])] = size
+        found = {}
+        for clause, metres in sizes.items():
+            longest = LONGEST[clause.name, len(clause.arguments)]
+            wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)
+            if wrong:
+                place, name = self.placer.origins([clause])[clause], clause.arguments[-1]
+                found[place] = f"{name}: {wrong:g} m. Lengths are in metres: 320 cm are 3.2"
+        for (file, line), text in found.items():
+            yield GrammarError(text, file, line, 1)
 
     def _wrong(self, probe: Program) -> Iterator[GrammarError]:
         """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``)."""

@@ -5,7 +5,7 @@ process, so this runs in a worker process (``logic.worker``) and nowhere else.
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from clingo import Function, Symbol, parse_term
 from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
 from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
+from logic.prolog_syntax import explained
 
 NAMES = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that every grammar states, each as a fact of this name."""
@@ -87,52 +88,45 @@ class Placer:
         self._directory = grammar.directory
         self._ask(f"use_module({_quoted(RULES / 'core.pl')})")
         files = ",".join(_quoted(file) for file in grammar.prolog)
-        self.problems = [
-            GrammarError(text, file or grammar.directory, line, column)
-            for file, line, column, text in self._json(f"grammar_problems([{files}],Json)")
-        ]
+        self.problems = [_problem(*row) for row in self._json(f"grammar_problems([{files}],Json)")]
         self._ask(f"set_cell({cell})")
 
-    def lengths(self, furniture: Mapping[str, Iterable[str]]) -> tuple[dict[str, Any], list[GrammarError]]:
+    def lengths(
+        self, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
+    ) -> tuple[dict[str, Any], list[GrammarError], list[Symbol]]:
         """The named lengths, and the extremes of each room type and its pieces, in metres.
 
         ``{"lengths": {name: m}, "rooms": {type: extremes}, "pieces": {type: {piece: extremes}}}``, where
-        extremes are ``[least width, greatest width, least depth, greatest depth]``; and an error for each
-        length that is absent or of no use.
+        extremes are ``[least width, greatest width, least depth, greatest depth]``; an error for each clause
+        that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that may be
+        ``turned`` need no wall as long as they are.
         """
-        wanted = ",".join(f"furniture({t},[{','.join(pieces)}])" for t, pieces in furniture.items())
+        pieces = {
+            t: [f"piece({p},{str(p in turned).lower()})" for p in each] for t, each in furniture.items()
+        }
+        wanted = ",".join(f"furniture({type_},[{','.join(each)}])" for type_, each in pieces.items())
         report = self._json(f"grammar_lengths([{wanted}],[{','.join(NAMES)}],Json)")
-        errors: list[GrammarError] = []
+        wrong: dict[tuple[Any, ...], None] = {}  # A piece's clause may be wrong in the same way in each room.
+        absent: list[Symbol] = []
 
-        def used(clause: Symbol, what: str, value: Any) -> Any:
+        def used(kind: str, names: Iterable[str], value: Any) -> Any:
             if value is None:
-                hint = f"{what} has no clause for {clause.arguments[-1]}: add one to a .pl file"
-                errors.append(GrammarError(hint, self._directory))
-            elif isinstance(value, str):
-                file, line = self.origins([clause]).get(clause, (str(self._directory), None))
-                text = f"{what} for {clause.arguments[-1]} {value}"
-                errors.append(GrammarError(text, file, line, 1 if line else None))
+                absent.append(Function(kind, [Function(name) for name in names]))
+            elif isinstance(value, dict):
+                wrong[tuple(value["wrong"])] = None
             return value
 
-        named = {
-            name: used(Function("length", [Function(name)]), f"{name}/1", value)
-            for name, value in report["lengths"]
-        }
-        rooms, pieces = {}, {}
+        named = {name: used("length", [name], value) for name, value in report["lengths"]}
+        rooms, extents = {}, {}
         for type_, room, each in report["types"]:
-            size = [Function(type_)]
-            rooms[type_] = used(Function("size", size), "room_size/3", room)
-            pieces[type_] = {
-                piece: used(Function("size", [*size, Function(piece)]), "piece_size/4", extent)
-                for piece, extent in each
-            }
-        return {"lengths": named, "rooms": rooms, "pieces": pieces}, errors
+            rooms[type_] = used("size", [type_], room)
+            extents[type_] = {piece: used("size", [type_, piece], extent) for piece, extent in each}
+        errors = [GrammarError(text, file, line, column) for file, line, column, text in wrong]
+        return {"lengths": named, "rooms": rooms, "pieces": extents}, errors, absent
 
-    def sized(self) -> list[tuple[str, str, str, int]]:
-        """Predicate, name, file and line of each clause that gives a type of room or piece its size."""
-        return [
-            (predicate, name, file, line) for predicate, name, file, line in self._json("grammar_sized(Json)")
-        ]
+    def sized(self) -> list[tuple[str, str, str, int, int]]:
+        """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
+        return [tuple(row) for row in self._json("grammar_sized(Json)")]
 
     def place(
         self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
@@ -198,6 +192,20 @@ class Placer:
         if not answers:
             raise VitruviusError(f"SWI-Prolog has no answer to: {goal[:200]}")
         return answers[0]
+
+
+def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:
+    """An error for a name in a ``.pl`` file that nothing knows: of a predicate, a room type or a piece."""
+    return GrammarError(text, file, line, column)
+
+
+def _problem(file: str, line: int, column: int, text: str, name: str) -> GrammarError:
+    """A problem of the grammar's files; ``name`` is that of a predicate that is not known, or empty."""
+    if name:
+        return unknown(name, text, file, line, column)
+    if text.startswith("syntax error: "):
+        line, column, text = explained(Path(file).read_text(encoding="utf-8"), line, column, text[14:])
+    return GrammarError(text, file, line, column)
 
 
 def _fixed(number: int, room: FixedRoom) -> str:

@@ -5,12 +5,14 @@
 
 The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
-    lint.pl            what must not be in a grammar's .pl files, found without loading them
+    written.pl         a grammar's .pl files as they are written
+    lint.pl            what must not be in them, found without loading them; braces.pl: in constraints
     grammar_files.pl   the files, loaded
     origins.pl         where their clauses stand
     grid.pl            metres, or cells of a grid
     lengths.pl         the grammar's lengths, and the extremes of its sizes
     reports.pl         whether they can be used
+    faults.pl          why not, in the words of their author: paths.pl: a clause step by step; nonlinear.pl
     laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
 
     records.pl         what a room consists of; record_access.pl: its fields, compiled to unifications
@@ -43,38 +45,49 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 %!  grammar_problems(+Files, -Json) is det.
 %
-%   Json lists [File,Line,Column,Text] for what is wrong with the grammar's files. They are read first, and loaded only
-%   where they hold nothing that must not be run.
+%   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
+%   not known, or "". They are read first, and loaded only where they hold nothing that must not be run. Of a grammar loaded
+%   before nothing is left.
 
 grammar_problems(Files, Json) :-
+    drop_grammar,
     file_problems(Files, Read),
-    ( Read == [] -> load_grammar(Files, Problems) ; Problems = Read ),
-    findall([F,L,C,T], member(problem(F,L,C,T), Problems), List),
+    (   Read == []
+    ->  load_grammar(Files, Problems),
+        findall([F,L,C,T,""], member(problem(F,L,C,T), Problems), List)
+    ;   findall([F,L,C,T,N], member(problem(F,L,C,T,N), Read), List) ),
     as_json(List, Json).
 
 %!  grammar_lengths(+Furniture, +Names, -Json) is det.
 %
-%   Furniture is a list of furniture(Type,Pieces). Json gives the named lengths, and for each type the extremes of
-%   the room and of each of its pieces: a list of numbers, null where the grammar has no clause, or a text that
-%   says why the clause cannot be used.
+%   Furniture is a list of furniture(Type,Pieces), with piece(Type,Turns): whether it may stand turned. Json gives the named lengths, and for each type the extremes of
+%   the room and of each of its pieces: a list of numbers; null where the grammar has no clause; or
+%   {"wrong": [File,Line,Column,Text]} where the clause cannot be used.
 
 grammar_lengths(Furniture, Names, Json) :-
     maplist(name_report, Names, Lengths),
     maplist(type_report, Furniture, Types),
     as_json(_{lengths:Lengths, types:Types}, Json),
-    forall(member(furniture(Type,_), Furniture), ignore(catch(warm_up(Type), _, true))).
+    forall(( member([Type,Room,_], Types), is_list(Room) ), ignore(catch(warm_up(Type), _, true))).
 
 %   What SWI-Prolog loads at first use counts as inferences: an empty room keeps them out of the first house's.
 
 warm_up(Type) :- placed(layout([room(0,Type,north,[],1)],[],1,quick), 1 000 000, _).
 
-name_report(Name, [Name,Report]) :- length_report(Name, Report).
+name_report(Name, [Name,Record]) :- length_report(Name, Report), report_record(Report, Record).
 
-type_report(furniture(Type,Pieces), [Type,Room,Reports]) :-
-    room_report(Type, Room),
-    maplist(type_piece_report(Type), Pieces, Reports).
+%   Of the pieces in a room that is wrong itself nothing is said.
 
-type_piece_report(Type, Piece, [Piece,Report]) :- piece_report(Type, Piece, Report).
+type_report(furniture(Type,Pieces), [Type,Room,Records]) :-
+    room_report(Type, Report), report_record(Report, Room),
+    ( is_list(Report) -> maplist(type_piece_report(Type), Pieces, Records) ; Records = [] ).
+
+type_piece_report(Type, piece(Piece,Turns), [Piece,Record]) :-
+    piece_report(Type, Piece, Turns, Report),
+    report_record(Report, Record).
+
+report_record(wrong(File,Line,Column,Text), _{wrong:[File,Line,Column,Text]}) :- !.
+report_record(Report, Report).
 
 %!  placed(+Layout, +Limit, -Json) is det.
 %
@@ -157,7 +170,7 @@ grammar_origins(Clauses, Json) :-
 
 %!  grammar_sized(-Json) is det.
 %
-%   Json lists [Predicate,Name,File,Line] of the clauses that give sizes, see origins.pl.
+%   Json lists [Predicate,Name,File,Line,Column] of the clauses that give sizes, see origins.pl.
 
 grammar_sized(Json) :- size_clauses(Clauses), as_json(Clauses, Json).
 

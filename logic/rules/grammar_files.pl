@@ -1,4 +1,4 @@
-:- module(grammar_files, [load_grammar/2]).
+:- module(grammar_files, [load_grammar/2, drop_grammar/0, grammar_terms/1]).
 
 /** <module> A grammar's .pl files, loaded
 
@@ -9,6 +9,7 @@ order, in one file or several.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(written).
 
 %!  room_size(?Type, -Width, -Depth)
 %
@@ -56,7 +57,7 @@ order, in one file or several.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 :- multifile grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 
-:- dynamic problem/4.
+:- dynamic loaded/1, problem/4.
 :- dynamic user:message_hook/3.
 :- multifile user:message_hook/3.
 
@@ -70,22 +71,36 @@ load_grammar(Files, Problems) :-
     grammar:use_module(library(clpr)),
     setup_call_cleanup(
         asserta((user:message_hook(Term, Kind, Lines) :- grammar_files:noted(Term, Kind, Lines)), Hook),
-        forall(member(File, Files), load_files(grammar:File, [if(true),encoding(utf8)])),
+        forall(member(File, Files), ( assertz(loaded(File)), load_files(grammar:File, [if(true),encoding(utf8)]) )),
         erase(Hook)),
     findall(problem(F,L,C,T), problem(F,L,C,T), Problems).
+
+%!  drop_grammar is det.
+%
+%   The files that load_grammar/2 has loaded are unloaded.
+
+drop_grammar :- forall(retract(loaded(File)), unload_file(File)).
+
+%!  grammar_terms(-Terms) is det.
+%
+%   Terms are those of the loaded files, as they are written.
+
+grammar_terms(Terms) :-
+    findall(File, ( loaded(File), exists_file(File) ), Files),
+    written_terms(Files, Terms).
 
 %   noted(+Term, +Kind, +Lines) is semidet: a message is a problem, and SWI-Prolog prints it no more.
 
 noted(Term, Kind, Lines) :-
     memberchk(Kind, [error, warning]),
-    place(Term, File, Line, Column),
+    message_place(Term, File, Line, Column),
     message_text(Term, Lines, Text),
     assertz(problem(File, Line, Column, Text)).
 
-place(error(_, file(File,Line,Before,_)), File, Line, Column) :- !, Column is Before + 1.
-place(_, File, Line, 1) :- source_location(File, Line), !.
-place(_, File, 1, 1)    :- prolog_load_context(source, File), !.
-place(_, '', 1, 1).
+message_place(error(_, file(File,Line,Before,_)), File, Line, Column) :- !, Column is Before + 1.
+message_place(_, File, Line, 1) :- source_location(File, Line), !.
+message_place(_, File, 1, 1)    :- prolog_load_context(source, File), !.
+message_place(_, '', 1, 1).
 
 message_text(error(syntax_error(Which), _), _, Text) :- !,
     format(string(Text), "syntax error: ~w", [Which]).

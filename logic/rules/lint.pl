@@ -8,94 +8,70 @@ call: CLP(R) constraints, arithmetic, comparison, unification, control. Nothing 
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(library(prolog_source)).
 :- use_module(library(clpr)).
+:- use_module(braces).
+:- use_module(written).
 
 %!  file_problems(+Files, -Problems) is det.
 %
-%   Problems are problem(File,Line,Column,Text), in order, for what a grammar's file must not hold.
+%   Problems are problem(File,Line,Column,Text,Name), in order, for what a grammar's file must not hold. Name is that of a
+%   predicate that is not known, or ''.
 
 file_problems(Files, Problems) :-
-    maplist(file_terms, Files, Each),
-    append(Each, Terms),
+    written_terms(Files, Terms),
     maplist(term_head, Terms, Heads0), append(Heads0, Heads),
     findall(Called, called_by(Terms, Called), Calls),
     maplist(problems(Heads, Calls), Terms, Found),
     append(Found, Problems).
 
-%   file_terms(+File, -Terms): term(File,Line,Column,Kind) with Kind clause(Head,Body), directive(Goal), error(Text).
-
-file_terms(File, Terms) :-
-    setup_call_cleanup(open(File, read, In, [encoding(utf8)]), stream_terms(In, File, Terms), close(In)).
-
-stream_terms(In, File, Terms) :-
-    catch(read_term(In, Term, [module(lint), term_position(Position), subterm_positions(Places), syntax_errors(error)]),
-          error(syntax_error(What), Where), true),
-    (   nonvar(What)
-    ->  error_place(Where, Line, Column),
-        format(string(Text), "syntax error: ~w", [What]),
-        Terms = [term(File,Line,Column,error(Text))|Rest],
-        stream_terms(In, File, Rest)
-    ;   Term == end_of_file
-    ->  Terms = []
-    ;   stream_position_data(line_count, Position, Line),
-        stream_position_data(line_position, Position, Before),
-        Column is Before + 1,
-        kind(Term, Places, Kind),
-        Terms = [term(File,Line,Column,Kind)|Rest],
-        stream_terms(In, File, Rest) ).
-
-error_place(stream(_,Line,Before,_), Line, Column) :- !, Column is Before + 1.
-error_place(file(_,Line,Before,_), Line, Column)   :- !, Column is Before + 1.
-error_place(_, 1, 1).
-
-kind((:- Goal), _, directive(Goal))            :- !.
-kind((?- Goal), _, directive(Goal))            :- !.
-kind((_ --> _), _, error("a grammar has no DCG rules")) :- !.
-kind((Head :- Body), _, clause(Head,Body))     :- !.
-kind(Head, _, clause(Head,true)).
-
-term_head(term(_,_,_,clause(Head,_)), [Name/Arity]) :- callable(Head), !, functor(Head, Name, Arity).
+term_head(term(_,_,clause(Head,_,_,_,_,_)), [Name/Arity]) :- callable(Head), !, functor(Head, Name, Arity).
 term_head(_, []).
 
 called_by(Terms, Name/Arity) :-
-    member(term(_,_,_,clause(Head,Body)), Terms),
-    goal_in(Body, Goal), callable(Goal),
+    member(term(_,_,clause(Head,Body,_,P,_,_)), Terms),
+    goal_in(Body, P, Goal, _), callable(Goal),
     functor(Goal, Name, Arity),
     \+ functor(Head, Name, Arity).
-
-%   goal_in(+Body, -Goal): the goals of a body, those under control constructs one by one.
-
-goal_in(Goal, Goal)  :- var(Goal), !.
-goal_in((A,B), Goal) :- !, ( goal_in(A, Goal) ; goal_in(B, Goal) ).
-goal_in((A;B), Goal) :- !, ( goal_in(A, Goal) ; goal_in(B, Goal) ).
-goal_in((A->B), Goal) :- !, ( goal_in(A, Goal) ; goal_in(B, Goal) ).
-goal_in(\+ A, Goal)  :- !, goal_in(A, Goal).
-goal_in(once(A), Goal) :- !, goal_in(A, Goal).
-goal_in(Goal, Goal).
 
 % - judging ------------------------------------------------------------------
 
 role(room_size/3).   role(piece_size/4).
 role(door_width/1).  role(door_clearance/1).  role(passage/1).  role(room_gap/1).
 
-problems(Heads, Calls, term(File,Line,Column,Kind), Problems) :-
-    findall(problem(File,Line,Column,Text), problem(Kind, Heads, Calls, Text), Problems).
+problems(Heads, Calls, term(Source,Position,Kind), Problems) :-
+    Source = source(File,_),
+    findall(problem(File,Line,Column,Text,Name),
+            ( problem(Kind, Source, Heads-Calls, Position, At, Fault),
+              place(Source, At, Line, Column),
+              ( Fault = unknown(Name,Text) -> true ; Name = '', Text = Fault ) ),
+            Problems).
 
-problem(error(Text), _, _, Text).
-problem(directive(Goal), _, _, Text) :-
+%   problem(+Kind, +Source, +Known, +Position, -At, -Fault) is nondet: Fault is a text or unknown(Name,Text).
+
+problem(error(Text), _, _, P, P, Text).
+problem(syntax(What), _, _, P, P, Text) :- format(string(Text), "syntax error: ~w", [What]).
+problem(directive(Goal), _, _, P, P, Text) :-
     \+ harmless(Goal),
-    format(string(Text), "a directive runs code when the file is read: ~p. A grammar holds clauses alone", [Goal]).
-problem(clause(Head,_), _, _, "a clause without a name") :- \+ callable(Head), !.
-problem(clause(Head,_), Heads, Calls, Text) :-
+    (   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
+    ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
+    ;   format(string(Text), "a directive runs code when the file is read: ~p. A grammar holds clauses alone", [Goal]) ).
+problem(clause(Head,_,_,_,_,_), _, _, P, P, "a clause without a name") :- \+ callable(Head), !.
+problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text)) :-
     functor(Head, Name, Arity),
     \+ role(Name/Arity), \+ memberchk(Name/Arity, Calls),
     findall(Known, ( role(Known) ; member(Known, Heads), Known \== Name/Arity ), Others),
-    meant(Name/Arity, Others, Hint),
+    ( parted_number(Source, Head, At, Hint) -> true ; meant(Name/Arity, Others, Hint) ),
     format(string(Text), "nothing uses ~w/~w~w", [Name, Arity, Hint]).
-problem(clause(_,Body), Heads, _, Text) :-
-    goal_in(Body, Goal),
-    bad_goal(Goal, Heads, Text).
+problem(clause(_,Body,_,P,Names,_), Source, Heads-_, _, At, Fault) :-
+    goal_in(Body, P, Goal, GoalAt),
+    (   nonvar(Goal), Goal = {Constraints}, GoalAt = brace_term_position(_,_,Inner)
+    ->  constraint_fault(Source, Names, Constraints, Inner, At-Fault)
+    ;   At = GoalAt, bad_goal(Goal, Heads, Fault) ).
+problem(clause(Head,Body,H,B,_,Singletons), _, _, _, At, Text) :-
+    member(Name=Variable, Singletons), \+ sub_atom(Name, 0, _, _, '_'),
+    once(( part(Head-Body, term_position(0,0,0,0,[H,B]), Part, At), Part == Variable )),
+    findall(Other, ( member(Other=V, Singletons), V \== Variable ), Others),
+    lone(Name, Variable, Head, Others, Text).
 
 harmless(use_module(library(clpr))).
 harmless(use_module(library(clpr), _)).
@@ -103,27 +79,61 @@ harmless(discontiguous(_)).
 harmless(dynamic(_)).
 harmless(multifile(_)).
 
+%   lone(+Name, +Variable, +Head, +Others, -Text): what a variable that stands once means.
+
+lone(Name, _, _, Others, Text) :-
+    member(Other, Others), dwim_match(Name, Other), !,
+    format(string(Text), "~w stands nowhere else in its clause: did you mean ~w?", [Name, Other]).
+lone(Name, Variable, Head, _, Text) :-
+    size(Head, Size), Size == Variable, !,
+    format(string(Text), "~w stands nowhere else in its clause, so it has no bounds: state ~w >= ... and ~w =< ...",
+           [Name, Name, Name]).
+lone('Wall', _, Head, _, "Wall stands nowhere else in its clause: a room has no wall, only piece_size/4 does") :-
+    functor(Head, room_size, 3), !.
+lone(Name, _, _, _, Text) :-
+    format(string(Text), "~w stands nowhere else in its clause (a singleton): use it, or write _", [Name]).
+
+size(room_size(_,W,D), Size)    :- member(Size, [W,D]).
+size(piece_size(_,L,D,_), Size) :- member(Size, [L,D]).
+
 bad_goal(Goal, _, "a goal that is not known until it is run") :- var(Goal), !.
-bad_goal(Goal, Heads, Text) :-
+bad_goal(Goal, _, "no goal: a clause holds CLP(R) constraints, arithmetic and comparison") :- \+ callable(Goal), !.
+bad_goal(Goal, Heads, Fault) :-
     functor(Goal, Name, Arity),
     \+ memberchk(Name/Arity, Heads), \+ role(Name/Arity), \+ pure(Name/Arity),
     (   predicate_property(user:Goal, defined)
-    ->  format(string(Text), "~w/~w runs code: a clause holds CLP(R) constraints, arithmetic and comparison",
+    ->  format(string(Fault), "~w/~w runs code: a clause holds CLP(R) constraints, arithmetic and comparison",
                [Name, Arity])
     ;   findall(Known, ( role(Known) ; member(Known, Heads) ), Others),
         meant(Name/Arity, Others, Hint),
-        format(string(Text), "there is no predicate ~w/~w~w", [Name, Arity, Hint]) ).
+        format(string(Text), "there is no predicate ~w/~w~w", [Name, Arity, Hint]),
+        Fault = unknown(Name,Text) ).
 
 pure({}/1).     pure(true/0).   pure(fail/0).  pure(false/0).  pure(!/0).
 pure((=)/2).    pure((\=)/2).   pure((==)/2).  pure((\==)/2).  pure((is)/2).
 pure((<)/2).    pure((>)/2).    pure((=<)/2).  pure((>=)/2).   pure((=:=)/2).   pure((=\=)/2).
 pure(member/2). pure(memberchk/2).  pure(between/3).  pure(number/1).  pure(atom/1).  pure(var/1).  pure(nonvar/1).
 
-%   meant(+Indicator, +Others, -Hint): the same name with another arity, or a name that looks like it.
+%   meant(+Indicator, +Others, -Hint): a constraint without its braces, the same name with another arity, or a name that
+%   looks like it.
 
+meant(Name/2, _, Hint) :-
+    memberchk(Name, [<=,=>,≤,≥,#=,#<,#>,#=<,#>=,and]), !,
+    Hint = ": did you mean a constraint, { W >= 3.0, W =< 4.6 }?".
 meant(Name/_, Others, Hint) :-
     (   member(Name/Other, Others)
     ->  format(string(Hint), ": did you mean ~w/~w?", [Name, Other])
     ;   member(Like/Other, Others), dwim_match(Name, Like)
     ->  format(string(Hint), ": did you mean ~w/~w?", [Like, Other])
     ;   Hint = "" ).
+
+%   parted_number(+Source, +Head, +Position, -Hint) is semidet: a number with a comma in it makes an argument too many.
+
+parted_number(Source, Head, term_position(_,_,_,_,Ps), Hint) :-
+    Head =.. [Name|Arguments],
+    functor(Head, Name, Arity), Fewer is Arity - 1, role(Name/Fewer),
+    nextto(A, B, Arguments), integer(A), integer(B),
+    nth1(N, Arguments, A), nth1(N, Ps, From-_),
+    M is N + 1, nth1(M, Ps, _-To),
+    decimal_comma(Source, From-To, Text),
+    string_concat(": ", Text, Hint).

@@ -3,7 +3,9 @@
 /** <module> Where the grammar's clauses stand in its files */
 
 :- use_module(library(apply)).
+:- use_module(library(lists)).
 :- use_module(grammar_files).
+:- use_module(written).
 
 %!  clause_origins(+Clauses, -Origins) is det.
 %
@@ -21,12 +23,14 @@ clause_origin(Clause, [Text,File,Line]) :-
 
 %!  size_clauses(-Clauses) is det.
 %
-%   Clauses are [Predicate,Name,File,Line] for each clause that gives a named type of room or piece its size.
+%   Clauses are [Predicate,Name,File,Line,Column] for each clause that gives a named type of room or piece its size.
 
 size_clauses(Clauses) :-
-    findall([Predicate,Name,File,Line],
-            ( size_head(Predicate, Head, Name), clause(grammar:Head, _, Reference), atom(Name),
-              clause_property(Reference, file(File)), clause_property(Reference, line_count(Line)) ),
+    grammar_terms(Terms),
+    findall([Predicate,Name,File,Line,Column],
+            ( member(term(source(File,Text),_,clause(Head,_,P,_,_,_)), Terms),
+              size_head(Predicate, Head, Name), atom(Name),
+              place(source(File,Text), P, Line, Column) ),
             Clauses).
 
 size_head(room_size,  room_size(Name,_,_),    Name).

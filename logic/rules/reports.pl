@@ -1,92 +1,116 @@
-:- module(reports, [length_report/2, room_report/2, piece_report/3]).
+:- module(reports, [length_report/2, room_report/2, piece_report/4]).
 
 /** <module> Whether the grammar's clauses give lengths that can be used, and the extremes of those that do
 
-A report is a length in metres or a list of four extremes; or a text that says why the clause cannot be used; or null
-where the grammar has no clause.
+A report is a length in metres or a list of four extremes; or wrong(File,Line,Column,Text) where the clause cannot be
+used; or null where the grammar has no clause.
 */
 
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(solution_sequences)).
+:- use_module(faults).
 :- use_module(grammar_files).
 :- use_module(grid).
 :- use_module(lengths).
+:- use_module(nonlinear).
 
 %!  length_report(+Name, -Report) is det.
 %
-%   Report is the named length, a text or null.
+%   Report is the named length, or is wrong or null.
 
 length_report(Name, Report) :-
-    findall(M, stated_length(Name, M), Stated),
-    length_judged(Stated, Report).
+    Head =.. [Name,_],
+    judged(length_found(Name, Found), Found, []-Head, Report).
 
-length_judged([], null).
-length_judged([M|Ms], Report) :-
-    (   Ms \== []
-    ->  Report = "is stated more than once"
-    ;   number(M), M >= 0
-    ->  rounded_up(M, Length), metres(Length, Report)
-    ;   Report = "is not a number of metres, 0 or more" ).
+length_found(Name, Found) :-
+    findall(M, limit(2, stated_length(Name, M)), Stated),
+    stated(Stated, Found).
+
+stated([],    fault(empty)).
+stated([_,_], fault(several)) :- !.
+stated([M], Found) :-
+    (   number(M), M >= 0
+    ->  rounded_up(M, Length), metres(Length, Found)
+    ;   Found = fault(not_metres) ).
 
 %!  room_report(+Type, -Report) is det.
 %
-%   Report lists the least and greatest width and depth, or is a text or null.
+%   Report lists the least and greatest width and depth, or is wrong or null.
 
 room_report(Type, Report) :-
-    clause_report([W,D], [], grammar:room_size(Type, W, D), Report),
+    judged(room_found(Type, Found), Found, []-room_size(Type,_,_), Report),
     ( is_list(Report) -> room_extent(Type, _, _) ; true ).
 
-%!  piece_report(+Type, +Piece, -Report) is det.
+room_found(Type, Found) :- sizes_found(room_size(Type,W,D), [W,D], [], Found).
+
+%!  piece_report(+Type, +Piece, +Turns, -Report) is det.
 %
-%   Report lists the least and greatest length and depth in a room of this type, or is a text or null.
+%   Report lists the least and greatest length and depth in a room of this type, which has a size, or is wrong or null.
+%   Turns says whether the piece may stand with its side to the wall.
 
-piece_report(Type, Piece, Report) :-
-    (   room_range(Type, W1-W2, D1-D2)
-    ->  Least is min(W1, D1), Most is max(W2, D2),
-        { Wall >= Least, Wall =< Most },
-        clause_report([L,D], [Wall], grammar:piece_size(Piece, L, D, Wall), Report),
-        ( is_list(Report) -> piece_extent(Type, Piece, _, _) ; true )
-    ;   Report = [0,0,0,0] ).
+piece_report(Type, Piece, Turns, Report) :-
+    room_range(Type, W1-W2, D1-D2),
+    Least is min(W1, D1), Most is max(W2, D2),
+    Head = piece_size(Piece,L,D,Wall),
+    format(string(Short), "~~w >= ~3g (in ~w)", [Least,Type]),
+    format(string(Long), "~~w =< ~3g (in ~w)", [Most,Type]),
+    Walls = [ (Wall >= Least)-said(Short,[4]), (Wall =< Most)-said(Long,[4]), (Wall > 0)-said("",[]) ],
+    Inside = [ (D =< Most)-said(Long,[3]), (L =< Wall)-said("~w =< ~w",[2,4]) ],
+    judged(piece_found(Piece, Least-Most, Found), Found, Walls-Head, Report0),
+    (   is_list(Report0), \+ fits(Type, Piece, Turns)
+    ->  append(Inside, Walls, Given), fault_report(empty, Given-Head, Report)
+    ;   Report = Report0 ),
+    ( is_list(Report) -> piece_extent(Type, Piece, _, _) ; true ).
 
-%   clause_report(+Sizes, +Given, :Clause, -Report): of Sizes under the one solution of Clause, which may use the Given.
+piece_found(Piece, Least-Most, Found) :-
+    { Wall >= Least, Wall =< Most },
+    sizes_found(piece_size(Piece,L,D,Wall), [L,D], [Wall], Found).
 
-clause_report(Sizes, Given, Clause, Report) :-
-    call_with_inference_limit(solution_report(Sizes, Given, Clause, Found), 1 000 000, Result),
-    ( Result == inference_limit_exceeded -> Report = "recurs without end" ; Report = Found ).
+%   fits(+Type, +Piece, +Turns) is semidet: the piece can stand within the walls of some room of this type.
 
-solution_report(_, _, Clause, null) :- \+ Clause, !.
-solution_report(_, _, Clause, "has more than one solution: state one") :-
-    findall(x, limit(2, Clause), [_,_]), !.
-solution_report(Sizes, Given, Clause, Report) :-
-    once(Clause),
+fits(Type, Piece, Turns) :-
+    once(grammar:room_size(Type, W, D)),
+    member(Wall-Other, [W-D,D-W]),
+    once(grammar:piece_size(Piece, Length, Depth, Wall)),
+    ( Along-Out = Length-Depth ; Turns == true, Along-Out = Depth-Length ),
+    \+ \+ {Along =< Wall, Out =< Other}, !.
+
+%   judged(:Goal, ?Found, +Call, -Report): Report of what Goal has Found for the Call (see faults.pl).
+
+judged(_, _, _-Head, null) :- \+ clause(grammar:Head, _), !.
+judged(Goal, Found, Call, Report) :-
+    call_with_inference_limit(catch(Goal, error(Error,_), found_error(Error, Found)), 300 000, Result),
+    (   Result == inference_limit_exceeded
+    ->  fault_report(endless, Call, Report)
+    ;   Found = fault(Kind)
+    ->  fault_report(Kind, Call, Report)
+    ;   Report = Found ).
+
+found_error(resource_error(_), fault(endless)) :- !.
+found_error(_, fault(raised)).
+
+%   sizes_found(:Clause, +Sizes, +Given, -Found): of Sizes under the one solution of Clause, which may use the Given.
+
+sizes_found(Clause, _, _, fault(empty)) :- \+ grammar:Clause, !.
+sizes_found(Clause, _, _, fault(several)) :- findall(x, limit(2, grammar:Clause), [_,_]), !.
+sizes_found(Clause, Sizes, Given, Found) :-
+    once(grammar:Clause),
     append(Sizes, Given, All),
-    once(size_report(Sizes, All, Report)).
+    once(size_found(Sizes, All, Found)).
 
-size_report(_, All, Report) :-
-    nonlinear(All, Constraint),
-    format(string(Report), "has the nonlinear constraint ~p, and CLP(R) decides linear ones", [Constraint]).
-size_report(Sizes, _, "is not bounded on both sides") :- \+ maplist(extremes, Sizes, _).
-size_report(Sizes, _, "allows a size that is not positive") :- member(X, Sizes), extremes(X, Low-_), Low =< 0.
-size_report(Sizes, _, Report) :-
-    maplist(extremes, Sizes, Ranges),
-    maplist(rounded_range, Ranges, [L-LL,D-DD]),
-    maplist(metres, [L,LL,D,DD], Report).
-
-nonlinear(Sizes, Constraint) :-
-    copy_term(Sizes, _, Goals),
+size_found(_, All, fault(nonlinear)) :-
+    copy_term(All, _, Goals),
     member({Conjunction}, Goals),
     conjunct(Constraint, Conjunction),
-    Constraint =.. [_, A, B],
-    \+ ( linear_expression(A), linear_expression(B) ).
+    nonlinear(Constraint, _).
+size_found(Sizes, _, fault(unbounded))    :- \+ maplist(extremes, Sizes, _).
+size_found(Sizes, _, fault(not_positive)) :- member(X, Sizes), extremes(X, Low-_), Low =< 0.
+size_found(Sizes, _, Found) :-
+    maplist(extremes, Sizes, Ranges),
+    maplist(rounded_range, Ranges, [L-LL,D-DD]),
+    maplist(metres, [L,LL,D,DD], Found).
 
 conjunct(G, (A,B)) :- !, ( conjunct(G, A) ; conjunct(G, B) ).
 conjunct(G, G).
-
-linear_expression(X)   :- var(X), !.
-linear_expression(X)   :- number(X).
-linear_expression(A+B) :- linear_expression(A), linear_expression(B).
-linear_expression(A-B) :- linear_expression(A), linear_expression(B).
-linear_expression(-A)  :- linear_expression(A).
-linear_expression(A*B) :- ( number(A) -> linear_expression(B) ; number(B), linear_expression(A) ).

@@ -11,7 +11,7 @@
 found(Texts, Found) :-
     maplist(written, Texts, Files),
     file_problems(Files, Problems),
-    findall(N/Line/Column-Text, ( member(problem(File,Line,Column,Text), Problems), nth1(N, Files, File) ), Found),
+    findall(N/Line/Column-Text, ( member(problem(File,Line,Column,Text,_), Problems), nth1(N, Files, File) ), Found),
     maplist(delete_file, Files).
 
 written(Text, File) :- tmp_file_stream(File, Out, [extension(pl),encoding(utf8)]), write(Out, Text), nl(Out), close(Out).

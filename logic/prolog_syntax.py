@@ -1,0 +1,95 @@
+"""What was meant where SWI-Prolog finds a syntax error: it says no more than that it cannot read on."""
+
+import re
+from collections.abc import Iterator
+
+_BRACKETS = {"(": ")", "{": "}", "[": "]"}
+_RELATION = r"(=<|>=|=:=|<|>|=)"
+_OTHER_LANGUAGES = {
+    "!=": "a size has one range: state its bounds",
+    "&&": "write a comma",
+    "||": "a size has one range: state its bounds",
+    "if": "write :-",
+    "{": "write :- before the braces",
+}
+
+
+def explained(text: str, line: int, column: int, what: str) -> tuple[int, int, str]:
+    """Line, column and words for the error ``what``, as SWI-Prolog calls it, at a place of a file's text."""
+    offset = sum(len(each) + 1 for each in text.split("\n")[: line - 1]) + column - 1
+    place, hint = next(_meant(_without_comments(text), offset, what), (offset, ""))
+    before = text[:place].split("\n")
+    return len(before), len(before[-1]) + 1, f"syntax error: {what}{hint and ': ' + hint}"
+
+
+def _without_comments(text: str) -> str:
+    """The text, as long as it was, with blanks for its comments and what it quotes."""
+    quotes = r"%[^\n]*|/\*.*?\*/|'[^'\n]*'|\"[^\"\n]*\""
+    return re.sub(quotes, lambda found: re.sub(r"[^\n]", " ", found[0]), text, flags=re.DOTALL)
+
+
+def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
+    """Places of the mistake and what to write there, the likeliest first; none where that is not known."""
+    begin = max((found.end() for found in re.finditer(r"\.\s+", code[:offset])), default=0)
+    read, rest = code[begin:offset].rstrip(), code[offset:]
+    end = begin + len(read)
+    opened = _unclosed(code, begin, end)
+
+    if "quoted" in what and (quote := re.search("['\"`]", code[begin:])):
+        yield begin + quote.start(), "a quote begins here and does not end"
+    if what == "end_of_file" and opened:
+        yield opened[-1], f"{code[opened[-1]]} is not closed"
+    if what == "end_of_file":
+        yield end, "a full stop is missing"
+    if found := re.match(r"\s*(#|//)", code[begin:]):
+        yield begin + found.start(1), "a comment begins with %"
+    if found := re.search(r"([<>])\s+=$", read):
+        relation = {"<": "=<", ">": ">="}[found[1]]
+        yield begin + found.start(), f"write {relation} for {found[0]}"
+    if what == "operator_clash" and (chain := _chain(code, offset)):
+        yield chain
+    if (number := re.search(r"\d+(\.\d+)?$", code[begin:offset])) and (word := re.match(r"[A-Za-z]+", rest)):
+        unit = "write *" if word[0][0].isupper() else "a number has no unit, and lengths are metres"
+        yield begin + number.start(), f"{number[0]}{word[0]}: {unit}"
+    if re.search(r"(^|[^\w.])\.$", read) and rest[:1].isdigit():
+        yield end - 1, "a number begins with a digit: write 0 before the point"
+    if found := re.search(r"\d+\.$", read if rest[:1] != "." else read + "."):
+        yield begin + found.start(), f"a number ends with a digit: write {found[0]}0"
+    if read.endswith(","):
+        yield end - 1, "nothing follows the comma"
+    if rest[:1] == ",":
+        yield offset, "nothing stands before the comma"
+    if rest[:1] in {")", "}", "]"}:
+        closes = f"and {code[opened[-1]]} is open" if opened else "and no bracket is open"
+        yield offset, f"{rest[0]} stands here, {closes}"
+    if rest[:1] == "(" and (name := re.search(r"\b[A-Z]\w*$", read)):
+        yield begin + name.start(), f"a predicate begins in lower case: {name[0].lower()}"
+    for word, hint in _OTHER_LANGUAGES.items():
+        if re.match(re.escape(word) + r"(?!\w)", rest) and not (word == "{" and opened):
+            yield offset, hint
+    if opened and re.search(r"[\w)}]$", read) and re.match(r"[\w({]", rest):
+        yield offset, "a comma or an operator is missing before it"
+    if not opened and re.search(r"[)}]$", read) and re.match(r"\w", rest):
+        yield end, "a full stop is missing"
+
+
+def _chain(code: str, offset: int) -> tuple[int, str] | None:
+    """Two bounds in one, as in ``3 =< W =< 4``, around a place."""
+    begin = max(code.rfind(each, 0, offset) for each in ",{(") + 1
+    parts = re.split(_RELATION, re.split(r"[,})]", code[begin:])[0])
+    if len(parts) != 5:
+        return None
+    low, first, size, second, high = map(str.strip, parts)
+    begin += len(parts[0]) - len(parts[0].lstrip())
+    return begin, f"one bound each: write {low} {first} {size}, {size} {second} {high}"
+
+
+def _unclosed(code: str, begin: int, end: int) -> list[int]:
+    """Where the brackets begin that are open at the end."""
+    opened: list[int] = []
+    for place in range(begin, end):
+        if code[place] in _BRACKETS:
+            opened.append(place)
+        elif opened and code[place] == _BRACKETS[code[opened[-1]]]:
+            opened.pop()
+    return opened

@@ -1,0 +1,111 @@
+:- module(written, [written_terms/2, goal_in/4, part/4, start/2, place/4, wording/3]).
+
+/** <module> A grammar's .pl files as they are written: terms with the places and the words of all their parts
+
+Nothing is loaded. A source is source(File,Text); the parts of a term have positions as read_term/2 gives them, characters
+from the start of the text. What looks like a constraint, but is none, is read too: so it can be named.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(library(readutil)).
+
+:- op(700, xfx, [=>, <=, ≤, ≥, <>, #=, #\=, #<, #>, #=<, #>=]).
+:- op(900, xfy, [and, or]).
+
+%!  written_terms(+Files, -Terms) is det.
+%
+%   Terms are term(Source,Position,Kind), in order: Kind is clause(Head,Body,HeadPosition,BodyPosition,Names,Singletons),
+%   directive(Goal), error(Text), or syntax(What), whose Position is where reading failed. Names are 'Name'=Variable.
+
+written_terms(Files, Terms) :-
+    maplist(file_terms, Files, Each),
+    append(Each, Terms).
+
+file_terms(File, Terms) :-
+    read_file_to_string(File, Text, [encoding(utf8)]),
+    setup_call_cleanup(open_string(Text, In), stream_terms(In, source(File,Text), Terms), close(In)).
+
+stream_terms(In, Source, Terms) :-
+    catch(read_term(In, Term, [module(written), subterm_positions(Position), variable_names(Names), singletons(Singletons),
+                               syntax_errors(error)]),
+          error(syntax_error(What), Where), true),
+    (   nonvar(What)
+    ->  Where = stream(_,_,_,Last),
+        Source = source(_,Text), string_length(Text, Length), From is min(Last + 1, Length),
+        Terms = [term(Source,From-From,syntax(What))|Rest],
+        stream_terms(In, Source, Rest)
+    ;   Term == end_of_file
+    ->  Terms = []
+    ;   kind(Term, Position, Names, Singletons, Kind),
+        Terms = [term(Source,Position,Kind)|Rest],
+        stream_terms(In, Source, Rest) ).
+
+kind((:- Goal), _, _, _, directive(Goal)) :- !.
+kind((?- Goal), _, _, _, directive(Goal)) :- !.
+kind((_ --> _), _, _, _, error("a grammar has no DCG rules")) :- !.
+kind((_ => _), _, _, _, error("a clause has :- between its head and its body, not =>")) :- !.
+kind((_, _), _, _, _, error("a clause has :- between its head and its body, not a comma")) :- !.
+kind((_ := _), _, _, _, error("a clause has :- between its head and its body, not :=")) :- !.
+kind((Head :- Body), term_position(_,_,_,_,[H,B]), Names, Singletons, clause(Head,Body,H,B,Names,Singletons)) :- !.
+kind(Head, Position, Names, Singletons, clause(Head,true,Position,Position,Names,Singletons)).
+
+%!  goal_in(+Body, +Position, -Goal, -GoalPosition) is nondet.
+%
+%   Goal is one of a body's goals, those under control constructs one by one.
+
+goal_in(Body, parentheses_term_position(_,_,P), Goal, At) :- !, goal_in(Body, P, Goal, At).
+goal_in(Body, term_position(_,_,_,_,Ps), Goal, At) :-
+    nonvar(Body), control(Body), !,
+    Body =.. [_|Parts],
+    nth1(N, Parts, Part), nth1(N, Ps, P),
+    goal_in(Part, P, Goal, At).
+goal_in(Goal, P, Goal, P).
+
+control((_,_)).   control((_;_)).   control((_->_)).   control(\+ _).   control(once(_)).
+
+%!  part(+Term, +Position, -Part, -PartPosition) is nondet.
+%
+%   Part is Term or any part of it, from left to right.
+
+part(Term, parentheses_term_position(_,_,P), Part, At) :- !, part(Term, P, Part, At).
+part(Term, P, Term, P).
+part(Term, P, Part, At) :-
+    compound(Term),
+    positions(P, Ps),
+    Term =.. [_|Parts],
+    nth1(N, Parts, Sub), nth1(N, Ps, SubP),
+    part(Sub, SubP, Part, At).
+
+positions(term_position(_,_,_,_,Ps), Ps).
+positions(brace_term_position(_,_,P), [P]).
+positions(list_position(From,To,[P|Ps],Tail), [P,list_position(From,To,Ps,Tail)]).
+
+%!  start(+Position, -Offset) is det.
+
+start(Position, From) :- arg(1, Position, From).
+
+%!  place(+Source, +Position, -Line, -Column) is det.
+%
+%   Where the part at this Position begins, counted from 1.
+
+place(source(_,Text), Position, Line, Column) :-
+    start(Position, From),
+    sub_string(Text, 0, From, _, Before),
+    split_string(Before, "\n", "", Lines),
+    length(Lines, Line),
+    last(Lines, Last), string_length(Last, Length),
+    Column is Length + 1.
+
+%!  wording(+Source, +Position, -Text) is det.
+%
+%   Text is the part at this Position as written, on one line.
+
+wording(source(_,Text), Position, Words) :-
+    arg(1, Position, From), arg(2, Position, To),
+    Length is To - From,
+    sub_string(Text, From, Length, _, Written),
+    split_string(Written, " \n\t\r", " \n\t\r", Parts),
+    exclude(==(""), Parts, Said),
+    atomic_list_concat(Said, ' ', Atom),
+    atom_string(Atom, Words).
