@@ -14,13 +14,8 @@ from logic.placement import Placer, unknown
 from logic.programs import Programs
 from logic.spelling import closest
 from logic.terms import Lengths, length_facts
+from logic.units import unlikely
 from logic.vocabulary import misspelt, place_of
-
-LONGEST = {("length", 1): 5.0, ("size", 1): 50.0, ("size", 2): 20.0}
-"""Metres above which a named length, a side of a room or of a piece is likely to be in another unit."""
-
-SHORTEST = 0.01
-"""Metres below which it is, if it is not 0."""
 
 
 class LoadedGrammar:
@@ -39,7 +34,7 @@ class LoadedGrammar:
         self._extremes: dict[str, Any] = {}
         self.errors = [*audit(grammar.asp), *self.placer.problems] or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
-        self.warnings = [] if self.errors else list(self._unlikely())
+        self.warnings = [] if self.errors else list(unlikely(self._extremes, self.placer.origins))
         self.programs = Programs(grammar, self.furniture, self.lengths)
 
     def _errors(self) -> Iterator[GrammarError]:
@@ -84,35 +79,12 @@ class LoadedGrammar:
             hint = f"{name}/1 has no clause: add one, as {name}(0.5). for half a metre"
             return GrammarError(hint, self._grammar.prolog[-1], 1, 1)
         *room, name = clause.arguments
+        facts = [("type", [name])]
         if room:
-            predicate = "piece_size/4"
-            facts = [
-                Function("may", clause.arguments),
-                Function("beside", [name]),
-                Function("around", [name]),
-            ]
-        else:
-            predicate, facts = "room_size/3", [Function("type", [name])]
-        fact = next((each for each in facts if place_of(each, self._grammar.asp)), facts[0])
-        return self._at(fact, f"{predicate} has no clause for {name}: add one to a .pl file")
-
-    def _unlikely(self) -> Iterator[GrammarError]:
-        """Lengths that look like centimetres or millimetres, by their clauses."""
-        sizes = {Function("length", [Function(name)]): [m] for name, m in self._extremes["lengths"].items()}
-        for type_, room in self._extremes["rooms"].items():
-            sizes[Function("size", [Function(type_)])] = room
-            if max(room) <= LONGEST["size", 1]:  # A piece may be as long as its wall.
-                for piece, size in self._extremes["pieces"][type_].items():
-                    sizes[Function("size", [Function(type_), Function(piece)])] = size
-        found = {}
-        for clause, metres in sizes.items():
-            longest = LONGEST[clause.name, len(clause.arguments)]
-            wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)
-            if wrong:
-                place, name = self.placer.origins([clause])[clause], clause.arguments[-1]
-                found[place] = f"{name}: {wrong:g} m. Lengths are in metres: 320 cm are 3.2"
-        for (file, line), text in found.items():
-            yield GrammarError(text, file, line, 1)
+            facts = [("may", [*room, name]), ("beside", [name]), ("around", [name])]
+        why = f"{'piece_size/4' if room else 'room_size/3'} has no clause for {name}: add one to a .pl file"
+        errors = [self._at(Function(predicate, names), why) for predicate, names in facts]
+        return next((error for error in errors if error.line), errors[0])
 
     def _wrong(self, probe: Program) -> Iterator[GrammarError]:
         """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``)."""

@@ -53,8 +53,10 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
         yield begin + number.start(), f"{number[0]}{word[0]}: {unit}"
     if re.search(r"(^|[^\w.])\.$", read) and rest[:1].isdigit():
         yield end - 1, "a number begins with a digit: write 0 before the point"
-    if found := re.search(r"\d+\.$", read if rest[:1] != "." else read + "."):
+    if found := re.search(r"\d+\.$", read + "." if re.match(r"\.\s*[,})]", rest) else read):
         yield begin + found.start(), f"a number ends with a digit: write {found[0]}0"
+    if opened and re.match(r"\.(\s|$)", rest):
+        yield opened[-1], f"{code[opened[-1]]} is not closed"
     if read.endswith(","):
         yield end - 1, "nothing follows the comma"
     if rest[:1] == ",":

@@ -67,10 +67,10 @@ problem(clause(_,Body,_,P,Names,_), Source, Heads-_, _, At, Fault) :-
     (   nonvar(Goal), Goal = {Constraints}, GoalAt = brace_term_position(_,_,Inner)
     ->  constraint_fault(Source, Names, Constraints, Inner, At-Fault)
     ;   At = GoalAt, bad_goal(Goal, Heads, Fault) ).
-problem(clause(Head,Body,H,B,_,Singletons), _, _, _, At, Text) :-
+problem(clause(Head,Body,H,B,Names,Singletons), _, _, _, At, Text) :-
     member(Name=Variable, Singletons), \+ sub_atom(Name, 0, _, _, '_'),
     once(( part(Head-Body, term_position(0,0,0,0,[H,B]), Part, At), Part == Variable )),
-    findall(Other, ( member(Other=V, Singletons), V \== Variable ), Others),
+    findall(Other, ( member(Other=V, Names), V \== Variable ), Others),
     lone(Name, Variable, Head, Others, Text).
 
 harmless(use_module(library(clpr))).
