@@ -37,7 +37,7 @@ for(Head, term(_,_,clause(H,_,_,_,_,_))) :- \+ H \= Head.
 general(empty,        "allows no size").
 general(several,      "has more than one solution: state one").
 general(raised,       "raises an error").
-general(nonlinear,    "has a constraint that is not linear, and CLP(R) decides linear ones").
+general(nonlinear,    "has a constraint that is nonlinear, and CLP(R) decides linear ones").
 general(unbounded,    "is not bounded on both sides").
 general(not_positive, "allows a size that is not positive").
 general(endless,      "recurs without end").
@@ -63,7 +63,7 @@ fault(nonlinear, Terms, Clauses, Call, At, Text) :-
     path(Terms, Clauses, Call, _, _, Steps, holds),
     member(step(post(C),post(Live),At), Steps),
     linear_instead(Live, C, Instead), !,
-    spoken("~w is not linear, and CLP(R) decides linear constraints alone: ~w", [At,Instead], Text).
+    spoken("~w is nonlinear, and CLP(R) decides linear constraints alone: ~w", [At,Instead], Text).
 fault(several, Terms, Clauses, Call, At, Text) :-
     findall(Clause, ( member(Clause, Clauses), once(path(Terms, [Clause], Call, _, _, _, holds)) ), Holding),
     several(Holding, At, Text).

@@ -7,7 +7,7 @@
 
 %!  nonlinear(+Constraint, -Term) is semidet.
 %
-%   Term is a part of the Constraint that is not linear.
+%   Term is a part of the Constraint that is nonlinear.
 
 nonlinear(Constraint, Term) :-
     compound_name_arguments(Constraint, _, [A,B]),

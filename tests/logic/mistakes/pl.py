@@ -120,26 +120,26 @@ MISTAKES = (
     bounds(
         "a product of sides",
         "W >= 2.4, W =< 3.7, D >= 2.4, D =< 3.7, W*D =< 12",
-        "W*D =< 12 is not linear, and CLP(R) decides linear constraints alone: bound a side by a number",
+        "W*D =< 12 is nonlinear, and CLP(R) decides linear constraints alone: bound a side by a number",
         at="W*D",
     ),
     bounds(
         "a quotient of sides",
         "W >= 2.4, W =< 3.7, D >= 2.4, D =< 3.7, W/D >= 1.2",
-        "W/D >= 1.2 is not linear, and CLP(R) decides linear constraints alone: multiply by the divisor",
+        "W/D >= 1.2 is nonlinear, and CLP(R) decides linear constraints alone: multiply by the divisor",
         at="W/D",
     ),
     bounds(
         "a power",
         "W >= 2.4, W =< 3.7, D = 3, W^2 =< 12",
-        "W^2 =< 12 is not linear, and CLP(R) decides linear constraints alone: bound the size itself",
+        "W^2 =< 12 is nonlinear, and CLP(R) decides linear constraints alone: bound the size itself",
         at="W^2",
     ),
-    bounds("a sine", "W >= 2.4, W =< 3.7, D =< sin(W), D >= 0.1", "D =< sin(W) is not linear", at="D =<"),
+    bounds("a sine", "W >= 2.4, W =< 3.7, D =< sin(W), D >= 0.1", "D =< sin(W) is nonlinear", at="D =<"),
     bathroom(
         "a product in a predicate of its own",
         new="room_size(bathroom, W, D) :- area(W, D).\narea(A, B) :- { A = 3, B >= 2, C >= B*B, C =< 9 }.",
-        says="C >= B*B is not linear",
+        says="C >= B*B is nonlinear",
         at="C >= B*B",
     ),
     # - bounds and variables

@@ -40,7 +40,7 @@ test(a_size_without_a_bound, Text == "room_size(hall, W, 3.0): W has no upper bo
     stated("room_size(hall, W, 3.0) :- { W >= 3 }.", room_report(hall, wrong(_,1,1,Text))).
 test(a_size_of_nothing, Text == "room_size(hall, W, 3.0): W can be 0.0 m, and a size is more than 0") :-
     stated("room_size(hall, W, 3.0) :- { W >= 0, W =< 3 }.", room_report(hall, wrong(_,1,1,Text))).
-test(a_nonlinear_constraint_is_named_at_its_place, true(( Column == 60, says(Text, "D = W*W is not linear") ))) :-
+test(a_nonlinear_constraint_is_named_at_its_place, true(( Column == 60, says(Text, "D = W*W is nonlinear") ))) :-
     stated("room_size(hall, W, D) :- { W >= 1, W =< 3, D >= 1, D =< 9, D = W*W }.", room_report(hall, wrong(_,1,Column,Text))).
 test(a_clause_that_recurs_without_end, Text == "room_size(hall, W, D) recurs without end: room_size/3 calls itself in line 1") :-
     stated("room_size(hall, W, D) :- room_size(hall, W, D).", room_report(hall, wrong(_,1,1,Text))).
