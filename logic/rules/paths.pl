@@ -48,17 +48,19 @@ path([goal((A;B),(A1;B1),term_position(_,_,_,_,[P,Q]),Source)|Goals], Terms, Ste
     append(Inner, Goals, All),
     path(All, Terms, Steps, End).
 path([goal(Goal,Live,_,_)|Goals], Terms, Steps, End) :-
-    nonvar(Goal), functor(Goal, Name, Arity),
-    findall(C, ( member(C, Terms), C = term(_,_,clause(H,_,_,_,_,_)), functor(H, Name, Arity) ), Clauses),
-    \+ \+ ( member(C, Clauses), entered(C, Goal, Live, _) ), !,
-    member(Clause, Clauses),
-    entered(Clause, Goal, Live, Body),
+    \+ \+ called(Goal, Live, Terms, _), !,
+    called(Goal, Live, Terms, Body),
     path([Body|Goals], Terms, Steps, End).
 path([goal(Goal,Live,P,Source)|Goals], Terms, [step(Goal,Live,Words)|Steps], End) :-
     ( Source = said(_,_) -> Words = Source ; Words = Source-P ),
     (   catch(run(Live), Error, true)
     *-> (   nonvar(Error) -> Steps = [], End = raises(Error) ; path(Goals, Terms, Steps, End) )
     ;   Steps = [], End = fails ).
+
+called(Goal, Live, Terms, Body) :-
+    callable(Goal), functor(Goal, Name, Arity),
+    member(Clause, Terms), Clause = term(_,_,clause(Head,_,_,_,_,_)), functor(Head, Name, Arity),
+    entered(Clause, Goal, Live, Body).
 
 opened(goal((A,B),(A1,B1),term_position(_,_,_,_,[P,Q]),S), [goal(A,A1,P,S),goal(B,B1,Q,S)]).
 opened(goal({C},{C1},brace_term_position(_,_,P),S), [goal(post(C),post(C1),P,S)]).

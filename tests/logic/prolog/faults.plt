@@ -35,6 +35,8 @@ test(a_path_ends_where_it_fails, Paths =@= [[post(X >= 3),post(X =< 2)]-fails]) 
 test(steps_are_as_written_whatever_is_solved, Paths =@= [[post(X = 3),post(X = 4)]-fails]) :- paths("a(X) :- { X = 3, X = 4 }.", Paths).
 test(there_is_a_path_for_each_clause_that_is_called, Ends == [holds,fails]) :-
     paths("a(X) :- { X >= 2 }, b(X).\nb(X) :- { X =< 3 }.\nb(X) :- { X =< 1 }.", Paths), findall(End, member(_-End, Paths), Ends).
+test(a_clause_that_is_called_twice_has_variables_for_each_call, Paths =@= [[post(_ >= 1),post(_ >= 1)]-holds]) :-
+    paths("a(X, Y) :- b(X), b(Y).\nb(Z) :- { Z >= 1 }.", Paths).
 test(a_condition_leads_to_one_branch, Paths =@= [[N is 2,N > 1,post(_ = N)]-holds]) :-
     paths("a(X) :- N is 2, ( N > 1 -> { X = N } ; { X = 0 } ).", Paths).
 test(or_to_another, Paths =@= [[post(_ = 0)]-holds]) :- paths("a(X) :- ( 1 > 2 -> { X = 2 } ; { X = 0 } ).", Paths).

@@ -35,6 +35,11 @@ test(a_problem_of_the_second_file_is_named_by_it, Places == [2/1]) :-
 test(a_variable_that_stands_alone_is_a_problem, true(sub_string(Text, _, _, _, "Singleton"))) :-
     loaded(["room_size(a, W, D) :- { D >= 1, D =< 2 }."], [1/1/1-Text]).
 test(problems_of_one_load_are_not_of_the_next, Found == []) :- loaded(["room_size(a W, 1)."], _), loaded(["passage(0.4)."], Found).
+test(of_a_dropped_grammar_nothing_is_left, P == []) :-
+    written("passage(0.4).", File), load_grammar([File], []), drop_grammar, findall(X, stated_length(passage, X), P), delete_file(File).
+test(its_terms_are_those_that_are_loaded, Heads == [passage(0.4),room_gap(1)]) :-
+    maplist(written, ["passage(0.4).", "room_gap(1)."], Files), load_grammar(Files, []), grammar_terms(Terms), drop_grammar, maplist(delete_file, Files),
+    findall(Head, member(term(_,_,clause(Head,_,_,_,_,_)), Terms), Heads).
 test(letters_beyond_ascii_are_read, Found == []) :- loaded(["passage(0.4).  % größer als der Körper"], Found).
 
 :- end_tests(grammar_files).

@@ -61,5 +61,7 @@ test(a_relation_of_another_language_is_named_with_the_one_meant) :-
     forall(member(Said-Meant, ["<="-"=<","=>"-">=","≤"-"=<","≥"-">=","=="-"=","is"-"=","#>="-">="]),
            ( format(string(C), "W ~w 3", [Said]), faults(C, [3-Text]), format(string(Text), "~w is no constraint: write ~w", [Said, Meant]) )).
 test(a_name_is_compared_with_the_variables, Text == "w is a name and no number: did you mean the variable W?") :- faults("W =< 3, w >= 2", [9-Text]).
+test(whatever_its_other_letters, true(sub_string(Text, _, _, 0, "did you mean the variable WallSide?"))) :-
+    faults("WallSide =< 3, wallSide >= 2", [16-Text]).
 
 :- end_tests(braces).
