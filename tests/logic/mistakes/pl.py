@@ -142,6 +142,12 @@ MISTAKES = (
         says="C >= B*B is nonlinear",
         at="C >= B*B",
     ),
+    desk(
+        "the square of a wall",
+        new="piece_size(desk, L, D, Wall) :- { Wall*Wall >= 9, L >= 0.7*Wall, L =< Wall, D = 0.5 }.",
+        says="Wall*Wall >= 9 is nonlinear",
+        at="Wall*Wall",
+    ),
     # - bounds and variables
     bounds(
         "no upper bound", "W >= 2.4, D >= 2.4, D =< 3.7", "room_size(bathroom, W, D): W has no upper bound"
@@ -211,6 +217,11 @@ MISTAKES = (
         new=f"{BED}\npiece_size(lamp, 0.3, 0.3, _).",
         says="piece_size: lamp is no piece in any room: see may/4",
         at="piece_size(lamp",
+    ),
+    bed(
+        "a misspelt piece",
+        new=BED.replace("bed,", "bedd,"),
+        says="piece_size: bedd is no piece in any room: see may/4. Did you mean bed?",
     ),
     Mistake(
         "a type without a size",
