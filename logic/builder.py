@@ -37,7 +37,6 @@ class Builder:
         if self._loaded.errors:
             raise self._loaded.errors[0]
         self.placer, self.programs = self._loaded.placer, self._loaded.programs
-        self.programs.refuse_remarks()
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,

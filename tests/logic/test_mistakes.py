@@ -27,7 +27,7 @@ MISTAKES = {each.title: each for table in TABLES for each in table.MISTAKES if i
 
 
 def linted(folder: Path) -> tuple[list[Finding], float]:
-    """What lint says of a grammar, and the CPU seconds that it took."""
+    """What lint says of a grammar outside of this package, and the CPU seconds that it took."""
     from pyswip import Prolog
 
     from logic.linter import findings
