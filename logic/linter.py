@@ -15,15 +15,24 @@ SIZES = (6, 8, 4, 3, 2, 1)
 def findings(grammar: Grammar) -> list[Finding]:
     """All that is wrong with a grammar: errors, for which ``generate`` refuses it, and then warnings."""
     loaded = LoadedGrammar(grammar)
-    warned = [] if loaded.errors else warnings(grammar, map(str, loaded.types))
+    if loaded.errors:
+        return _findings("error", loaded.errors, grammar)
+    return warnings(grammar, loaded)
+
+
+def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
+    """What is of no use in a grammar without errors."""
+    return _findings("warning", _idle(grammar, map(str, loaded.types)), grammar)
+
+
+def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
     return [
         Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)
-        for severity, found in (("error", loaded.errors), ("warning", warned))
         for each in found
     ]
 
 
-def warnings(grammar: Grammar, types: Iterable[str]) -> list[GrammarError]:
+def _idle(grammar: Grammar, types: Iterable[str]) -> list[GrammarError]:
     """Rules that bind in no house of the usual sizes and in no type of room."""
     houses = [({"rooms": rooms}, "house") for rooms in SIZES]
     furnished = [({"this_room": type_}, "room") for type_ in types]

@@ -20,7 +20,7 @@ from logic.statements import Statement, error_at, read
 from logic.terms import Lengths, length_facts
 from logic.vocabulary import Words, misspelt, places, words
 
-MOST_INSTANCES = 100_000
+MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
 
 

@@ -35,6 +35,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
     for node, (statement, found) in rules.items():
         if node in refused:
             continue
+        found.sort(key=lambda word: (word.use.node.location.begin.line, word.use.node.location.begin.column))
         fits = ALL.intersection(*(word.programs for word in found))
         if _is_constraint(statement):
             fits -= {"base"}
@@ -74,11 +75,12 @@ def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
 
 
 def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
-    """The programs in which it is of use to derive a predicate."""
-    by_core = _programs(core.used.get(signature, ())) - {"pick"}
-    if by_core:
-        return by_core if len(by_core) == 1 else frozenset({"base"})
-    return ALL
+    """The programs in which it is of use to derive a predicate: all, where the core does not use it."""
+    readers = _programs(core.used.get(signature, ())) - {"pick"}
+    if not readers:
+        return ALL
+    # What a grammar states is read, and found wrong, in the program house.
+    return frozenset({"base"} if "room" in readers else {"base", "house"})
 
 
 def _programs(uses: Iterable[Use]) -> frozenset[str]:

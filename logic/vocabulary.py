@@ -147,7 +147,7 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
 
 
 def places(fact: Symbol, own: Words) -> list[Use]:
-    """The statements, pools included, from which a ground atom may come; those that name it best first."""
+    """The heads, in the order of the files, that name a ground atom, or else those that may derive it."""
 
     def names(use: Use) -> bool:
         text = str(use.node)
@@ -155,7 +155,8 @@ def places(fact: Symbol, own: Words) -> list[Use]:
             re.search(rf"(?<!\w){re.escape(str(argument))}(?!\w)", text) for argument in fact.arguments
         )
 
-    return sorted(own.derived.get((fact.name, len(fact.arguments)), ()), key=lambda use: not names(use))
+    heads = [use for (name, _), uses in own.derived.items() if name == fact.name for use in uses]
+    return [use for use in heads if names(use)] or [use for use in heads if use.statement.node.body]
 
 
 def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature]) -> GrammarError:
