@@ -155,10 +155,8 @@ def _houses(
     key = (rules, *opening.values())
     warn = rules not in _warned and Path(opening["grammar"]).parent != SHIPPED
     _warned.add(rules)
-    team = [
-        _idle.take(key) or _Worker(opening | {"warn": warn and turn == 0})
-        for turn in range(min(workers, len(indices)))
-    ]
+    number = min(workers, len(indices))
+    team = [_idle.take(key) or _Worker(opening | {"warn": warn and not turn}) for turn in range(number)]
     reusable = False
     try:
         for worker in team:
@@ -167,7 +165,7 @@ def _houses(
                     START_UP,
                     f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
                 )
-                for text in loaded.get("warnings", ()):
+                for text in loaded["warnings"]:
                     warnings.warn(text, GrammarWarning, stacklevel=2)
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})

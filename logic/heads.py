@@ -9,7 +9,6 @@ from typing import Any
 from clingo.ast import ASTType
 
 from logic.audit import STAGES
-from logic.errors import GrammarError
 from logic.messages import written
 from logic.statements import Statement
 from logic.vocabulary import Signature, Use, Words, core_words
@@ -18,39 +17,36 @@ CHOICES = {("option", 3), ("picks", 2)}
 """What states a choice by its name, the first argument."""
 
 
-def trespasses(own: Words) -> Iterator[tuple[Statement, GrammarError]]:
-    """Statements that derive what the core alone derives, each with what to write instead."""
+def trespasses(own: Words) -> Iterator[tuple[Statement, str]]:
+    """Statements that derive or rename what is the core's, each with what to write instead."""
     core = core_words()
     for signature, uses in own.derived.items():
         if signature in core.derived and signature not in core.opened:
             for use in uses:
-                yield use.statement, use.statement.error(_instead(signature, use, own, core))
+                yield use.statement, _instead(signature, use, own, core)
     for name, use in own.defined.items():
         if name in core.defined:
-            yield (
-                use.statement,
-                use.statement.error(f"{name} comes from the request: leave #const {name} out"),
-            )
+            yield use.statement, f"{name} comes from the request: leave #const {name} out"
         elif name in core.constants:
-            yield use.statement, use.statement.error(f"{name} is a word of the core: choose another name")
+            yield use.statement, f"{name} is a word of the core: choose another name"
     taken = {_functor(use.node.arguments[0]) for each in CHOICES for use in core.derived.get(each, ())}
     for signature in CHOICES:
         for use in own.derived.get(signature, ()):
             if (choice := _functor(use.node.arguments[0])) in taken:
                 name = f"{choice[0]}/{choice[1]}" if choice[1] else choice[0]
-                text = f"the core picks {name} itself: state a constraint, or name your own choice otherwise"
-                yield use.statement, use.statement.error(text)
+                yield (
+                    use.statement,
+                    f"the core picks {name} itself: state a constraint, or name another choice",
+                )
 
 
 def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
     name = f"{signature[0]}/{signature[1]}"
-    origins = core.derived[signature]
-    stages = sorted(
-        {"house" if each.statement.program == "pick" else each.statement.program for each in origins}
-    )
-    if all(_is_fact(origin.statement) for origin in origins):
+    origins = [origin.statement for origin in core.derived[signature]]
+    programs = {origin.program for origin in origins}
+    stages = [stage for stage in STAGES if programs & {stage, "pick"}]
+    if all(_is_fact(origin) for origin in origins):
         return f"the core states all of {name}: use it in bodies, or choose another name"
-    stages = [stage for stage in stages if stage in STAGES]
     if signature not in core.documented or not stages:
         return f"the core derives {name} for itself: choose another name"
     stage = use.statement.program if use.statement.program in stages else stages[0]

@@ -95,7 +95,7 @@ class Program:
             if weight.type != clingo.SymbolType.Number or weight.number < 1:
                 if not strict:
                     continue
-                raise GrammarError(f"{symbol}: a weight is a whole number from 1 on")
+                raise GrammarError(f"{symbol}: a weight must be a positive integer")
             options.setdefault(variable, {})[value] = weight.number
         picks = [
             (self._literal[Function("pick", [variable, value])], weight)

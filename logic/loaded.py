@@ -1,7 +1,7 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,26 +56,26 @@ class LoadedGrammar:
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
         self._words = words(statements)
-        refused = {id(statement.node): error for statement, error in trespasses(self._words)}
+        refused = {id(each.node): each.error(why) for each, why in trespasses(self._words)}
         yield from refused.values()
         yield from audit(each for each in statements if id(each.node) not in refused)
         yield from misplaced(self._words, refused)
 
     def _errors(self) -> Iterator[GrammarError]:
         sized = self.placer.sized()
-        wrong = list(misspelt(self._words, (name for _, name, _, _ in sized)))
+        strange = list(misspelt(self._words, (name for _, name, _, _ in sized)))
         try:
             probe = self._probe({"rooms": 1}, "house")
             self._probe({}, "room")
         except GrammarError as error:
-            yield from [error, *wrong]
+            yield from [error, *strange]
             return
+        wrong = [*self._wrong(probe), *strange]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
         for type_ in self.types:
             if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(type_)):
                 why = f"{type_}: a type is named by a word that begins in lower case, as in bedroom"
                 wrong.append(self._at(Function("type", [type_]), why))
-        wrong += self._wrong(probe)
         if not self.types:
             wrong.append(GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory))
         yield from wrong
@@ -93,7 +93,7 @@ class LoadedGrammar:
                 kind = "room type: see type/1" if predicate == "room_size" else "piece in any room: see may/4"
                 yield GrammarError(f"{predicate}: {name} is no {kind}", file, line, 1)
 
-    def _probe(self, constants: Mapping[str, Any], stage: str) -> Program:
+    def _probe(self, constants: dict[str, Any], stage: str) -> Program:
         """A stage without furniture: a rule that has very many instances in it is refused."""
         rules = (self._grammar.asp, constants, [(stage, [])])
         try:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from logic.audit import STAGES
 from logic.errors import GrammarError
-from logic.statements import Statement, error_at
+from logic.statements import Statement, error_at, place
 from logic.vocabulary import Signature, Use, Words, core_words
 
 ALL = frozenset({"base", *STAGES})
@@ -35,7 +35,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
     for node, (statement, found) in rules.items():
         if node in refused:
             continue
-        found.sort(key=lambda word: (word.use.node.location.begin.line, word.use.node.location.begin.column))
+        found.sort(key=lambda word: place(word.use.node))
         fits = ALL.intersection(*(word.programs for word in found))
         if _is_constraint(statement):
             fits -= {"base"}

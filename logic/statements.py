@@ -22,7 +22,10 @@ class Statement(NamedTuple):
 
 
 def read(files: Iterable[Path]) -> list[Statement]:
-    """All statements of these files and of what they include; raises ``GrammarError`` for a syntax error."""
+    """All statements of these files and of what they include, in order.
+
+    Raises ``GrammarError`` for the first syntax error.
+    """
     found: list[Statement] = []
     remarks: list[str] = []
     program = "base"
@@ -37,10 +40,15 @@ def read(files: Iterable[Path]) -> list[Statement]:
         parse_files([str(file) for file in files], take, logger=lambda _, text: remarks.append(text))
     except RuntimeError as error:
         raise clingo_error(remarks, str(error)) from None
-    return found
+    return sorted(found, key=lambda each: place(each.node))
+
+
+def place(node: Any) -> tuple[str, int, int]:
+    """File, line and column at which a node begins."""
+    begin = node.location.begin
+    return begin.filename, begin.line, begin.column
 
 
 def error_at(node: Any, text: str) -> GrammarError:
     """Something wrong with what stands at a node's place."""
-    begin = node.location.begin
-    return GrammarError(text, begin.filename, begin.line, begin.column)
+    return GrammarError(text, *place(node))

@@ -90,7 +90,7 @@ def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, 
         return
     name = ""
     if kind == ASTType.Function and not node.arguments:
-        name = node.name
+        name = str(node.name)
     elif kind == ASTType.SymbolicTerm and not re.fullmatch(r"-?\d+|#\w+", str(node.symbol)):
         name = str(node.symbol)
     if name:

@@ -44,7 +44,7 @@ def main() -> None:
             elif builder is None:
                 grammar = find(request["grammar"])
                 builder = Builder(grammar, request["cell"])
-                answer = {"versions": builder.versions}
+                answer = {"versions": builder.versions, "warnings": []}
                 if request.get("warn"):
                     from logic.linter import warnings
 

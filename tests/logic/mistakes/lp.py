@@ -158,6 +158,20 @@ MISTAKES = (
         new="option(colour,red,0).",
         says="option(colour,red,0): a weight is a whole number from 1 on",
     ),
+    Mistake(
+        "words for counts",
+        "furniture.lp",
+        old="",
+        new="may(hall,wardrobe,one,two).",
+        says="may(hall,wardrobe,one,two): counts are whole numbers, the lesser first, up to 99",
+    ),
+    Mistake(
+        "a type without furniture",
+        "furniture.lp",
+        old="",
+        new="type(attic).",
+        says="type(attic): it has no furniture: see may/4",
+    ),
     # - heads of the core
     Mistake(
         "a room by a fact",
