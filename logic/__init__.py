@@ -4,6 +4,7 @@ from logic.check import check
 from logic.errors import (
     Finding,
     GrammarError,
+    GrammarWarning,
     HouseFileError,
     LimitReached,
     MissingProgram,
@@ -19,6 +20,7 @@ __all__ = [
     "Door",
     "Finding",
     "GrammarError",
+    "GrammarWarning",
     "House",
     "HouseFileError",
     "LimitReached",

@@ -1,58 +1,55 @@
 """What may stand in a grammar's .lp files: rules whose layouts can be sampled by picks, and no code."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from clingo.ast import ASTType, parse_files
+from clingo.ast import ASTType
 
 from logic.errors import GrammarError
-from logic.messages import clingo_error
+from logic.spelling import closest
+from logic.statements import Statement
 
-CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction, ASTType.TheoryAtom}
+CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction}
+STAGES = ("house", "room")
+"""The two programs of a layout; ``base`` belongs to both."""
+
+OBJECTIONS = {
+    ASTType.External: "a grammar holds rules: what is #external holds in no house",
+    ASTType.Script: "a grammar holds rules, no scripts",
+    ASTType.Minimize: "layouts are sampled, not optimised: use weight/2 or a constraint",
+    ASTType.ShowSignature: "the core alone shows what makes a layout: leave #show out",
+    ASTType.ShowTerm: "the core alone shows what makes a layout: leave #show out",
+    ASTType.ProjectSignature: "layouts are sampled by picks: leave #project out",
+    ASTType.ProjectAtom: "layouts are sampled by picks: leave #project out",
+    ASTType.Heuristic: "layouts are sampled by picks, whatever the heuristic: use the weights of option/3",
+    ASTType.Edge: "a grammar holds rules: leave #edge out, and forbid circles by a constraint",
+    ASTType.TheoryDefinition: "a grammar holds rules without theories",
+}
 
 
-def audit(files: Sequence[Path]) -> list[GrammarError]:
+def audit(statements: Iterable[Statement]) -> Iterator[GrammarError]:
     """What would be passed over, or would choose past the picks (``rules/pick.lp``), each by its place."""
-    objections = [error for file in files for error in _other_letters(file)]
-    if objections:
-        return objections
-    remarks: list[str] = []
-    part = "base"
-
-    def judge(statement: Any) -> None:
-        nonlocal part
-        if statement.ast_type == ASTType.Program:
-            part = statement.name
-        elif why := _objection(statement, part):
-            begin = statement.location.begin
-            objections.append(GrammarError(why, begin.filename, begin.line, begin.column))
-
-    try:
-        parse_files([str(file) for file in files], judge, logger=lambda _, text: remarks.append(text))
-    except RuntimeError as error:
-        return [clingo_error(remarks, str(error))]
-    return objections
+    for statement in statements:
+        if why := _objection(statement.node):
+            yield statement.error(why)
 
 
-def _objection(statement: Any, part: str) -> str:
-    if statement.ast_type == ASTType.External:
-        return "a grammar holds rules: what is #external holds in no house"
-    if statement.ast_type == ASTType.Script:
-        return "a grammar holds rules, no scripts"
-    if statement.ast_type == ASTType.Minimize:
-        return "layouts are sampled, not optimised: use weight/2 or a constraint"
-    if statement.ast_type == ASTType.Rule:
-        if statement.head.ast_type in CHOICES:
-            return "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
-        if part == "base" and str(statement.head) == "#false":
-            return "say which stage this binds: put #program house. or #program room. before it"
-    return ""
+def _objection(node: Any) -> str:
+    if node.ast_type == ASTType.Program and (node.parameters or node.name not in {"base", *STAGES}):
+        meant = closest(node.name, STAGES)
+        hint = f"did you mean {meant}?" if meant else "there are house and room, and base for both"
+        return f"#program {node.name} is part of no layout: {hint}"
+    if node.ast_type == ASTType.Rule and node.head.ast_type == ASTType.TheoryAtom:
+        return OBJECTIONS[ASTType.TheoryDefinition]
+    if node.ast_type == ASTType.Rule and node.head.ast_type in CHOICES:
+        return "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
+    return OBJECTIONS.get(node.ast_type, "")
 
 
-def _other_letters(file: Path) -> Iterator[GrammarError]:
-    """Other letters than plain ones, outside of comments and strings, end clingo without a word."""
+def unreadable(file: Path) -> Iterator[GrammarError]:
+    """What clingo would end at without a word, or read from elsewhere, outside of comments and strings."""
     try:
         text = file.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -63,3 +60,6 @@ def _other_letters(file: Path) -> Iterator[GrammarError]:
         for column, letter in enumerate(code, start=1):
             if not letter.isascii():
                 yield GrammarError(f"{letter}: names are of plain letters", file, number, column)
+        if include := re.search(r"#include\b", code):
+            why = "all .lp files of the grammar's directory are read: leave #include out, copy the file there"
+            yield GrammarError(why, file, number, include.start() + 1)

@@ -33,11 +33,10 @@ class Builder:
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
         self._grammar = grammar
-        self._loaded = LoadedGrammar(grammar, cell)
-        if self._loaded.errors:
-            raise self._loaded.errors[0]
-        self.placer, self.programs = self._loaded.placer, self._loaded.programs
-        self.programs.refuse_remarks()
+        self.loaded = LoadedGrammar(grammar, cell)
+        if self.loaded.errors:
+            raise self.loaded.errors[0]
+        self.placer, self.programs = self.loaded.placer, self.loaded.programs
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -95,7 +94,7 @@ class Builder:
         ]
         atoms = program.sample(rng, assumed, without, nogoods.guards.get(program))
         if atoms is None:
-            prover = Prover(self._grammar, self.placer, self._loaded.lengths)
+            prover = Prover(self._grammar, self.placer, self.loaded.lengths)
             raise prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
         of_room = {
             name: {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == name}
@@ -155,7 +154,7 @@ class Builder:
 
     def _require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
-        furniture = self._loaded.furniture
+        furniture = self.loaded.furniture
         for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):
             known("room type", type_, furniture)
         for name in request.furniture:

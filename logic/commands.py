@@ -7,6 +7,7 @@ import json
 import os
 import re
 import sys
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -69,6 +70,7 @@ class Generate:
         """Write the houses; where a limit or Ctrl-C ends the work, those made so far, and a note of why."""
         from logic import generate, save
 
+        _say_warnings()
         if self.count_layouts:
             return self._count()
         _require_writable(self.out, self.count)
@@ -147,6 +149,7 @@ class Explain:
         from logic import Unsatisfiable, generate
         from logic.errors import to_record
 
+        _say_warnings()
         houses = generate(
             rooms=self.rooms,
             types=_counts("--type", self.type),
@@ -271,6 +274,11 @@ def _progress(items: Any, total: int, what: str) -> Iterator[Any]:
     return iter(
         track(items, what, total=total, console=console, disable=not console.is_terminal, transient=True)
     )
+
+
+def _say_warnings() -> None:
+    """Print a warning as ``lint`` does, without the line of Python that it came by."""
+    warnings.showwarning = lambda message, *_: say(str(message))
 
 
 def say(text: str) -> None:

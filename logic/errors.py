@@ -37,6 +37,10 @@ class GrammarError(VitruviusError):
         super().__init__(f"{place}: {message}" if place else message)
 
 
+class GrammarWarning(UserWarning):
+    """A rule of a grammar has no effect: its place and what is said of it, as ``lint`` says it."""
+
+
 class RequestError(VitruviusError, ValueError):
     """The request makes no sense, whatever the rules: a count below zero, an unknown type."""
 

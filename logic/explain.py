@@ -10,6 +10,7 @@ is anything from nothing to very much. And without its fact there may be any num
 too many of: so the fact that bounds it is among the reasons.
 """
 
+import contextlib
 import functools
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,7 +22,7 @@ import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
 
 from logic.errors import Reason
-from logic.layout import CORE, Part
+from logic.layout import CORE, Endless, Instances, Part
 from logic.placement import Conflict
 
 BEGIN = ast.Position("<explanation>", 1, 1)
@@ -54,17 +55,19 @@ class Relaxed:
         parts: Iterable[Part],
         lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
         more: bool = False,
+        most: int | None = None,
     ) -> None:
         """Ground these parts of the core and the files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
         With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
+        Past ``most`` ground rules the rest is left out.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
         )
-        self._grounded = _Grounded()
-        self._control.register_observer(self._grounded)
+        self._instances = Instances(most)
+        self._control.register_observer(self._instances)
         self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
@@ -85,11 +88,13 @@ class Relaxed:
             for number in range(len(found)):
                 free = ast.ConditionalLiteral(HERE, _literal(_stated(number)), [])
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
-        self._control.ground([("base", []), *parts, ("pick", [])])
+        with contextlib.suppress(Endless):
+            self._control.ground([("base", []), *parts, ("pick", [])])
         self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self.statements = [
-            Statement(reason, (self._literal_of[Function("stated", [Number(number)])],), clause)
+            Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
             for number, (reason, clause) in enumerate(found)
+            if _stated_symbol(number) in self._literal_of
         ]
 
     def choice(self, reason: Reason, holds: Iterable[Symbol] = (), fails: Iterable[Symbol] = ()) -> Statement:
@@ -100,7 +105,11 @@ class Relaxed:
 
     def binds(self, statement: Statement) -> bool:
         """Whether a statement has any ground instance."""
-        return any(literal in self._grounded.conditions for literal in statement.literals)
+        return any(self._instances.of[literal] for literal in statement.literals)
+
+    def largest(self) -> Statement:
+        """The statement with the most ground instances."""
+        return max(self.statements, key=lambda statement: self._instances.of[statement.literals[0]])
 
     def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
         """The shown atoms of a layout under these statements; None if there is none."""
@@ -126,17 +135,6 @@ class Relaxed:
         ]
         with self._control.backend() as backend:
             backend.add_rule([], clauses + atoms)
-
-
-class _Grounded(clingo.Observer):
-    """The literals on which ground rules depend."""
-
-    def __init__(self) -> None:
-        self.conditions: set[int] = set()
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """A ground rule."""
-        self.conditions.update(body)
 
 
 def minimal(
@@ -217,7 +215,11 @@ def _excerpt(lines: list[str], line: int, column: int, last_line: int, last_colu
 
 
 def _stated(number: int) -> ast.AST:
-    return _atom(Function("stated", [Number(number)]))
+    return _atom(_stated_symbol(number))
+
+
+def _stated_symbol(number: int) -> Symbol:
+    return Function("stated", [Number(number)])
 
 
 def _atom(symbol: Symbol) -> ast.AST:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ import msgspec
 from logic.errors import (
     Finding,
     GrammarError,
+    GrammarWarning,
     LimitReached,
     RequestError,
     Unsatisfiable,
@@ -27,7 +29,7 @@ from logic.errors import (
     from_record,
 )
 from logic.fixed import fixed_rooms
-from logic.grammar import find
+from logic.grammar import SHIPPED, find
 from logic.house import BODY, House
 from logic.request import MOST_ROOMS, Count, Request
 
@@ -69,6 +71,7 @@ def generate(
     request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
     ``inferences`` (of Prolog) and ``seconds`` bound each house.
 
+    Warns once (``GrammarWarning``) of each rule of a grammar in a directory that never has an effect.
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
@@ -150,15 +153,20 @@ def _houses(
 ) -> Iterator[House]:
     """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
     key = (rules, *opening.values())
-    team = [_idle.take(key) or _Worker(opening) for _ in range(min(workers, len(indices)))]
+    warn = rules not in _warned and Path(opening["grammar"]).parent != SHIPPED
+    _warned.add(rules)
+    number = min(workers, len(indices))
+    team = [_idle.take(key) or _Worker(opening | {"warn": warn and not turn}) for turn in range(number)]
     reusable = False
     try:
         for worker in team:
             if worker.unanswered:
-                worker.answer(
+                loaded = worker.answer(
                     START_UP,
                     f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
                 )
+                for text in loaded["warnings"]:
+                    warnings.warn(text, GrammarWarning, stacklevel=2)
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})
         for turn, index in enumerate(indices):
@@ -221,6 +229,9 @@ class _Idle:
 
 
 _idle = _Idle()
+
+_warned: set[str] = set()
+"""Hashes of the rules whose warnings this process has given: once is enough."""
 
 
 class _Worker:

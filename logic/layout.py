@@ -9,6 +9,7 @@ rules and the random numbers alone, never on what was solved before.
 """
 
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,6 +31,27 @@ EVERY = ("--models=0", "--project=show")
 CORE = RULES / "core.lp"
 
 
+class Endless(Exception):
+    """There are more ground rules than were asked for, perhaps without end."""
+
+
+class Instances(clingo.Observer):
+    """Counts ground rules by the literals that they depend on."""
+
+    def __init__(self, most: int | None = None) -> None:
+        """End the grounding by ``Endless`` past this number of ground rules, if any."""
+        self._left = most
+        self.of: Counter[int] = Counter()
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A ground rule."""
+        self.of.update(body)
+        if self._left is not None:
+            self._left -= 1
+            if self._left < 0:
+                raise Endless
+
+
 class Program:
     """One ground program: the rooms of a house, or the furniture of one type of room."""
 
@@ -39,11 +61,12 @@ class Program:
         constants: Mapping[str, object],
         parts: Iterable[Part],
         arguments: Iterable[str] = (),
+        most: int | None = None,
     ) -> None:
         """Ground these parts of the core and the grammar's files, with these constants.
 
         A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
-        way. Raises ``GrammarError`` for its first error.
+        way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.remarks: list[str] = []
         self._control = clingo.Control(
@@ -51,6 +74,8 @@ class Program:
             logger=lambda _, text: self.remarks.append(text),
             message_limit=1000,
         )
+        if most:
+            self._control.register_observer(Instances(most))
         try:
             for file in (CORE, *files):
                 self._control.load(str(file))
@@ -58,16 +83,18 @@ class Program:
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
-        self._counts, self._choices, self._weights = self._options()
+        self._counts, self._choices, self._weights = self._options(strict=most is None)
         self._brancher = _Brancher(self._choices)
         self._control.register_propagator(self._brancher)
 
-    def _options(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Each variable's number of options; all their pick literals and weights, in the rules' own order."""
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
             variable, value, weight = symbol.arguments
             if weight.type != clingo.SymbolType.Number or weight.number < 1:
+                if not strict:
+                    continue
                 raise GrammarError(f"{symbol}: a weight must be a positive integer")
             options.setdefault(variable, {})[value] = weight.number
         picks = [

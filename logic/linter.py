@@ -1,43 +1,50 @@
 """The mistakes in a grammar that clingo and SWI-Prolog pass over, by file, line and column."""
 
 from collections.abc import Iterable
+from itertools import chain, zip_longest
 
 from logic.errors import Finding, GrammarError, Reason
 from logic.explain import Relaxed
 from logic.grammar import Grammar
 from logic.loaded import LoadedGrammar
 
-SIZES = (1, 2, 3, 4, 6, 8)
-"""Numbers of rooms for which a rule is looked for to bind."""
+SIZES = (6, 8, 4, 3, 2, 1)
+"""Numbers of rooms for which a rule is looked for to bind, in this order."""
 
 
 def findings(grammar: Grammar) -> list[Finding]:
     """All that is wrong with a grammar: errors, for which ``generate`` refuses it, and then warnings."""
     loaded = LoadedGrammar(grammar)
-    errors, warnings = loaded.errors, []
-    if not errors:
-        warnings = [*loaded.warnings, *_warnings(grammar, map(str, loaded.types))]
-        try:
-            loaded.programs.refuse_remarks()
-        except GrammarError as error:
-            errors = [error]
+    if loaded.errors:
+        return _findings("error", loaded.errors, grammar)
+    return warnings(grammar, loaded)
+
+
+def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
+    """What is of no use in a grammar without errors."""
+    return _findings("warning", [*loaded.warnings, *_idle(grammar, map(str, loaded.types))], grammar)
+
+
+def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
     return [
         Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)
-        for severity, found in (("error", errors), ("warning", warnings))
         for each in found
     ]
 
 
-def _warnings(grammar: Grammar, types: Iterable[str]) -> list[GrammarError]:
+def _idle(grammar: Grammar, types: Iterable[str]) -> list[GrammarError]:
     """Rules that bind in no house of the usual sizes and in no type of room."""
-    programs = [Relaxed(grammar.asp, {"rooms": rooms}, [("house", [])]) for rooms in SIZES]
-    programs += [Relaxed(grammar.asp, {"this_room": type_}, [("room", [])]) for type_ in types]
-    bound: dict[Reason, bool] = {}
-    for program in programs:
-        for statement in program.statements:
-            bound[statement.reason] = bound.get(statement.reason, False) or program.binds(statement)
+    houses = [({"rooms": rooms}, "house") for rooms in SIZES]
+    furnished = [({"this_room": type_}, "room") for type_ in types]
+    unbound: dict[Reason, None] | None = None
+    for constants, stage in filter(None, chain.from_iterable(zip_longest(houses, furnished))):
+        program = Relaxed(grammar.asp, constants, [(stage, [])])
+        idle = {each.reason for each in program.statements if not program.binds(each)}
+        every = unbound or dict.fromkeys(each.reason for each in program.statements)
+        unbound = {reason: None for reason in every if reason in idle}
+        if not unbound:
+            break
     return [
         GrammarError(f"this rule never binds: {reason.text}", reason.file, reason.line, reason.column)
-        for reason, binds in bound.items()
-        if not binds
+        for reason in unbound or ()
     ]

@@ -1,21 +1,29 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from clingo import Function, Symbol
 
-from logic.audit import audit
+from logic.audit import audit, unreadable
 from logic.errors import GrammarError
+from logic.explain import Relaxed
 from logic.grammar import Grammar
-from logic.layout import Program
+from logic.heads import trespasses
+from logic.layout import Endless, Program
 from logic.placement import Placer, unknown
 from logic.programs import Programs
 from logic.spelling import closest
+from logic.stages import misplaced
+from logic.statements import Statement, error_at, read
 from logic.terms import Lengths, length_facts
 from logic.units import unlikely
-from logic.vocabulary import misspelt, place_of
+from logic.vocabulary import Words, misspelt, places, words
+
+MOST_INSTANCES = 50_000
+"""Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
 
 
 class LoadedGrammar:
@@ -32,28 +40,50 @@ class LoadedGrammar:
         self.types: list[Symbol] = []
         self.furniture: dict[str, list[str]] = {}
         self._extremes: dict[str, Any] = {}
-        self.errors = [*audit(grammar.asp), *self.placer.problems] or list(self._errors())
+        self._words = Words()
+        self.errors = list(self._readable()) or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
         self.warnings = [] if self.errors else list(unlikely(self._extremes, self.placer.origins))
         self.programs = Programs(grammar, self.furniture, self.lengths)
+        if not self.errors:
+            self.errors = list(self.programs.remarks())
 
-    def _errors(self) -> Iterator[GrammarError]:
+    def _readable(self) -> Iterator[GrammarError]:
+        """What is wrong with statements by themselves."""
+        illegible = [error for file in self._grammar.asp for error in unreadable(file)]
         try:
-            probe = Program(self._grammar.asp, {"rooms": 1}, [("house", [])])
+            yield from illegible or self._misused(read(self._grammar.asp))
         except GrammarError as error:
             yield error
-            return
+        yield from self.placer.problems
+
+    def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
+        """Statements that no grammar may have, and those that do not act where they stand."""
+        self._words = words(statements)
+        refused = {id(each.node): each.error(why) for each, why in trespasses(self._words)}
+        yield from refused.values()
+        yield from audit(each for each in statements if id(each.node) not in refused)
+        yield from misplaced(self._words, refused)
+
+    def _errors(self) -> Iterator[GrammarError]:
         sized = self.placer.sized()
+        strange = list(misspelt(self._words, (name for _, name, *_ in sized)))
+        try:
+            probe = self._probe({"rooms": 1}, "house")
+            self._probe({}, "room")
+        except GrammarError as error:
+            yield from [error, *strange]
+            return
+        wrong = [*self._wrong(probe), *strange]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
-        unnamed = [type_ for type_ in self.types if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(type_))]
-        for type_ in unnamed:
-            why = f"{type_}: a type is named by a word that begins in lower case, as in bedroom"
-            yield self._at(Function("type", [type_]), why)
-        wrong = [*self._wrong(probe), *misspelt(self._grammar.asp, (name for _, name, *_ in sized))]
-        yield from wrong
+        for type_ in self.types:
+            if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(type_)):
+                why = f"{type_}: a type is named by a word that begins in lower case, as in bedroom"
+                wrong.append(self._at(Function("type", [type_]), why))
         if not self.types:
-            yield GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory)
-        if wrong or unnamed or not self.types:
+            wrong.append(GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory))
+        yield from wrong
+        if wrong:
             return
         self.furniture = _furniture(probe)
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
@@ -86,18 +116,40 @@ class LoadedGrammar:
         errors = [self._at(Function(predicate, names), why) for predicate, names in facts]
         return next((error for error in errors if error.line), errors[0])
 
+    def _probe(self, constants: dict[str, Any], stage: str) -> Program:
+        """A stage without furniture: a rule that has very many instances in it is refused."""
+        rules = (self._grammar.asp, constants, [(stage, [])])
+        try:
+            return Program(*rules, most=MOST_INSTANCES)
+        except Endless:
+            endless = Relaxed(*rules, most=MOST_INSTANCES).largest().reason
+        why = (
+            f"this rule has more than {MOST_INSTANCES:,} instances: does it recur without end? {endless.text}"
+        )
+        raise GrammarError(why, endless.file, endless.line, endless.column)
+
     def _wrong(self, probe: Program) -> Iterator[GrammarError]:
         """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``)."""
         for symbol in probe.atoms("wrong", 2):
-            fact, why = symbol.arguments
-            if fact.name == "companions":  # of both kinds: the grammar's own fact is named by the first
-                fact = Function(fact.arguments[0].name, fact.arguments[1:])
+            fact, why = _stated(symbol.arguments[0]), symbol.arguments[1]
             yield self._at(fact, f"{fact}: {why.string}")
+        for symbol in probe.atoms("twice", 2):
+            facts = sorted(map(_stated, symbol.arguments), key=lambda fact: self._at(fact, "").line or 0)
+            first = self._at(facts[0], "")
+            place = f"{Path(str(first.file)).name}:{first.line}:{first.column}"
+            yield self._at(facts[1], f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them")
 
     def _at(self, fact: Symbol, why: str) -> GrammarError:
         """An error at the fact's place in the files."""
-        file, line, column = place_of(fact, self._grammar.asp) or (self._grammar.directory, None, None)
-        return GrammarError(why, file, line, column)
+        found = places(fact, self._words)
+        return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
+
+
+def _stated(fact: Symbol) -> Symbol:
+    """The grammar's own fact: of companions of both kinds it is named by the first argument."""
+    if fact.name != "companions":
+        return fact
+    return Function(fact.arguments[0].name, fact.arguments[1:])
 
 
 def _furniture(probe: Program) -> dict[str, list[str]]:

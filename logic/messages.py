@@ -1,13 +1,32 @@
-"""What clingo says, as errors with file, line and column."""
+"""What clingo says, as errors with file, line and column, and with what the user wrote there."""
 
 import re
 from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 from logic.errors import GrammarError
 
 _PLACED = re.compile(
-    r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-[\d:]+)?: (?P<kind>\w+): (?P<text>.*)$", re.S
+    r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+)(?:-(?:(?P<last>\d+):)?(?P<end>\d+))?:"
+    r" (?P<kind>\w+): (?P<text>.*)$",
+    re.S,
 )
+_UNSAFE = re.compile(r":(?P<line>\d+):(?P<column>\d+)[-\d:]*: note: '(?P<name>.+)' is unsafe")
+
+REMARKS = {
+    "operation undefined": "arithmetic takes whole numbers; where there is none, the rule is passed over",
+    "tuple ignored": "a sum adds whole numbers: the first term of each tuple",
+    "global variable in tuple": "outside the aggregate it has a value, so it counts once: rename it inside",
+}
+"""What clingo remarks on, and what follows from it."""
+
+SYNTAX = {
+    r"=<": "at most is <= in .lp files",
+    r"\d\.\d": "numbers are whole in .lp files: lengths belong in .pl files",
+    r"(?<![\w#])[A-Z]\w*\(": "predicates begin in lower case, variables in upper case",
+}
+"""What a line with a syntax error may hold, and how it is written."""
 
 
 def clingo_error(remarks: Iterable[str], otherwise: str) -> GrammarError:
@@ -24,5 +43,31 @@ def placed_error(remark: str) -> GrammarError:
     found = _PLACED.match(remark.strip())
     if not found:
         return GrammarError(remark.strip())
+    file, line, column = found["file"], int(found["line"]), int(found["column"])
+    last, end = int(found["last"] or line), int(found["end"] or column)
     text = " ".join(found["text"].split())
-    return GrammarError(text, found["file"], int(found["line"]), int(found["column"]))
+    if unsafe := _UNSAFE.search(found["text"]):
+        name = re.sub("^#Anon.*", "_", unsafe["name"])
+        rule = excerpt(file, (line, column), (last, end))
+        text = f"{name} is unsafe: no literal without not gives it values, as in room({name},_): {rule}"
+        return GrammarError(text, file, int(unsafe["line"]), int(unsafe["column"]))
+    written = excerpt(file, (line, 1), (last, None))
+    hints = [hint for start, hint in REMARKS.items() if text.startswith(start)]
+    if text.startswith("syntax error"):
+        hints = [hint for pattern, hint in SYNTAX.items() if re.search(pattern, written)]
+        hints = hints or ["is a comma missing before it, or a period after the statement above?"]
+    return GrammarError(": ".join([text, *hints[:1], written]), file, line, column)
+
+
+def excerpt(file: str, begin: tuple[int, int], end: tuple[int, int | None]) -> str:
+    """What stands between two places of a file, lines and columns, on one line."""
+    part = Path(file).read_text(encoding="utf-8").split("\n")[begin[0] - 1 : end[0]]
+    part[-1] = part[-1][: end[1] and end[1] - 1]
+    part[0] = part[0][begin[1] - 1 :]
+    return " ".join(" ".join(text.split()) for text in part)
+
+
+def written(node: Any) -> str:
+    """What the user wrote for a node of clingo's syntax tree."""
+    begin, end = node.location.begin, node.location.end
+    return excerpt(begin.filename, (begin.line, begin.column), (end.line, end.column))

@@ -16,6 +16,7 @@ from clingo import Function, Symbol, parse_term
 from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
 from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
+from logic.inexpressible import inexpressible
 from logic.prolog_syntax import explained
 
 NAMES = ("door_width", "door_clearance", "passage", "room_gap")
@@ -196,7 +197,7 @@ class Placer:
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:
     """An error for a name in a ``.pl`` file that nothing knows: of a predicate, a room type or a piece."""
-    return GrammarError(text, file, line, column)
+    return GrammarError(inexpressible(name) or text, file, line, column)
 
 
 def _problem(file: str, line: int, column: int, text: str, name: str) -> GrammarError:

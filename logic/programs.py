@@ -5,6 +5,7 @@ from functools import cache
 
 from clingo import Symbol
 
+from logic.errors import GrammarError
 from logic.grammar import Grammar
 from logic.layout import EVERY, Program
 from logic.messages import placed_error
@@ -67,14 +68,16 @@ class Programs:
             program, assumed = self.furniture_for(type_, request, EVERY)
             yield (type_, *program.count(assumed, seconds))
 
-    def refuse_remarks(self) -> None:
-        """Raise ``GrammarError`` for what clingo only remarks on, and passes over, in the grammar's files.
+    def remarks(self) -> Iterator[GrammarError]:
+        """What clingo only remarks on, and passes over, in the grammar's files.
 
         That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
         """
         own = set(map(str, self._grammar.asp))
+        found: dict[tuple[str, int | None, int | None], GrammarError] = {}
         for program in (self.rooms(1), *(self.furniture(type_) for type_ in sorted(self._furniture))):
             for remark in program.remarks:
                 error = placed_error(remark)
                 if str(error.file) in own and "does not occur in any rule head" not in remark:
-                    raise error
+                    found.setdefault((str(error.file), error.line, error.column), error)
+        yield from found.values()

@@ -1,134 +1,173 @@
 """The words of a grammar's .lp files: what is misspelt, and what nothing uses."""
 
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 from clingo import Symbol
-from clingo.ast import AST, ASTSequence, ASTType, parse_files
+from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
+from logic.inexpressible import inexpressible
 from logic.layout import CORE
 from logic.spelling import closest
+from logic.statements import Statement, error_at, read
 
 Signature = tuple[str, int]
 
 
+class Use(NamedTuple):
+    """A word in a statement: its node."""
+
+    node: Any
+    statement: Statement
+
+
 @dataclass
 class Words:
-    """The predicates that files derive and use, their constants and #const names, each with its places."""
+    """The predicates that statements derive and use, their constants and #const names, each with its uses."""
 
-    derived: dict[Signature, list[Any]] = field(default_factory=dict)
-    used: dict[Signature, list[Any]] = field(default_factory=dict)
-    constants: dict[str, list[Any]] = field(default_factory=dict)
-    defined: dict[str, Any] = field(default_factory=dict)
-    facts: list[Any] = field(default_factory=list)
+    derived: dict[Signature, list[Use]] = field(default_factory=dict)
+    used: dict[Signature, list[Use]] = field(default_factory=dict)
+    constants: dict[str, list[Use]] = field(default_factory=dict)
+    stated: set[str] = field(default_factory=set)
+    """The constants that stand in heads."""
+    defined: dict[str, Use] = field(default_factory=dict)
+    opened: dict[Signature, Use] = field(default_factory=dict)
+    """What ``#defined`` names: of the core, what a grammar may state."""
+    documented: set[Signature] = field(default_factory=set)
+    """What a comment ``%*! p(A,B): ... *%`` describes."""
 
 
-def words(files: Iterable[Path]) -> Words:
-    """All words of these files and of what they include."""
+def words(statements: Iterable[Statement]) -> Words:
+    """All words of these statements."""
     found = Words()
-
-    def take(statement: Any) -> None:
-        if statement.ast_type in {ASTType.Defined, ASTType.ShowSignature}:
-            found.used.setdefault((statement.name, statement.arity), []).append(statement.location)
-        elif statement.ast_type == ASTType.Definition:
-            found.defined[statement.name] = statement.location
-        elif statement.ast_type == ASTType.Rule:
-            _read(statement.head, found, found.derived)
-            for literal in statement.body:
-                _read(literal, found, found.used)
-            if not statement.body:
-                found.facts.append(statement)
-
-    parse_files([str(file) for file in files], take, logger=lambda *_: None)
+    for statement in statements:
+        node = statement.node
+        if node.ast_type == ASTType.Rule:
+            _read(node.head, statement, found, found.derived)
+            for literal in node.body:
+                _read(literal, statement, found, found.used)
+        elif node.ast_type == ASTType.Defined:
+            found.opened[node.name, node.arity] = Use(node, statement)
+        elif node.ast_type == ASTType.Definition:
+            found.defined[node.name] = Use(node, statement)
+        elif node.ast_type == ASTType.Comment and node.value.startswith("%*!"):
+            for name, arguments in re.findall(r"\b([a-z]\w*)\(([^()]*)\):", node.value):
+                found.documented.add((name, arguments.count(",") + 1))
     return found
 
 
-def _read(node: Any, found: Words, atoms: dict[Signature, list[Any]]) -> None:
-    """Collect atoms and constants below a node; conditions in a head are used, not derived."""
+@cache
+def core_words() -> Words:
+    """The words of the core."""
+    return words(read([CORE]))
+
+
+def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, list[Use]]) -> None:
+    """Collect atoms and constants below a node; conditions and negative literals in a head are used."""
     if isinstance(node, ASTSequence | list | tuple):
         for part in node:
-            _read(part, found, atoms)
+            _read(part, statement, found, atoms)
         return
     if not isinstance(node, AST):
         return
     kind = node.ast_type
     if kind == ASTType.ConditionalLiteral:
-        _read(node.literal, found, atoms)
-        _read(node.condition, found, found.used)
+        _read(node.literal, statement, found, atoms)
+        _read(node.condition, statement, found, found.used)
         return
+    if kind == ASTType.Literal and node.sign != Sign.NoSign:
+        atoms = found.used
     if kind == ASTType.SymbolicAtom:
-        symbol = node.symbol
-        for atom in symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]:
+        for atom in alternatives(node.symbol):
             if atom.ast_type == ASTType.Function:
                 arguments = atom.arguments
-                atoms.setdefault((atom.name, len(arguments)), []).append(atom.location)
-                _read(arguments, found, atoms)
+                atoms.setdefault((atom.name, len(arguments)), []).append(Use(atom, statement))
+                _read(arguments, statement, found, atoms)
         return
+    name = ""
     if kind == ASTType.Function and not node.arguments:
-        found.constants.setdefault(node.name, []).append(node.location)
-    if kind == ASTType.SymbolicTerm and re.fullmatch("[a-z]\\w*", str(node.symbol)):
-        found.constants.setdefault(str(node.symbol), []).append(node.location)
+        name = str(node.name)
+    elif kind == ASTType.SymbolicTerm and not re.fullmatch(r"-?\d+|#\w+", str(node.symbol)):
+        name = str(node.symbol)
+    if name:
+        found.constants.setdefault(name, []).append(Use(node, statement))
+        if atoms is found.derived:
+            found.stated.add(name)
     if kind not in _CHILDREN:
         _CHILDREN[kind] = node.child_keys
     for key in _CHILDREN[kind]:
-        _read(getattr(node, key), found, atoms)
+        _read(getattr(node, key), statement, found, atoms)
 
 
 _CHILDREN: dict[ASTType, list[str]] = {}
 """The children of each kind of node: to ask each node takes most of the time of reading."""
 
 
-def misspelt(files: Sequence[Path], sized: Iterable[str]) -> Iterator[GrammarError]:
-    """Predicates that nothing derives or uses, and constants that stand nowhere else.
+def alternatives(symbol: Any) -> list[Any]:
+    """The functions of an atom: those of a pool, and what classical negation negates."""
+    if symbol.ast_type == ASTType.Pool:
+        return [each for part in symbol.arguments for each in alternatives(part)]
+    if symbol.ast_type == ASTType.UnaryOperation:
+        return alternatives(symbol.argument)
+    return [symbol]
+
+
+def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
+    """Predicates that nothing derives or uses, and constants that no other statement names.
 
     ``sized`` are the names that the ``.pl`` files know.
     """
-    own, core = words(files), words([CORE])
-    choices = {("option", 3), ("picks", 2), ("pick", 2)}
-    known = set(core.used) | set(core.derived) | choices
-    for signature, places in own.used.items():
+    core = core_words()
+    known = {*core.used, *core.derived, *core.opened}
+    for signature, uses in ({each: [use] for each, use in own.opened.items()} | own.used).items():
         if signature not in own.derived and signature not in known:
-            yield _unknown(signature, "nothing derives", places[0], known | set(own.derived))
-    inputs = {signature for signature in core.used if signature not in core.derived} | choices
-    for signature, places in own.derived.items():
+            yield _unknown(signature, "derives", uses[0], known | set(own.derived))
+    inputs = {each for each in known if each not in core.derived or each in core.opened}
+    for signature, uses in own.derived.items():
         if signature not in own.used and signature not in known:
-            yield _unknown(signature, "nothing uses", places[0], inputs | set(own.used))
-    counted = Counter({name: len(places) for name, places in own.constants.items()})
-    counted.update(name for name in core.constants if name in counted)
-    counted.update(name for name in sized if name in counted)
-    others = {*core.constants, *sized, *(name for name, count in counted.items() if count > 1)}
-    for name, places in own.constants.items():
-        if counted[name] == 1 and name not in own.defined:
-            yield _at(places[0], f"{name} stands nowhere else{_meant(name, others)}")
-    for name, place in own.defined.items():
-        if name not in own.constants and name not in core.defined:
-            yield _at(place, f"#const {name} is not used{_meant(name, [*core.defined, 'rooms'])}")
+            yield _unknown(signature, "uses", uses[0], inputs | set(own.used))
+    # The values of a choice may be there to be picked, and no more.
+    values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
+    elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
+    others = {*elsewhere, *own.stated, *own.defined}
+    for name, uses in own.constants.items():
+        if name in own.defined or name in elsewhere:
+            continue
+        if len(uses) == 1:
+            yield error_at(uses[0].node, f"{name} stands nowhere else{_meant(name, others - {name})}")
+        elif name not in own.stated:
+            yield error_at(uses[0].node, f"{name} stands in no fact or head{_meant(name, others)}")
+    for name, use in own.defined.items():
+        if name not in own.constants:
+            yield error_at(use.node, f"#const {name} is not used{_meant(name, core.defined)}")
 
 
-def place_of(fact: Symbol, files: Sequence[Path]) -> tuple[str, int, int] | None:
-    """File, line and column of the fact, pools included, from which a ground atom comes."""
-    for statement in words(files).facts:
-        text = str(statement.head)
-        if re.match(rf"{fact.name}\b", text) and all(
+def places(fact: Symbol, own: Words) -> list[Use]:
+    """The heads, in the order of the files, that name a ground atom, or else those that may derive it."""
+
+    def names(use: Use) -> bool:
+        text = str(use.node)
+        return all(
             re.search(rf"(?<!\w){re.escape(str(argument))}(?!\w)", text) for argument in fact.arguments
-        ):
-            begin = statement.location.begin
-            return begin.filename, begin.line, begin.column
-    return None
+        )
+
+    heads = [use for (name, _), uses in own.derived.items() if name == fact.name for use in uses]
+    return [use for use in heads if names(use)] or [use for use in heads if use.statement.node.body]
 
 
-def _unknown(signature: Signature, what: str, place: Any, known: Iterable[Signature]) -> GrammarError:
+def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature]) -> GrammarError:
     name, arity = signature
+    if sentence := inexpressible(name):
+        return error_at(use.node, sentence)
     same = [other for other in known if other[0] == name]
     hint = (
         f": did you mean {name}/{same[0][1]}?" if same else _meant(name, [other for other, _ in known], known)
     )
-    return _at(place, f"{what} {name}/{arity}{hint}")
+    return error_at(use.node, f"nothing {what} {name}/{arity}{hint}")
 
 
 def _meant(name: str, names: Iterable[str], signatures: Iterable[Signature] = ()) -> str:
@@ -137,7 +176,3 @@ def _meant(name: str, names: Iterable[str], signatures: Iterable[Signature] = ()
         return ""
     arity = next((f"/{arity}" for other, arity in sorted(signatures) if other == close), "")
     return f": did you mean {close}{arity}?"
-
-
-def _at(location: Any, text: str) -> GrammarError:
-    return GrammarError(text, location.begin.filename, location.begin.line, location.begin.column)

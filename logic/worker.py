@@ -2,8 +2,8 @@
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 with limited memory, and the parent owns deadlines and Ctrl-C. The first line names the grammar; each
-further line asks for one house. Each is answered by a line: ``{"versions": ...}``, ``{"house": ...}`` or
-``{"error": ...}``.
+further line asks for one house. Each is answered by a line: ``{"versions": ...}``, with ``warnings`` where
+these are asked for, ``{"house": ...}`` or ``{"error": ...}``.
 """
 
 import json
@@ -42,8 +42,13 @@ def main() -> None:
 
                 answer = {"findings": msgspec.to_builtins(findings(find(request["grammar"])))}
             elif builder is None:
-                builder = Builder(find(request["grammar"]), request["cell"])
-                answer = {"versions": builder.versions}
+                grammar = find(request["grammar"])
+                builder = Builder(grammar, request["cell"])
+                answer = {"versions": builder.versions, "warnings": []}
+                if request.get("warn"):
+                    from logic.linter import warnings
+
+                    answer["warnings"] = list(map(str, warnings(grammar, builder.loaded)))
             elif "count" in request:
                 wanted = Request.read(request["request"])
                 answer = {"counts": list(builder.programs.counts(wanted, request["count"]))}

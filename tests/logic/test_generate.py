@@ -217,23 +217,6 @@ def test_an_unknown_grammar_is_named() -> None:
 @pytest.mark.parametrize(
     ("file", "old", "new", "says"),
     [
-        ("rooms.lp", "basic(bedroom; bathroom", "basic(bedroom bathroom", "syntax error"),
-        ("rooms.lp", "not room(_,T)", "not rom(_,T)", "rom"),
-        (
-            "rooms.lp",
-            ":- rooms >= 3, basic(T)",
-            ":- room(R,T), R + T = 1. :- basic(T)",
-            "operation undefined",
-        ),
-        (
-            "furniture.lp",
-            "may(bedroom,bed,1,2).",
-            ":- not room(_,kitchen). may(bedroom,bed,1,2).",
-            "which stage",
-        ),
-        ("furniture.lp", "may(bedroom,bed,1,2).", "{ cosy }. may(bedroom,bed,1,2).", "option/3"),
-        ("rooms.lp", "basic(bedroom;", "#maximize { 1,R : room(R,hall) }. basic(bedroom;", "not optimised"),
-        ("rooms.lp", "basic(bedroom;", "basic(küche; bedroom;", "plain letters"),
         ("sizes.pl", "L =< 2.2, D >= 0.5,  D", "L =< 2.2 D >= 0.5,  D", "operator"),
         (
             "sizes.pl",
@@ -247,31 +230,13 @@ def test_an_unknown_grammar_is_named() -> None:
 def test_a_wrong_rule_is_named_by_file_and_line(
     edited: Edit, file: str, old: str, new: str, says: str
 ) -> None:
-    """SWI-Prolog drops such a clause and clingo such an atom, and both go on: here it is an error."""
+    """SWI-Prolog drops such a clause and goes on: here it is an error."""
     folder = edited(file, old, new)
     with pytest.raises(GrammarError, match=says) as caught:
         next(generate(rooms=3, grammar=folder))
     assert caught.value.file == str(folder / file)
     assert caught.value.line == line_of(folder / file, new)
     assert caught.value.column
-
-
-@pytest.mark.parametrize(
-    ("file", "old", "new", "says"),
-    [
-        ("furniture.lp", "may(hall,sofa,0,2).", "may(hall,sofa,one,two).", "counts are whole numbers"),
-        ("rooms.lp", "type(bedroom;", "weight(hall,2). weight(hall,5). type(bedroom;", "another weight"),
-        ("rooms.lp", "type(bedroom;", "type(attic; bedroom;", r"type\(attic\): it has no furniture"),
-        ("furniture.lp", "may(hall,sofa", "may(hal,sofa", r"may\(hal,sofa,0,2\): no room type"),
-        ("furniture.lp", "may(hall,sofa,0,2)", "may(hall,sofa,2,1)", r"may\(hall,sofa,2,1\): counts are"),
-        ("furniture.lp", "stands(table,", "stands(tabel,", r"the piece stands nowhere|no room may have"),
-        ("furniture.lp", "stands(table,     middle)", "stands(table, centre)", "no such place"),
-        ("rooms.lp", "type(bedroom;", 'type("best room"; bedroom;', r"best room.*lower case"),
-    ],
-)
-def test_rules_that_cannot_work_are_named(edited: Edit, file: str, old: str, new: str, says: str) -> None:
-    with pytest.raises(GrammarError, match=says):
-        next(generate(rooms=3, grammar=edited(file, old, new)))
 
 
 def test_rules_that_never_end_meet_the_limit(edited: Edit) -> None:

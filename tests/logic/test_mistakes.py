@@ -2,17 +2,22 @@
 
 import importlib
 import pkgutil
+import re
 import shutil
 import time
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+import clingo
 import pytest
+from clingo import Function, Number
 
-from logic.errors import Finding
-from logic.grammar import SHIPPED, find
+from logic import Finding, GrammarError, GrammarWarning, generate
+from logic.grammar import RULES, SHIPPED, find, shipped
+from logic.layout import CORE
 from tests.logic import mistakes
 from tests.logic.mistakes import Mistake
 
@@ -27,7 +32,7 @@ MISTAKES = {each.title: each for table in TABLES for each in table.MISTAKES if i
 
 
 def linted(folder: Path) -> tuple[list[Finding], float]:
-    """What lint says of a grammar, and the CPU seconds that it took."""
+    """What lint says of a grammar outside of this package, and the CPU seconds that it took."""
     from pyswip import Prolog
 
     from logic.linter import findings
@@ -68,3 +73,66 @@ def test_a_mistake_is_found_at_its_place(title: str, solver: ProcessPoolExecutor
     place = (str(folder / mistake.file), len(lines), len(lines[-1]) + 1)
     assert (found[0].severity, found[0].file, found[0].line, found[0].column) == (mistake.severity, *place)
     assert seconds <= SECONDS
+
+
+def of_the_core(grammar: str) -> set[tuple[str, int]]:
+    """Each predicate with an atom in any program of the core, grounded with a grammar, and not its own."""
+    types = [Function("bedroom" if grammar != "clinic" else "ward"), Function("bed")]
+    terms = {"t": types[0], "f": types[1], "s": Function("north"), "i": Number(0), "b": Number(9)}
+    text = "".join(file.read_text() for file in RULES.glob("*.lp"))
+    parts = [
+        (name, [terms.get(each, Number(1)) for each in arguments.split(",") if each])
+        for name, arguments in re.findall(r"#program (\w+)\(?([\w,]*)\)?\.", text)
+    ]
+    control = clingo.Control(["-crooms=3", f"-cthis_room={types[0]}"], logger=lambda *_: None)
+    for file in (CORE, *find(grammar).asp):
+        control.load(str(file))
+    control.ground([("base", []), *parts])
+    named = set(re.findall(r"[a-z]\w*(?=\()", re.sub(r"%\*.*?\*%|%.*", "", text)))
+    return {(name, arity) for name, arity, _ in control.symbolic_atoms.signatures if name in named}
+
+
+@pytest.mark.parametrize("file", ["furniture.lp", "rooms.lp", "arrangement.lp"])
+@pytest.mark.parametrize("grammar", shipped())
+def test_a_fact_of_each_predicate_of_the_core_is_refused_or_an_input(
+    grammar: str, file: str, solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    """What a grammar may state is what the core names by ``#defined``, in each of its programs."""
+    text = "".join(rules.read_text() for rules in RULES.glob("*.lp"))
+    inputs = {(name, int(arity)) for name, arity in re.findall(r"#defined (\w+)/(\d)", text)}
+    core = sorted(of_the_core(grammar))
+    assert len(core) > 50
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / grammar, folder)
+    begin = len((folder / file).read_text().split("\n"))
+    with (folder / file).open("a") as rules:
+        rules.writelines(f"{name}({','.join('1' * arity)}).\n" for name, arity in core)
+    findings, _ = solver.submit(linted, folder).result(timeout=60)
+    refused = {
+        core[finding.line - begin]
+        for finding in findings
+        if finding.file == str(folder / file) and finding.severity == "error" and "the core" in finding.text
+    }
+    assert refused == set(core) - inputs
+
+
+def test_a_grammar_with_an_error_makes_no_house(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "family", folder)
+    with (folder / "rooms.lp").open("a") as rules:
+        rules.write("room(0,bathroom).\n")
+    with pytest.raises(GrammarError, match=r"rooms\.lp:13:1: the core alone derives room/2"):
+        next(generate(rooms=4, grammar=folder))
+
+
+def test_generate_warns_once_of_a_rule_without_effect(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "family", folder)
+    with (folder / "rooms.lp").open("a") as rules:
+        rules.write(":- room(R,T), R > 999.\n")
+    with pytest.warns(
+        GrammarWarning, match=r"rooms\.lp:13:1: warning: this rule never binds: :- room\(R,T\)"
+    ):
+        next(generate(rooms=1, grammar=folder))
+    with warnings.catch_warnings(action="error"):
+        next(generate(rooms=1, grammar=folder))
