@@ -415,4 +415,23 @@ door_width(0.762).          % the paper's 2.5 feet
     ),
     passage("an expansion", new="term_expansion(a, b).", says="nothing uses term_expansion/2"),
     passage("a grammar rule of Prolog", new="passage --> [0.42].", says="a grammar has no DCG rules"),
+    # - what this topology cannot express
+    passage(
+        "a size of the main room",
+        new=f"{PASSAGE}\nroom_size(main, W, D) :- {{ W >= 5, W =< 8, D = W }}.",
+        says="not expressible in this topology: the size of the main room",
+        at="room_size(main",
+    ),
+    passage(
+        "a largest size of the house",
+        new=f"{PASSAGE}\nhouse_size(W, D) :- {{ W + D =< 30 }}.",
+        says="not expressible in this topology: the size of the house",
+        at="house_size",
+    ),
+    passage(
+        "a corridor",
+        new=f"{PASSAGE}\ncorridor(1.2).",
+        says="not expressible in this topology: corridors",
+        at="corridor",
+    ),
 )
