@@ -14,7 +14,7 @@
 %!  fault_report(+Kind, +Call, -Wrong) is det.
 %
 %   Wrong is wrong(File,Line,Column,Text) for the Call, Given-Head: the clause's head, called with variables, and pairs of
-%   what these are given and said(Format,Arguments), by number, which says it (said([],[]) for what needs no words). Kind is
+%   what these are given and said(Format,Arguments), by number, which says it (said("",[]) for what needs no words). Kind is
 %
 %       empty       no size satisfies the clause       raised        a goal raises an error
 %       several     there is more than one solution    nonlinear     CLP(R) cannot decide a constraint
@@ -57,12 +57,12 @@ fault(empty, Terms, Clauses, Call, At, Text) :-
     spoken("~w allows no size: ~w", [At,Excluding], Text).
 fault(raised, Terms, Clauses, Call, At, Text) :-
     path(Terms, Clauses, Call, _, _, Steps, raises(Error)),
-    last(Steps, step(Goal,_,At)),
-    error_text(Error, Goal, At, Text).
+    last(Steps, step(_,_,At)),
+    error_text(Error, At, Text).
 fault(nonlinear, Terms, Clauses, Call, At, Text) :-
     path(Terms, Clauses, Call, _, _, Steps, holds),
-    member(step(post(C),post(Live),At), Steps),
-    linear_instead(Live, C, Instead), !,
+    member(step(post(_),post(Live),At), Steps),
+    linear_instead(Live, Instead), !,
     spoken("~w is nonlinear, and CLP(R) decides linear constraints alone: ~w", [At,Instead], Text).
 fault(several, Terms, Clauses, Call, At, Text) :-
     findall(Clause, ( member(Clause, Clauses), once(path(Terms, [Clause], Call, _, _, _, holds)) ), Holding),
@@ -80,7 +80,7 @@ fault(not_positive, Terms, Clauses, Call, At, Text) :-
     spoken("~w: ~w can be ~w m, and a size is more than 0", [At,Words,Low], Text).
 fault(endless, Terms, Clauses, _, At, Text) :-
     member(Clause, Clauses), head(Clause, At),
-    once(( called(Terms, Clause, [], Looped, Line) )),
+    once(called(Terms, Clause, [], Looped, Line)),
     spoken("~w recurs without end: ~w calls itself in line ~w", [At,Looped,Line], Text).
 
 %   path(+Terms, +Clauses, +Call, -Clause, -Live, -Steps, -End) is nondet: see clause_path/5.
@@ -98,11 +98,11 @@ several([First,Second|_], At, Text) :- !,
     spoken("~w is a second clause: the first stands in ~w. State one", [At,Line], Text).
 several([Clause], At, Text) :- head(Clause, At), spoken("~w has more than one solution: state one", [At], Text).
 
-error_text(error(instantiation_error,_), _, At, Text) :- !,
+error_text(error(instantiation_error,_), At, Text) :- !,
     spoken("~w is computed, and a variable has no value yet: constraints stand in braces, { ~w }", [At,At], Text).
-error_text(error(type_error(evaluable,Name/0),_), _, At, Text) :- !,
+error_text(error(type_error(evaluable,Name/0),_), At, Text) :- !,
     spoken("~w: ~w is a name and no number", [At,Name], Text).
-error_text(Error, _, At, Text) :- spoken("~w raises an error: ~p", [At,Error], Text).
+error_text(Error, At, Text) :- spoken("~w raises an error: ~p", [At,Error], Text).
 
 %   size(+Clause, +Live, -X, -Words) is nondet: X is a size of a solved head, which its clause calls Words.
 

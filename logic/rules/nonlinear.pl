@@ -1,4 +1,4 @@
-:- module(nonlinear, [nonlinear/2, linear_instead/3]).
+:- module(nonlinear, [nonlinear/2, linear_instead/2]).
 
 /** <module> Constraints that CLP(R) suspends, since they are not linear */
 
@@ -20,11 +20,11 @@ curved_(A/B, A/B)  :- \+ ground(B), !.
 curved_(E, E)      :- \+ ( functor(E, Name, _), memberchk(Name, [+,-,*,/]) ), !.
 curved_(E, Term)   :- E =.. [_|Es], member(A, Es), curved(A, Term), !.
 
-%!  linear_instead(+Live, +Constraint, -Text) is semidet.
+%!  linear_instead(+Constraint, -Text) is semidet.
 %
-%   Text says what to write instead of the Constraint, which is Live when its clause is solved. Fails if that is linear.
+%   Text says what to write instead. Fails if the Constraint is linear.
 
-linear_instead(Live, _, Text) :- nonlinear(Live, Term), instead(Term, Text).
+linear_instead(Constraint, Text) :- nonlinear(Constraint, Term), instead(Term, Text).
 
 instead(A*B, "bound a side by a number (W =< 4.0), or the sum of both (W + D =< 7.0)") :- A \== B, !.
 instead(_/_, "multiply by the divisor (W >= 1.5*D for W/D >= 1.5)") :- !.
