@@ -136,7 +136,10 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
         case Block(box, fill, stroke, width, radius):
             around = _around(box, width if stroke else 0.0, scale)
             corner = radius + width / 2 if radius and stroke else radius
-            pen.rounded_rectangle(around, corner * scale, fill or None, stroke or None, length(width))
+            # Pillow draws the straight parts between the corners too, and refuses those of less than a pixel.
+            room = min(around[2] - around[0], around[3] - around[1]) - 3
+            corner = max(0.0, min(corner * scale, room / 2))
+            pen.rounded_rectangle(around, corner, fill or None, stroke or None, length(width))
         case Oval(box, fill, stroke, width):
             around = _around(box, width if stroke else 0.0, scale)
             pen.ellipse(around, fill or None, stroke or None, length(width))

@@ -232,12 +232,15 @@ class Draw:
     format: Literal["svg", "png"] = "svg"
     """What the plans are written as."""
 
+    one_scale: bool = False
+    """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
+
     def run(self) -> int:
-        """Write a picture of each house and one of all."""
+        """Write a picture of each house, numbered from 0 as in the file, and one of all."""
         from logic import load
         from logic.draw import draw
 
-        pictures = draw(load(self.file), self.out, format=self.format)
+        pictures = draw(load(self.file), self.out, format=self.format, one_scale=self.one_scale)
         say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
         return 0
 

@@ -1,33 +1,28 @@
 """Plans show what is there, in words and colours that stay, and their files are whole."""
 
+import dataclasses
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from msgspec.structs import replace
 from PIL import Image, ImageColor
 
 from logic import House, Rect
 from logic.boxes import excess, overlap
-from logic.canvas import DENSITY, Block, Line, Text, text_width
-from logic.draw import (
-    MARK,
-    PAPER,
-    WALL,
-    contact_sheet,
-    contact_sheet_svg,
-    draw,
-    plan,
-    plan_png,
-    plan_svg,
-    room_colour,
-)
+from logic.canvas import DENSITY, Block, Drawing, Line, Text, png, text_width
+from logic.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
 from logic.house import ORIGINAL, Provenance
-from tests.logic.handmade import built, sketches, turned_house
+from logic.labels import LEAST, abbreviations
+from logic.plan import MARK, PAPER, WALL, room_colour
+from tests.logic.handmade import Sketch, built, sketches, turned_house
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
+FLOORS = {room_colour(sketch.type) for sketch in sketches()}
 NAMESPACE = "{http://www.w3.org/2000/svg}"
 
 
@@ -46,6 +41,27 @@ class Picture:
         """Whether the point at these metres is of this colour."""
         place = round((self.left + self.scale * x) * DENSITY), round((self.top + self.scale * y) * DENSITY)
         return self.image.getpixel(place) == ImageColor.getrgb(colour)
+
+
+def words(drawing: Drawing) -> dict[str, Text]:
+    """What is written on a drawing."""
+    return {shape.text: shape for shape in drawing.shapes if isinstance(shape, Text)}
+
+
+def metre(drawing: Drawing, house: House) -> float:
+    """CSS pixels to a metre: the main room's floor is drawn first."""
+    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+    return (floor.box[2] - floor.box[0]) / house.floor.width
+
+
+def many_rooms(sides: list[int]) -> House:
+    """A house with these rooms by the number of their side, each of the four types in turn."""
+    around: tuple[list[Sketch], ...] = ([], [], [], [])
+    for number, side in enumerate(sides):
+        sketch = sketches()[number % 4]
+        around[side].append(dataclasses.replace(sketch, shift=4.5 * len(around[side])))
+    length = 4.5 * max(map(len, around)) + 4
+    return built(length, length, tuple(map(tuple, around)))
 
 
 def middle(rect: Rect) -> tuple[float, float]:
@@ -83,16 +99,14 @@ def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
     picture = Picture(house)
     assert picture.shows(WALL, -3.1, 3.0)
     assert picture.shows(room_colour("bedroom"), 0.9, -3.1)
-    marks = [
-        shape for shape in plan(house, 300, 300).shapes if isinstance(shape, Line) and shape.stroke == MARK
-    ]
-    assert not marks
+    shapes = plan(house, 300, 300).shapes
+    assert not [shape for shape in shapes if isinstance(shape, Line) and shape.stroke == MARK]
+    assert "front of furniture" not in words(plan(house, 300, 300))
 
 
 def test_every_room_is_labelled_clear_of_its_furniture() -> None:
     drawing = plan(HOUSE, 300, 300)
-    words = [shape for shape in drawing.shapes if isinstance(shape, Text)]
-    labels = {word.text: word for word in words}
+    labels = words(drawing)
     assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
     furniture = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.radius]
     floors = [shape for shape in drawing.shapes if isinstance(shape, Block) and not shape.radius][1:]
@@ -106,19 +120,91 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
         assert all(overlap((x - half, y - size / 2, x + half, y + size / 2), box) < 0 for box in furniture)
 
 
-def test_the_scale_bar_is_a_metre_long() -> None:
+@pytest.mark.parametrize(("size", "metres"), [(300, 1), (240, 2), (160, 5)])
+def test_the_scale_bar_is_as_long_as_it_says_and_long_enough_to_be_seen(size: int, metres: int) -> None:
+    drawing = plan(HOUSE, size, size)
+    end, y = words(drawing)[f"{metres} m"].at
+    lines = [shape.points for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke != MARK]
+    (bar,) = [(a, b) for a, b, *_ in lines if a[1] == b[1] == y]
+    assert bar[1][0] - bar[0][0] == pytest.approx(metres * metre(drawing, HOUSE))
+    assert 18 <= bar[1][0] - bar[0][0] < end
+
+
+def test_a_legend_says_what_the_marks_are() -> None:
     drawing = plan(HOUSE, 300, 300)
-    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
-    bar = drawing.shapes[-4]
-    assert isinstance(bar, Line)
-    assert bar.points[1][0] - bar.points[0][0] == pytest.approx((floor.box[2] - floor.box[0]) / 4.2)
+    x, y = words(drawing)["front of furniture"].at
+    marks = [shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK]
+    assert marks[-1].points[0][1] == y
+    assert 0 < x - marks[-1].points[1][0] < 10
+
+
+SIDES = st.lists(st.integers(0, 3), min_size=1, max_size=128)
+
+
+@settings(max_examples=12, deadline=None)
+@given(sides=SIDES, cell=st.sampled_from([60, 150, 300, 720]))
+@example(sides=[0, 1, 2, 3] * 32, cell=300)
+@example(sides=[0, 1, 2, 3] * 12, cell=300)
+def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_between_its_walls(
+    sides: list[int], cell: int
+) -> None:
+    house = many_rooms(sides)
+    assert contact_sheet([house], cell=cell).size == (DENSITY * cell, DENSITY * cell)
+    ET.fromstring(contact_sheet_svg([house], cell=cell))
+    drawing = plan(house, cell, cell)
+    short = abbreviations(room.type for room in house.rooms)
+    floors = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.fill in FLOORS]
+    for word in (shape for shape in drawing.shapes if isinstance(shape, Text)):
+        if word.text in {*short, *short.values()} and word.anchor == "middle":
+            half = text_width(word.text, word.size) / 2
+            box = word.at[0] - half, word.at[1] - word.size / 2, word.at[0] + half, word.at[1] + word.size / 2
+            assert word.size >= LEAST
+            assert any(excess(box, floor) <= 0 for floor in floors)
+    named = {word.text for word in drawing.shapes if isinstance(word, Text) and word.anchor == "middle"}
+    if not {room.type for room in house.rooms} <= named:
+        keyed = {
+            shape.text for shape in drawing.shapes if isinstance(shape, Text) and shape.anchor == "start"
+        }
+        assert {room.type for room in house.rooms} <= keyed
+
+
+@given(
+    box=st.tuples(*[st.floats(0, 12)] * 4),
+    width=st.floats(0.1, 4),
+    radius=st.floats(0, 6),
+)
+def test_a_rectangle_of_any_size_can_be_inked(box: tuple, width: float, radius: float) -> None:
+    """Pillow refuses round corners that leave less than a pixel of a straight side."""
+    x, y, across, down = box
+    block = Block((x, y, x + across, y + down), "#ffffff", "#000000", width, radius)
+    assert png([((0, 0), Drawing(30, 30, (block,)))], 30, 30).size == (60, 60)
+
+
+def test_abbreviations_differ_and_are_as_short_as_they_can_be() -> None:
+    assert abbreviations(["bedroom", "bathroom", "hall"]) == {"bathroom": "ba", "bedroom": "be", "hall": "h"}
+    assert abbreviations(["bath", "bathroom"]) == {"bath": "bath", "bathroom": "bathr"}
+
+
+def test_one_scale_makes_a_metre_as_long_in_all_plans(tmp_path: Path) -> None:
+    houses = [HOUSE, many_rooms([0, 1, 2, 3] * 4), many_rooms([0])]
+    for apart in (False, True):
+        root = ET.fromstring(contact_sheet_svg(houses, one_scale=apart))
+        metres = [
+            float(cell[0].attrib["width"]) / house.floor.width
+            for cell, house in zip(root.findall(f"{NAMESPACE}g"), houses, strict=True)
+        ]
+        assert (max(metres) - min(metres) < 0.05) == apart
+    plans = [ET.parse(path).getroot() for path in draw(houses, tmp_path, one_scale=True)[:-1]]
+    widths = [float(root.findall(f"{NAMESPACE}g")[0][0].attrib["width"]) for root in plans]
+    metres = [width / house.floor.width for width, house in zip(widths, houses, strict=True)]
+    assert max(metres) - min(metres) < 0.05
 
 
 def test_an_unknown_type_always_has_the_same_colour_and_shows_its_name() -> None:
     names = ["study", "library", "greenhouse", "cellar", "corridor", ""]
     colours = [room_colour(name) for name in names]
     assert len(set(colours)) == len(names)
-    code = f"from logic.draw import room_colour; print(*map(room_colour, {names!r}))"
+    code = f"from logic.plan import room_colour; print(*map(room_colour, {names!r}))"
     other = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert other.stdout.split() == colours
     lamp = replace(HOUSE.rooms[3].children[0], type="piano", orientation="")
