@@ -52,12 +52,12 @@ def require_training(houses: Sequence[House], name: str | Path) -> None:
     its seed is said to be.
     """
     tested = {geometry_hash(house) for house in benchmark()}
-    for number, house in enumerate(houses, start=1):
+    for index, house in enumerate(houses):
         seed = house.provenance.seed if house.provenance else None
         # Without a seed the range would be searched number by number.
         reserved = seed is not None and seed in TEST
         if reserved or geometry_hash(house) in tested:
             why = f"its seed {seed} is" if reserved else "it is in the benchmark bank,"
             raise HouseFileError(
-                f"{name}:{number}: {why} kept for measuring. Learn in houses of seeds below {TRAINING.stop}"
+                f"{name}: house {index}: {why} kept for measuring. Learn in houses of seeds below {TRAINING.stop}"
             )

@@ -15,7 +15,14 @@ import shapely
 from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
 from logic.house import BODY, FORMAT, House, Room
 from logic.least_main_room import ELONGATION, least_area, side_of
-from logic.promises import PROMISES, Promises, arrangement_violations, count_violations, size_violations
+from logic.promises import (
+    PROMISES,
+    Promises,
+    arrangement_violations,
+    count_violations,
+    front_violations,
+    size_violations,
+)
 from logic.walk import free_floor, main_space, places_inside, spaces, swept
 
 CLEARANCE = 0.45
@@ -41,9 +48,7 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     own files alone, for the original does not keep their words: where a front faces, and the least area
     of the main room.
     """
-    if promises is None:
-        grammar = house.provenance.grammar if house.provenance else DEFAULT
-        promises = PROMISES.get(grammar, Promises())
+    promises = promises or promises_of(house)
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
     if cell:
         promises = _on_grid(promises, cell)
@@ -57,6 +62,11 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
         *_walking(house),
         *_main_room(house, promises),
     ]
+
+
+def promises_of(house: House) -> Promises:
+    """The promises of the house's grammar, as far as its name is that of a shipped one."""
+    return PROMISES.get(house.provenance.grammar if house.provenance else DEFAULT, Promises())
 
 
 def _on_grid(promises: Promises, cell: float) -> Promises:
@@ -182,6 +192,7 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
             *size_violations(room, side_of(house, room), names, promises),
             *count_violations(room, promises),
             *arrangement_violations(room, names, promises),
+            *front_violations(room, names, promises, PASSAGE),
         ]
         yield from (f"{place}: {line}" for line in found)
 

@@ -193,7 +193,7 @@ class Lint:
 
 @dataclass(frozen=True)
 class Check:
-    """Check houses by plain geometry, apart from the rules that made them."""
+    """Check houses by plain geometry, apart from the rules that made them. Houses count from 0."""
 
     file: tyro.conf.Positional[Path]
     """House file."""
@@ -201,20 +201,28 @@ class Check:
     json: bool = False
     """Print the violations of each house as a line of JSON."""
 
+    clear_front: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="PIECE")] = ()
+    """A piece type that is used from its front: 0.42 m must be free there. Repeat for several types."""
+
     def run(self) -> int:
         """Print a line for each violation; 1 if there is any."""
+        from msgspec.structs import replace
+
         from logic import check, load
+        from logic.check import promises_of
 
         houses = load(self.file)
         nonconforming = 0
-        for number, house in enumerate(_progress(houses, len(houses), "houses"), start=1):
-            violations = check(house)
+        for index, house in enumerate(_progress(houses, len(houses), "houses")):
+            promises = promises_of(house)
+            clear = promises.clear_front.union(self.clear_front)
+            violations = check(house, replace(promises, clear_front=clear))
             nonconforming += bool(violations)
             if self.json:
-                print(json.dumps({"house": number, "violations": violations}))
+                print(json.dumps({"house": index, "violations": violations}))
             else:
                 for violation in violations:
-                    print(f"{self.file}:{number}: {violation}")
+                    print(f"{self.file}: house {index}: {violation}")
         say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
         return 1 if nonconforming else 0
 

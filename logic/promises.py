@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from logic.boxes import BACK, TOLERANCE, distance, walls_touched
+from logic.boxes import BACK, TOLERANCE, distance, excess, overlap, walls_touched
 from logic.house import Piece, Room
 
 Sizes = tuple[float, float, float, float]
@@ -39,6 +39,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Piece types that never stand in the middle of a room: they touch a wall."""
     turns: frozenset[str] | None = None
     """Piece types that may stand with a side to a wall, their back to something else; None for all."""
+    clear_front: frozenset[str] = frozenset()
+    """Piece types that are used from their front: a passage in front of them is free, all along."""
     spans: dict[str, tuple[float, float]] = {}
     """Piece types that take a share of their wall: the least and the greatest."""
     meet: frozenset[str] = frozenset()
@@ -106,6 +108,27 @@ def is_turned(piece: Piece, room: Room) -> bool:
     walls = walls_touched(piece, room)
     side = [wall for wall in walls if piece.orientation and wall % 2 != BACK[piece.orientation] % 2]
     return bool(side)
+
+
+def front_violations(room: Room, names: list[str], promises: Promises, passage: float) -> Iterator[str]:
+    """What stands nearer than a passage (metres) in front of a piece that is used from there, or its wall."""
+    named = list(zip(room.pieces, names, strict=True))
+    for piece, name in named:
+        if piece.type not in promises.clear_front or not piece.orientation:
+            continue
+        back, front = BACK[piece.orientation], (BACK[piece.orientation] + 2) % 4
+        zone = list(piece.box)
+        zone[back] = piece.box[front]
+        zone[front] += passage if front > back else -passage
+        ahead = zone[0], zone[1], zone[2], zone[3]
+        others = ((other, what) for other, what in named if other not in (piece, *piece.children))
+        for other, what in others:
+            if overlap(ahead, other.box) > TOLERANCE:
+                away = distance(piece.box, other.box)
+                yield f"{name} has {what} {away:.2f} m in front of it (at least {passage:g})"
+        beyond = excess(ahead, room.box)
+        if beyond > TOLERANCE:
+            yield f"{name} has a wall {passage - beyond:.2f} m in front of it (at least {passage:g})"
 
 
 def arrangement_violations(room: Room, names: list[str], promises: Promises) -> Iterator[str]:

@@ -10,12 +10,14 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from agent.cli import COMMANDS, EXTRAS, main, parse
 from agent.config import PRESETS
 from benchmarks import STUDIES
-from logic import load
+from logic import House, Rect, load, save
+from logic.commands import Check, Draw
 
 ROOT = Path(__file__).parents[1]
 
@@ -51,18 +53,18 @@ def test_without_a_file_houses_go_to_the_standard_output() -> None:
     assert [json.loads(line)["roomNumber"] for line in made.stdout.splitlines()] == [1, 1]
 
 
-def test_check_says_no_by_line(tmp_path: Path) -> None:
-    file = tmp_path / "houses.jsonl"
-    vitruvius("generate", "--rooms", 2, "--out", file)
-    record = json.loads(file.read_text())
-    record["R0"]["door"]["x"] += 50
-    file.write_text(json.dumps(record) + "\n")
-    checked = vitruvius("check", file)
-    assert checked.returncode == 1
-    assert checked.stdout.startswith(f"{file}:1: R0")
-    answer = json.loads(vitruvius("check", file, "--json").stdout)
-    assert answer["house"] == 1
-    assert len(answer["violations"]) == len(checked.stdout.splitlines())
+def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path, capsys) -> None:
+    house, file = House(Rect(0, 0, 5, 5), ()), tmp_path / "houses.jsonl"
+    save([house, msgspec.structs.replace(house, floor=Rect(0, 0, 2, 5))], file)
+    assert Check(file).run() == 1
+    words = "main room: is 5.00 by 2.00 m (at most 2 times as long as wide)"
+    assert capsys.readouterr().out == f"{file}: house 1: {words}\n"
+    assert Check(file, json=True).run() == 1
+    answers = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert answers == [{"house": 0, "violations": []}, {"house": 1, "violations": [words]}]
+    Draw(file, tmp_path / "plans").run()
+    plans = sorted(path.name for path in (tmp_path / "plans").iterdir())
+    assert plans == ["contact-sheet.svg", "house-0.svg", "house-1.svg"]
 
 
 @pytest.mark.parametrize(

@@ -27,10 +27,11 @@ class Thousand:
         for grammar in self.grammars:
             for cell in self.cells:
                 began, made = time.monotonic(), 0
-                for made, house in enumerate(houses(grammar, cell), start=1):
+                for index, house in enumerate(houses(grammar, cell)):
                     for violation in check(house):
                         violations += 1
-                        print(f"{grammar}, {len(house.rooms)} rooms, house {made}: {violation}")
+                        print(f"{grammar}, {len(house.rooms)} rooms, house {index}: {violation}")
+                    made = index + 1
                 total += made
                 where = f"on a grid of {cell} m" if cell else "anywhere"
                 seconds = time.monotonic() - began

@@ -49,9 +49,9 @@ def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(
     nameless = msgspec.structs.replace(bank[7], provenance=None)
     innocent = House(Rect(0, 0, 5, 5), ())
     require_training([innocent], "mine.jsonl")
-    with pytest.raises(HouseFileError, match=r"mine.jsonl:2: its seed 2000000000 is kept for measuring"):
+    with pytest.raises(HouseFileError, match=r"mine.jsonl: house 1: its seed 2000000000 is kept"):
         require_training([innocent, seeded], "mine.jsonl")
-    with pytest.raises(HouseFileError, match=r"mine.jsonl:1: it is in the benchmark bank, kept"):
+    with pytest.raises(HouseFileError, match=r"mine.jsonl: house 0: it is in the benchmark bank, kept"):
         require_training([nameless], "mine.jsonl")
 
 

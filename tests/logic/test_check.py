@@ -11,7 +11,18 @@ from msgspec.structs import replace
 from logic import House, Piece, Room, check, load
 from logic.check import Promises
 from logic.house import ORIGINAL, Provenance
-from tests.logic.handmade import DOOR, Sketch, built, houses, moved, piece, sketches, turned
+from tests.logic.handmade import (
+    DOOR,
+    TURNED,
+    Sketch,
+    built,
+    houses,
+    moved,
+    piece,
+    sketches,
+    turned,
+    turned_house,
+)
 
 EXAMPLE = Path(__file__).parents[1] / "fixtures" / "example1.json"
 BEDROOM, BATHROOM, KITCHEN, HALL = range(4)
@@ -278,6 +289,47 @@ def test_two_rooms_must_be_of_basic_types() -> None:
     assert check(built(4.2, 4.2, ((bedroom,), (hall,), (), ()))) == words
     assert check(built(4.2, 4.2, ((bedroom,), (bedroom,), (), ()))) == []
     assert check(built(4.2, 4.2, ((hall,), (), (), ()))) == []
+
+
+WARDROBE = Promises(clear_front=frozenset({"wardrobe"}))
+
+
+@pytest.mark.parametrize(
+    ("front", "words"),
+    [
+        ("W", ["R0 (bedroom): wardrobe has bed 0.30 m in front of it (at least 0.42)"]),
+        ("E", ["R0 (bedroom): wardrobe has a wall 0.40 m in front of it (at least 0.42)"]),
+        ("N", ["R0 (bedroom): wardrobe has a wall 0.10 m in front of it (at least 0.42)"]),
+        ("S", []),
+    ],
+)
+@pytest.mark.parametrize("quarters", range(4))
+def test_what_stands_nearer_than_a_passage_before_a_piece_that_is_used_from_there_is_a_violation(
+    front: str, words: list[str], quarters: int
+) -> None:
+    for _ in range(quarters):
+        front = TURNED[front]
+    bed = piece("bed", 0.0, 0.0, 1.5, 2.0, front="S")
+    room = plain((bed, piece("wardrobe", 1.8, 0.1, 1.4, 0.6)))
+    house = with_piece(turned_house(room, quarters), BEDROOM, 1, turned_piece(room, quarters, front))
+    assert check(house, WARDROBE) == words
+    assert check(house, Promises()) == []
+
+
+def turned_piece(house: House, quarters: int, front: str) -> Piece:
+    """The bedroom's second piece in the turned house, with another front."""
+    return replace(turned(house.rooms[BEDROOM].children[1], quarters), orientation=front)
+
+
+def test_a_piece_may_have_its_own_companions_before_it_and_none_before_its_back() -> None:
+    chair = piece("chair", 1.9, 0.6, 0.4, 0.4, front="N")
+    desk = piece("wardrobe", 1.4, 0.0, 1.4, 0.6, front="S", children=(chair,))
+    assert check(plain((desk,)), WARDROBE) == []
+    other = piece("bed", 1.4, 1.0, 1.4, 0.6, front="N")
+    assert check(plain((desk, other)), WARDROBE) == [
+        "R0 (bedroom): wardrobe has bed 0.40 m in front of it (at least 0.42)",
+    ]
+    assert check(plain((desk, moved(other, 0.0, 0.02))), WARDROBE) == []
 
 
 def test_another_grammar_is_not_judged_by_the_family_s_rules() -> None:

@@ -12,6 +12,7 @@ from clingo.ast import ASTType, parse_files
 
 from logic import House, VitruviusError, check, generate
 from logic.grammar import SHIPPED, shipped
+from logic.promises import Promises
 
 BASE = SHIPPED / "family"
 
@@ -30,6 +31,25 @@ def test_the_clinic_grammar_has_room_types_that_family_lacks() -> None:
     family = {room.type for house in generate(rooms=12, grammar="family", count=5) for room in house.rooms}
     assert len(clinic) >= 6
     assert not clinic & family
+
+
+def test_nothing_stands_in_front_of_a_piece_whose_front_a_grammar_states_to_be_clear(tmp_path: Path) -> None:
+    """Sooner or later something does where it states nothing: a piece that joins another one in a corner."""
+    kinds = "bed", "wardrobe", "toilet", "shower", "sink", "desk", "sofa", "cupboard"
+    promises = Promises(clear_front=frozenset(kinds))
+    clear = Path(shutil.copytree(BASE, tmp_path / "clear"))
+    (clear / "clear.lp").write_text(f"clear_front({'; '.join(kinds)}).")
+    text = (clear / "arrangement.lp").read_text()
+    for own in (":- turned(bed,K,near), touched(bed,K,far).", ":- turned(bed,K,far), touched(bed,K,near)."):
+        assert own in text
+        text = text.replace(own, "")  # It says the same of beds.
+    (clear / "arrangement.lp").write_text(text)
+
+    def obstructed(grammar: str | Path) -> int:
+        made = generate(rooms=12, seed=3, count=6, grammar=grammar)
+        return sum(any(" in front of it" in line for line in check(house, promises)) for house in made)
+
+    assert obstructed(clear) == 0 < obstructed("family")
 
 
 # Rule by rule: without it, the independent check finds violations.
