@@ -59,5 +59,6 @@ def require_training(houses: Sequence[House], name: str | Path) -> None:
         if reserved or geometry_hash(house) in tested:
             why = f"its seed {seed} is" if reserved else "it is in the benchmark bank,"
             raise HouseFileError(
-                f"{name}: house {index}: {why} kept for measuring. Learn in houses of seeds below {TRAINING.stop}"
+                f"{name}: house {index}: {why} kept for measuring. "
+                f"Learn in houses of seeds below {TRAINING.stop}"
             )

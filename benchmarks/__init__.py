@@ -14,7 +14,6 @@ STUDIES = {
     "throughput": ("benchmarks.agents.throughput:Throughput", "Training speed of one process and of two."),
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
-    "films": ("benchmarks.agents.films:Film", "Film an agent beside its map."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }

@@ -23,7 +23,7 @@ def room_names(house: House, frame: Frame, short: dict[str, str], least: float =
 
     Where a name does not fit between the walls: what is ``short`` for it, else ``None``.
     """
-    size = min(max(0.34 * frame.scale, least), 15.0)
+    size = min(max(0.34 * frame.scale, 8.5, least), 15.0)
     names = [
         _name(
             [room.type, short.get(room.type, room.type)],

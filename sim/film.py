@@ -10,35 +10,24 @@ from gymnasium.vector import VectorEnv
 from PIL import Image, ImageDraw, ImageFont
 
 from logic import House
+from logic.canvas import DENSITY, Drawing, png
+from logic.labels import room_names
+from logic.plan import INK, Frame, house_shapes
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
-Colour = tuple[int, int, int]
-Box = tuple[float, float, float, float]
-
-PAPER, FLOOR, ROOM = (238, 237, 233), (251, 250, 246), (226, 234, 242)
-INK, FAINT = (51, 58, 69), (139, 146, 156)
-PIECE, PIECE_EDGE, PIECE_INK, THRESHOLD = (255, 255, 255), (154, 161, 171), (125, 131, 140), (217, 190, 150)
+PAPER = (255, 255, 255)
 BODY, TRAIL, RAY = (31, 94, 168), (31, 94, 168), (110, 130, 155)
 TARGET, TARGET_EDGE, TARGET_RAY = (245, 178, 45), (183, 118, 8), (224, 122, 20)
 
-
-@dataclass(frozen=True)
-class Style:
-    """A text's height in metres, and its colour."""
-
-    size: float
-    colour: Colour
-
-
-ROOM_LABEL, PIECE_LABEL = Style(0.26, FAINT), Style(0.2, PIECE_INK)
-
-SHARP = 2
+SHARP = DENSITY
 """Everything is drawn this much larger and then reduced: smooth lines."""
+
+LEAST_NAME = 9.0
+"""Pixels: a room too small for its name in such letters has none."""
 
 MARGIN, CAPTION = 16, 30
 """Pixels around the house, and for the line of text below it."""
-
 
 WIDTH = 720
 """Pixels of a picture's longer side."""
@@ -126,7 +115,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
 
 def largest(houses: Sequence[House], width: int = WIDTH) -> tuple[int, int]:
     """Width and height in pixels of a frame that holds the pictures of all these houses."""
-    across, along = np.max([View(geometry(house), width).size for house in houses], axis=0) // SHARP
+    across, along = np.max([View(geometry(house), width).shown for house in houses], axis=0)
     return int(across), int(along)
 
 
@@ -158,37 +147,26 @@ def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
 
 
 def plan(house: House, size: int) -> Image.Image:
-    """Draw a house from above, ``SHARP`` times larger than it will be shown: floors, pieces, walls, doors."""
-    shape = geometry(house)
-    view = View(shape, size)
-    image = Image.new("RGB", view.size, PAPER)
-    draw = ImageDraw.Draw(image)
-    draw.rectangle(view.box(*house.floor.box), FLOOR)
-    for room in house.rooms:
-        draw.rectangle(view.box(*room.box), ROOM)
-    for room in house.rooms:
-        for piece in room.pieces:
-            draw.rounded_rectangle(view.box(*piece.box), view.px(0.04), PIECE, PIECE_EDGE, view.px(0.02))
-            across, along = view.extent(piece.type, PIECE_LABEL)
-            if 2 * across < piece.width and 2 * along < piece.height:
-                middle = (piece.x + piece.width / 2, piece.y + piece.height / 2)
-                view.label(draw, piece.type, middle, PIECE_LABEL)
-        spot = _free_spot(room.box, (piece.box for piece in room.pieces), view.extent(room.type, ROOM_LABEL))
-        if spot is not None:
-            view.label(draw, room.type, spot, ROOM_LABEL)
-        draw.line([view.at(*room.door.box[:2]), view.at(*room.door.box[2:])], THRESHOLD, view.px(0.05))
-    thick = view.px(0.07)
-    for x, y, across, along in np.vstack([shape.verticals, shape.horizontals]):
-        west, north, east, south = view.box(x - across, y - along, x + across, y + along)
-        draw.rectangle([west - thick / 2, north - thick / 2, east + thick / 2, south + thick / 2], INK)
-    return image
+    """Draw a house as plans show it, ``SHARP`` times larger than it will be shown."""
+    view = View(geometry(house), size)
+    names = room_names(house, view.frame, {}, LEAST_NAME)
+    shapes = (*house_shapes(house, view.frame), *(name for name in names if name is not None))
+    width, height = view.shown
+    return png([((0, 0), Drawing(width, height, shapes))], width, height)
+
+
+def require_gif(path: str | Path) -> None:
+    """Raise ``ValueError`` for a file whose name does not end in ``.gif``: nothing else is written."""
+    if Path(path).suffix.lower() != ".gif":
+        raise ValueError(f"{path}: films are written as .gif alone: use {Path(path).with_suffix('.gif')}")
 
 
 def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int = 25) -> Path:
     """Write frames of one size as an animated GIF that loops; the last one stays for a second.
 
-    Raises ``ValueError`` where there is no frame. One palette serves them all.
+    One palette serves them all. Raises ``ValueError`` where there is no frame, or for a file of another form.
     """
+    require_gif(path)
     pictures = [frame if isinstance(frame, Image.Image) else Image.fromarray(frame) for frame in frames]
     if not pictures:
         raise ValueError(f"{path}: no frame to make a film of")
@@ -210,18 +188,17 @@ class View:
 
     def __init__(self, shape: Geometry, size: int) -> None:
         """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
-        self.west, self.north, east, south = shape.bounds
-        width, height = east - self.west, south - self.north
+        west, north, east, south = shape.bounds
+        width, height = east - west, south - north
         scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
-        self.scale = SHARP * scale
-        self.size = (
-            SHARP * round(scale * width + 2 * MARGIN),
-            SHARP * round(scale * height + 2 * MARGIN + CAPTION),
-        )
+        self.frame = Frame(scale, MARGIN - scale * west, MARGIN - scale * north)
+        self.shown = round(scale * width + 2 * MARGIN), round(scale * height + 2 * MARGIN + CAPTION)
+        self.size = SHARP * self.shown[0], SHARP * self.shown[1]
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """A point's pixels."""
-        return (x - self.west) * self.scale + SHARP * MARGIN, (y - self.north) * self.scale + SHARP * MARGIN
+        across, down = self.frame.at(x, y)
+        return SHARP * across, SHARP * down
 
     def box(self, west: float, north: float, east: float, south: float) -> list[float]:
         """A box's pixels."""
@@ -229,34 +206,4 @@ class View:
 
     def px(self, metres: float) -> int:
         """A length in whole pixels, at least one."""
-        return max(1, round(metres * self.scale))
-
-    def label(self, draw: ImageDraw.ImageDraw, text: str, at: tuple[float, float], style: Style) -> None:
-        """Write text around a point."""
-        draw.text(self.at(*at), text, style.colour, self.font(style), anchor="mm")
-
-    def extent(self, text: str, style: Style) -> tuple[float, float]:
-        """Half a text's width and height, metres, with some air; infinite if it were too small to read."""
-        if self.px(style.size) < 8 * SHARP:
-            return np.inf, np.inf
-        return 0.5 * self.font(style).getlength(text) / self.scale + 0.08, 0.6 * style.size + 0.04
-
-    def font(self, style: Style) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-        """Pillow's own typeface."""
-        return ImageFont.load_default(self.px(style.size))
-
-
-def _free_spot(room: Box, pieces: Iterable[Box], half: tuple[float, float]) -> tuple[float, float] | None:
-    """Where in a room a label with these halves stands on free floor, nearest to the middle."""
-    west, north, east, south = room
-    x, y = np.meshgrid(np.linspace(west, east, 41), np.linspace(north, south, 41))
-    free = (np.minimum(x - west, east - x) > half[0]) & (np.minimum(y - north, south - y) > half[1])
-    for left, top, right, bottom in pieces:
-        apart_x = (x + half[0] < left) | (x - half[0] > right)
-        free &= apart_x | (y + half[1] < top) | (y - half[1] > bottom)
-    if not free.any():
-        return None
-    # Rather above or below the middle than beside it.
-    away = np.where(free, 4 * (x - (west + east) / 2) ** 2 + (y - (north + south) / 2) ** 2, np.inf)
-    best = np.unravel_index(away.argmin(), away.shape)
-    return float(x[best]), float(y[best])
+        return max(1, round(SHARP * metres * self.frame.scale))

@@ -195,7 +195,7 @@ def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
         ("train houses.jsonl", "vitruvius train needs torch: pip install vitruvius[agent]"),
         ("evaluate pqn-map", "vitruvius evaluate needs torch: pip install vitruvius[agent]"),
         ("bench generator", "vitruvius bench generator needs scipy: pip install vitruvius[bench]"),
-        ("bench films pqn-map", "vitruvius bench films needs torch: pip install vitruvius[agent]"),
+        ("bench phases pqn-map", "vitruvius bench phases needs torch: pip install vitruvius[agent]"),
     ],
 )
 def test_a_command_names_the_extra_that_it_lacks(command: str, needs: str) -> None:

@@ -127,7 +127,7 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
 
 @dataclass(frozen=True)
 class Record:
-    """Film an agent in a house: its rays, its trail and its targets."""
+    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one."""
 
     agent: tyro.conf.Positional[Path]
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
@@ -139,7 +139,7 @@ class Record:
     """Which house of the file, from 0."""
 
     out: Path = Path("episode.gif")
-    """The film."""
+    """The film, a GIF."""
 
     steps: int = 1500
     """How many steps of the episode to film."""
@@ -150,18 +150,30 @@ class Record:
     seed: int = 0
     """Seeds the start and the targets."""
 
+    stride: int = 4
+    """Steps between frames."""
+
+    width: int = 480
+    """Pixels of the house's longer side, and of the map's."""
+
     def run(self) -> int:
         """Write the film."""
         from agent import checkpoint
         from agent.evaluation.film import record
         from agent.progress import progress
         from logic import load
+        from sim.film import require_gif
 
+        try:
+            require_gif(self.out)
+        except ValueError as error:
+            raise RequestError(f"--out {error}") from None
         agent, houses = checkpoint.load(self.agent), load(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
-        if self.steps < 1:
-            raise RequestError(f"--steps must be 1 or more, not {self.steps}")
+        for name, least in (("steps", 1), ("stride", 1), ("width", 100)):
+            if getattr(self, name) < least:
+                raise RequestError(f"--{name} must be {least} or more, not {getattr(self, name)}")
         with progress("filming") as report:
             record(
                 agent,
@@ -170,6 +182,8 @@ class Record:
                 targets=self.targets,
                 seed=self.seed,
                 steps=self.steps,
+                stride=self.stride,
+                width=self.width,
                 report=report,
             )
         print(self.out)

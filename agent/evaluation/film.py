@@ -1,4 +1,4 @@
-"""Film an agent's episode: the body, its rays and its trail, every few steps."""
+"""Film an agent's episode: the body, its rays and its trail in the house; beside it the agent's map."""
 
 from pathlib import Path
 
@@ -7,6 +7,7 @@ import torch
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
 from agent.evaluation.episodes import reset
+from agent.evaluation.map_picture import MapPicture, beside
 from agent.evaluation.protocol import SENSORS
 from agent.progress import Report
 from agent.world import make_envs
@@ -15,6 +16,9 @@ from sim.film import Camera, film
 
 STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
+
+WIDTH = 480
+"""Pixels of the house's longer side, and of the map's."""
 
 
 def record(
@@ -25,6 +29,8 @@ def record(
     targets: str = "main",
     seed: int = 0,
     steps: int | None = None,
+    stride: int = STRIDE,
+    width: int = WIDTH,
     report: Report = lambda done, words: None,
 ) -> Path:
     """Write a GIF of the agent's episode in the house, whole or its first ``steps``; its path.
@@ -37,15 +43,22 @@ def record(
     policy = policy_of(agent.network, agent.config, envs, seed)
     policy.begin(1)
     blocked = torch.zeros(1, dtype=torch.bool)
-    camera = Camera(envs, width=640)
-    frames = [camera.shoot()]
-    for step in range(1, length + 1):
-        observation, _, terminated, truncated, info = envs.step_torch(policy(observation, blocked))
+    camera, map_picture, frames = Camera(envs, width=width), MapPicture(house, width), []
+
+    def shoot() -> None:
+        shot = camera.shoot()
+        frames.append(beside(shot, map_picture.drawn(policy.tracker.planner)) if policy.tracker else shot)
+
+    for step in range(length):
+        actions = policy(observation, blocked)
+        if policy.tracker and policy.tracker.planner.read("time")[0] == 1:
+            map_picture.begin(envs.scene(0).pose)  # again where only the first wall shows how the body stands
+        if step % stride == 0:
+            shoot()
+        observation, _, terminated, truncated, info = envs.step_torch(actions)
         blocked = info["blocked"]
-        ended = bool(terminated | truncated)
-        if step % STRIDE == 0 or ended:
-            frames.append(camera.shoot())
-        report(step / length, f"step {step}")
-        if ended:
+        report((step + 1) / length, f"step {step + 1}")
+        if terminated | truncated:
             break
+    shoot()
     return film(frames, path)

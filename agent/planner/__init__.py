@@ -15,7 +15,7 @@ from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.features import FEATURES
 from agent.planner.occupancy import BITS, FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE
 from agent.planner.paths import FAR
-from agent.planner.reachability import UNKNOWN, WORDS
+from agent.planner.reachability import SIDE, UNKNOWN, WORDS
 from agent.planner.state import AT, SIZE, TARGET
 from agent.planner.step import Body, step_kernel
 from agent.planner.viewpoints import views
@@ -196,6 +196,15 @@ class Planner:
     def last_seen(self, environment: int) -> np.ndarray:
         """The steps (256, 256) at which cells were last seen, 0 for never; placed as ``occupancy``."""
         return (self._map("cells", environment) & (OCCUPIED - 1)) >> FLAGS
+
+    def unseen_floor(self, environment: int) -> np.ndarray:
+        """What places never seen count as candidates (128, 128) uint8, for two by two cells of ``occupancy``
+        each, from 0 to ``CERTAIN``: how surely they are free floor. 0 where that was not computed.
+        """
+        tiles, half = 1 << BITS - TILE, 1 << BITS - 2
+        blocks = self.arrays["odds"].view().reshape(-1, tiles, tiles, SIDE, SIDE)[environment]
+        odds = np.roll(blocks.swapaxes(1, 2).reshape(2 * half, 2 * half), (half, half), axis=(0, 1))
+        return np.where(odds == UNKNOWN, 0, odds)
 
     def paths(self, environment: int) -> np.ndarray:
         """Nodes (256, 256) from the goal where they were searched, else 65535; placed as ``occupancy``."""

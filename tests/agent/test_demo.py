@@ -83,6 +83,8 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]
     with pytest.raises(RequestError, match="houses 0 to 1"):
         Record(agent, houses, house=2).run()
+    with pytest.raises(RequestError, match=r"--out .*film.mp4: films are written as .gif alone"):
+        Record(agent, houses, out=tmp_path / "film.mp4").run()
 
 
 def test_two_equal_houses_are_refused(monkeypatch):

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from PIL import Image, ImageSequence
+from PIL import Image, ImageColor, ImageSequence
 
+from logic.plan import PAPER, WALL, room_colour
 from sim import DEFAULT, HouseVectorEnv
-from sim.film import BODY, FLOOR, INK, TARGET, Camera, View, film
+from sim.film import BODY, TARGET, Camera, View, film
 from sim.geometry import geometry
 from tests import sample_houses
 
@@ -34,8 +35,16 @@ def test_a_picture_shows_body_target_walls_and_floor_in_their_places(envs):
     assert max(image.size) == 600
     assert colour_at(image, 4.9, 1.4) == BODY
     assert colour_at(image, 7.0, 0.6) == TARGET
-    assert colour_at(image, 0.0, 0.5) == INK
-    assert colour_at(image, 4.3, 2.8) == FLOOR
+    assert colour_at(image, 0.0, 0.5) == ImageColor.getrgb(WALL)
+    assert colour_at(image, 4.3, 2.8) == ImageColor.getrgb(PAPER)
+
+
+def test_rooms_and_doors_have_the_colours_of_plans(envs):
+    image = Camera(envs, 0, width=600).shoot()
+    (room,) = HOUSE.rooms
+    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(room_colour(room.type))
+    door = room.door.x + room.door.width / 2, room.door.y + room.door.height / 2
+    assert colour_at(image, *door) == ImageColor.getrgb(PAPER)
 
 
 def test_every_environment_is_rendered_alone(envs):
@@ -71,6 +80,8 @@ def test_a_film_has_all_frames_in_order(envs, tmp_path):
         gif.seek(3)
         last = np.asarray(gif.convert("RGB"), int)
     assert np.abs(last - np.asarray(frames[3], int)).mean() < 3
+    with pytest.raises(ValueError, match=r"film.mp4: films are written as .gif alone: use .*film.gif"):
+        film(frames, tmp_path / "films" / "film.mp4")
     with pytest.raises(ValueError, match="no frame"):
         film([], tmp_path / "none.gif")
     assert [path.name for path in (tmp_path / "films").iterdir()] == ["film.gif"]

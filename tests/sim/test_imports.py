@@ -28,10 +28,13 @@ def test_no_package_imports_one_above_it(package, above):
     assert not {module for module, _ in imported(package) if module.split(".")[0] in above}
 
 
-def test_sim_imports_only_houses_from_logic():
+def test_sim_imports_only_houses_from_logic_and_how_plans_draw_them():
     taken = {(module, name) for module, name in imported("sim") if module.split(".")[0] == "logic"}
-    assert {module for module, _ in taken} == {"logic"}
-    assert {name for _, name in taken} <= ALLOWED
+    assert {name for module, name in taken if module == "logic"} <= ALLOWED
+    drawing = {module for module, _ in taken if module != "logic"}
+    assert drawing == {"logic.canvas", "logic.labels", "logic.plan"}
+    users = {path.name for path in (ROOT / "sim").rglob("*.py") if "from logic." in path.read_text()}
+    assert users == {"film.py"}
 
 
 def test_taichi_is_imported_in_one_place():
