@@ -15,7 +15,6 @@ from logic.errors import Finding
 from logic.grammar import SHIPPED, find
 from logic.house import House, Piece, Room
 from logic.least_main_room import side_of
-from logic.promises import Promises, front_violations
 from logic.reference import Recipe, asp_entries, prolog_entries, recipes
 from logic.request import Request
 
@@ -191,12 +190,6 @@ def facing_the_door(sofa: Standing) -> bool:
 @claim(pieces("shower"))
 def in_a_corner(shower: Standing) -> bool:
     return len(walls_touched(shower.piece, shower.room)) == 2
-
-
-@claim(rooms("bedroom", "bathroom"))
-def clear_front(room: Room) -> bool:
-    promises = Promises(clear_front=frozenset({"wardrobe", "shower"}))
-    return not list(front_violations(room, [piece.type for piece in room.pieces], promises, 0.42))
 
 
 @claim(pieces("wardrobe"))
