@@ -45,7 +45,11 @@ class Builder:
         }
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
-        """Make house ``index``: a function of the grammar, the request, the seed and the index.
+        """Make house ``index``, see ``made``."""
+        return self.made(request, seed, index, inferences)[0]
+
+    def made(self, request: Request, seed: int, index: int, inferences: int) -> tuple[House, Layout]:
+        """House ``index``, a function of the grammar, the request, the seed and the index; and its layout.
 
         Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no
         such house, ``LimitReached`` past this number of Prolog inferences.
@@ -57,7 +61,7 @@ class Builder:
             while True:
                 try:
                     plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
-                    return self._as_house(plan, layout, request, seed, index)
+                    return self._as_house(plan, layout, request, seed, index), layout
                 except Misfit as proof:
                     inferences -= proof.inferences
                     self._learn_misfit(proof, layout, request, nogoods)

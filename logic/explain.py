@@ -10,7 +10,6 @@ is anything from nothing to very much. And without its fact there may be any num
 too many of: so the fact that bounds it is among the reasons.
 """
 
-import functools
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -167,16 +166,15 @@ def _conditional(
     With ``more``, what bounds a number is followed by a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
-    lines = functools.cache(lambda file: Path(file).read_text(encoding="utf-8").split("\n"))
 
     def take(statement: ast.AST) -> None:
         if statement.ast_type == ast.ASTType.Rule:
-            begin, end = statement.location.begin, statement.location.end
-            text = _excerpt(lines(begin.filename), begin.line, begin.column, end.line, end.column)
+            begin = statement.location.begin
             stated = _stated(len(found))
             if more and _signature(statement.head) in COUNTS:
                 rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))
             condition = _literal(stated)
+            text = excerpt(statement.location)
             found.append((Reason(text, begin.filename, begin.line, begin.column), None))
             statement = statement.update(body=[*statement.body, condition])
         rules.append(statement)
@@ -208,11 +206,12 @@ def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
     return rule.update(head=head, body=[*rule.body, condition, known])
 
 
-def _excerpt(lines: list[str], line: int, column: int, last_line: int, last_column: int) -> str:
-    """What stands between two places of a file, on one line."""
-    part = lines[line - 1 : last_line]
-    part[-1] = part[-1][: last_column - 1]
-    part[0] = part[0][column - 1 :]
+def excerpt(location: ast.Location) -> str:
+    """What stands at a location of a file, on one line."""
+    begin, end = location.begin, location.end
+    part = Path(begin.filename).read_text(encoding="utf-8").split("\n")[begin.line - 1 : end.line]
+    part[-1] = part[-1][: end.column - 1]
+    part[0] = part[0][begin.column - 1 :]
     return " ".join(" ".join(text.split()) for text in part)
 
 

@@ -57,6 +57,8 @@ class Program:
             self._control.ground([("base", []), *parts, ("pick", [])])
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
+        self.models: dict[tuple[Symbol, ...], list[Symbol]] | None = None
+        """All atoms that hold in each sampled layout; None, and not kept, where nobody is to ask why."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._counts, self._choices, self._weights = self._options()
         self._brancher = _Brancher(self._choices)
@@ -111,7 +113,12 @@ class Program:
             self._control.solve(assumptions=assumptions, yield_=True) as handle,
         ):
             model = handle.model()
-            return None if model is None else sorted(model.symbols(shown=True))
+            if model is None:
+                return None
+            layout = sorted(model.symbols(shown=True))
+            if self.models is not None:
+                self.models[tuple(layout)] = list(model.symbols(atoms=True))
+            return layout
 
     def count(self, assumed: Iterable[Symbol], seconds: float) -> tuple[int, bool]:
         """The number of layouts with all assumed atoms; False where there are more than were counted in time.

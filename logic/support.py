@@ -1,0 +1,197 @@
+# clingo.ast leaves the attributes of its nodes untyped.
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
+"""Which rules derive the atoms of a layout, down to facts and picks.
+
+Each rule ``h :- b, not c.`` of the core and the grammar is grounded as ``support(N,h,(b,)) :- b, not c.`` over the
+atoms of the layout as facts, as xclingo does: its ground instances are the rule's own instances that hold.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import clingo
+import msgspec
+from clingo import Function, Number, Symbol, ast
+
+from logic.errors import Reason
+from logic.explain import HERE, excerpt
+from logic.grammar import RULES
+from logic.layout import CORE, Part
+
+SUPPORT = "support'"
+"""No rule of a user's derives it: a quote may end a name."""
+
+
+class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An atom of a layout, the rule that derives it, and the atoms from which it does so.
+
+    Without a rule it is explained elsewhere in the same tree; ``means`` is the rules' own comment on it.
+    """
+
+    atom: str
+    rule: Reason | None = None
+    means: str = ""
+    body: tuple["Derivation", ...] = ()
+
+    def __iter__(self) -> Iterator["Derivation"]:
+        """This and all below it, each before its own body."""
+        yield self
+        for each in self.body:
+            yield from each
+
+
+class _Instance(NamedTuple):
+    """A ground rule that holds: the rule's number, and its positive body."""
+
+    rule: int
+    body: tuple[Symbol, ...]
+
+
+class Support:
+    """The rules that hold in one layout."""
+
+    def __init__(
+        self, files: Sequence[Path], constants: Mapping[str, Any], parts: Iterable[Part], atoms: Iterable[Symbol]
+    ) -> None:
+        """Ground these parts of the core and the files over the atoms, all that hold, of a layout."""
+        self.rules: list[Reason] = []
+        self._facts: set[int] = set()
+        self._comments: dict[tuple[str, int], tuple[list[str], str]] = {}
+        control = clingo.Control([f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None)
+        holds = set(atoms)
+        with ast.ProgramBuilder(control) as builder:
+            builder.add(ast.Program(HERE, "base", []))
+            for atom in holds:
+                builder.add(ast.Rule(HERE, ast.Literal(HERE, ast.Sign.NoSign, _fact(atom)), []))
+            ast.parse_files([str(CORE), *map(str, files)], lambda statement: self._add(statement, builder))
+        control.ground([("base", []), *parts, ("pick", [])])
+        self._instances: dict[Symbol, list[_Instance]] = {atom: [] for atom in holds}
+        for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):
+            number, head, body = atom.symbol.arguments
+            # A pool or an interval stands for each of its values, of which some may not hold.
+            if head in holds and holds.issuperset(body.arguments):
+                self._instances[head].append(_Instance(number.number, tuple(body.arguments)))
+        self._levels = self._derived()
+
+    def _add(self, statement: ast.AST, builder: ast.ProgramBuilder) -> None:
+        """Take a statement of the rules: a rule as its instances, a comment for its words."""
+        if statement.ast_type in {ast.ASTType.Program, ast.ASTType.Definition}:
+            builder.add(statement)
+        elif statement.ast_type == ast.ASTType.Comment:
+            for name, variables, words in re.findall(
+                r"(\w+)\(([A-Z,]+)\): (.+?)(?=\s{2,}\w+\([A-Z,]+\): |\s*\*%|$)", str(statement)
+            ):
+                self._comments[name, variables.count(",") + 1] = variables.split(","), words
+        elif statement.ast_type == ast.ASTType.Rule:
+            for head, condition in _heads(statement.head):
+                named = _Named()
+                body = [named.visit(literal) if _positive(literal) else literal for literal in statement.body]
+                condition = [named.visit(literal) for literal in condition]
+                terms = [each.atom.symbol for each in (condition or body) if _positive(each)]
+                number = ast.SymbolicTerm(HERE, Number(len(self.rules)))
+                support = [number, head, ast.Function(HERE, "", terms, False)]
+                atom = ast.SymbolicAtom(ast.Function(HERE, SUPPORT, support, False))
+                literal = ast.Literal(HERE, ast.Sign.NoSign, atom)
+                builder.add(ast.Rule(HERE, literal, [*condition, *body]))
+            if not statement.body:
+                self._facts.add(len(self.rules))
+            begin = statement.location.begin
+            self.rules.append(Reason(excerpt(statement.location), begin.filename, begin.line, begin.column))
+
+    def _derived(self) -> dict[Symbol, int]:
+        """How many steps it takes to derive each atom: a proof by fewer steps is never circular."""
+        levels: dict[Symbol, int] = {}
+        open_ = set(self._instances)
+        for level in range(len(open_) + 1):
+            new = {
+                atom
+                for atom in open_
+                if any(all(each in levels for each in instance.body) for instance in self._instances[atom])
+            }
+            if not new:
+                break
+            levels |= dict.fromkeys(new, level)
+            open_ -= new
+        return levels
+
+    def tree(self, atom: Symbol, explained: set[Symbol] | None = None) -> Derivation:
+        """The derivation of an atom that holds; those in ``explained`` are not explained again, and it grows."""
+        return self._nodes(atom, set() if explained is None else explained, frozenset())[0]
+
+    def _nodes(self, atom: Symbol, explained: set[Symbol], above: frozenset[int]) -> list[Derivation]:
+        """An atom's derivation; what recurs by a rule ``above`` it is left out, and its body stands for it."""
+        if atom in explained:
+            return [Derivation(str(atom))]
+        instance = self._best(atom)
+        if instance is None:
+            return [Derivation(str(atom))]
+        same = {each for each in instance.body if each.match(atom.name, len(atom.arguments))}
+        body = [
+            node
+            for each in dict.fromkeys(instance.body)
+            for node in self._nodes(each, explained, above | {instance.rule} if each in same else frozenset())
+        ]
+        if instance.rule in above:
+            return body
+        explained.add(atom)
+        return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), tuple(body))]
+
+    def _best(self, atom: Symbol) -> _Instance | None:
+        """The instance that derives an atom in the fewest steps, of those from the fewest atoms."""
+
+        def effort(instance: _Instance) -> tuple[int, int, int]:
+            steps = max((self._levels[each] for each in instance.body), default=-1)
+            return steps, len(set(instance.body)), instance.rule
+
+        known = [each for each in self._instances[atom] if all(part in self._levels for part in each.body)]
+        return min(known, key=effort, default=None)
+
+    def means(self, atom: Symbol) -> str:
+        """The comment of the rules on this predicate, with the atom's arguments for its variables."""
+        variables, words = self._comments.get((atom.name, len(atom.arguments)), ([], ""))
+        values = dict(zip(variables, map(str, atom.arguments), strict=True)) if variables else {}
+        return re.sub(r"\b[A-Z]\b", lambda found: values.get(found[0], found[0]), words)
+
+    def is_core_fact(self, reason: Reason | None) -> bool:
+        """Whether this is a fact of the core's: it says what words like ``left`` mean."""
+        return reason is not None and self.rules.index(reason) in self._facts and Path(reason.file).parent == RULES
+
+
+class _Named(ast.Transformer):
+    """Gives each anonymous variable a name: as a term of a head it must have one."""
+
+    def __init__(self) -> None:
+        self._number = 0
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 (clingo's name)
+        """A variable."""
+        if node.name != "_":
+            return node
+        self._number += 1
+        return node.update(name=f"_Any{self._number}")
+
+
+def _heads(head: ast.AST) -> list[tuple[ast.AST, list[ast.AST]]]:
+    """The atoms that a head may make true, as terms, each with its condition."""
+    if head.ast_type == ast.ASTType.Literal:
+        return [(head.atom.symbol, [])] if _positive(head) else []
+    if head.ast_type == ast.ASTType.Aggregate:
+        return [(each.literal.atom.symbol, list(each.condition)) for each in head.elements]
+    return []
+
+
+def _positive(literal: ast.AST) -> bool:
+    """Whether this is an atom that is to hold."""
+    return (
+        literal.ast_type == ast.ASTType.Literal
+        and literal.sign == ast.Sign.NoSign
+        and literal.atom.ast_type == ast.ASTType.SymbolicAtom
+    )
+
+
+def _fact(symbol: Symbol) -> ast.AST:
+    terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
+    atom = ast.Function(HERE, symbol.name, terms, False)
+    return ast.SymbolicAtom(atom if symbol.positive else ast.UnaryOperation(HERE, ast.UnaryOperator.Minus, atom))
