@@ -38,6 +38,7 @@ class Builder:
             raise self._loaded.errors[0]
         self.placer, self.programs = self._loaded.placer, self._loaded.programs
         self.programs.refuse_remarks()
+        self.prover = Prover(grammar, self.placer, self._loaded.lengths)
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -99,8 +100,7 @@ class Builder:
         ]
         atoms = program.sample(rng, assumed, without, nogoods.guards.get(program))
         if atoms is None:
-            prover = Prover(self._grammar, self.placer, self._loaded.lengths)
-            raise prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
+            raise self.prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
         of_room = {
             name: {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == name}
             for name in ("room", "side")

@@ -20,6 +20,7 @@ import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
 
 from logic.errors import Reason
+from logic.grammar import RULES
 from logic.layout import CORE, Part
 from logic.placement import Conflict
 
@@ -53,21 +54,24 @@ class Relaxed:
         parts: Iterable[Part],
         lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
         more: bool = False,
+        laws: bool = False,
     ) -> None:
         """Ground these parts of the core and the files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
         With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
+        With ``laws`` what the core requires can be left out too.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
         )
         self._grounded = _Grounded()
         self._control.register_observer(self._grounded)
-        self._control.load(str(CORE))
+        if not laws:
+            self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
-            for rule in _conditional(files, found, more):
+            for rule in _conditional((CORE, *files) if laws else files, found, more):
                 builder.add(rule)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
@@ -163,13 +167,15 @@ def _conditional(
 ) -> list[ast.AST]:
     """The files' statements, each rule with its condition; ``found`` gets a reason for each.
 
-    With ``more``, what bounds a number is followed by a rule with wider bounds for where it is left out.
+    Of the core's rules those alone that require something. With ``more``, what bounds a number is followed by
+    a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
 
     def take(statement: ast.AST) -> None:
-        if statement.ast_type == ast.ASTType.Rule:
-            begin = statement.location.begin
+        begin = statement.location.begin
+        own = Path(begin.filename).parent != RULES
+        if statement.ast_type == ast.ASTType.Rule and (own or str(statement.head) == "#false"):
             stated = _stated(len(found))
             if more and _signature(statement.head) in COUNTS:
                 rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))

@@ -45,6 +45,7 @@ class Program:
         A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
         way. Raises ``GrammarError`` for its first error.
         """
+        self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks: list[str] = []
         self._control = clingo.Control(
             [*arguments, *(f"-c{name}={value}" for name, value in constants.items())],
@@ -52,13 +53,13 @@ class Program:
             message_limit=1000,
         )
         try:
-            for file in (CORE, *files):
+            for file in (CORE, *self.files):
                 self._control.load(str(file))
-            self._control.ground([("base", []), *parts, ("pick", [])])
+            self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
-        self.models: dict[tuple[Symbol, ...], list[Symbol]] | None = None
-        """All atoms that hold in each sampled layout; None, and not kept, where nobody is to ask why."""
+        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
+        """Each sampled layout, and all atoms that hold in it; None, so that none is kept, unless it is set."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._counts, self._choices, self._weights = self._options()
         self._brancher = _Brancher(self._choices)
@@ -117,7 +118,7 @@ class Program:
                 return None
             layout = sorted(model.symbols(shown=True))
             if self.models is not None:
-                self.models[tuple(layout)] = list(model.symbols(atoms=True))
+                self.models.append((layout, list(model.symbols(atoms=True))))
             return layout
 
     def count(self, assumed: Iterable[Symbol], seconds: float) -> tuple[int, bool]:

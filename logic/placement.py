@@ -166,6 +166,17 @@ class Placer:
             )
         return answer
 
+    def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
+        """The pieces of a room and their companions, in the order of a house file: type and atom of stage 1."""
+        found = self._json(f"room_pieces({room.type},{_list(room.furniture)},Json)")
+        return [(type_, parse_term(atom)) for type_, atom in found]
+
+    def bounds(self, room: RoomLayout, target: Symbol) -> dict[str, Any]:
+        """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
+        return self._json(
+            f"room_lengths({room.type},{_list(room.furniture)},{room.seed},{target},Json)"
+        )
+
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
         """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
         found = self._json(f"grammar_origins({_list(clauses)},Json)")

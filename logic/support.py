@@ -7,39 +7,20 @@ atoms of the layout as facts, as xclingo does: its ground instances are the rule
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import clingo
-import msgspec
 from clingo import Function, Number, Symbol, ast
 
 from logic.errors import Reason
 from logic.explain import HERE, excerpt
-from logic.grammar import RULES
-from logic.layout import CORE, Part
+from logic.instead import Chosen
+from logic.layout import CORE, Program
+from logic.why import Derivation
 
 SUPPORT = "support'"
 """No rule of a user's derives it: a quote may end a name."""
-
-
-class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
-    """An atom of a layout, the rule that derives it, and the atoms from which it does so.
-
-    Without a rule it is explained elsewhere in the same tree; ``means`` is the rules' own comment on it.
-    """
-
-    atom: str
-    rule: Reason | None = None
-    means: str = ""
-    body: tuple["Derivation", ...] = ()
-
-    def __iter__(self) -> Iterator["Derivation"]:
-        """This and all below it, each before its own body."""
-        yield self
-        for each in self.body:
-            yield from each
 
 
 class _Instance(NamedTuple):
@@ -52,21 +33,20 @@ class _Instance(NamedTuple):
 class Support:
     """The rules that hold in one layout."""
 
-    def __init__(
-        self, files: Sequence[Path], constants: Mapping[str, Any], parts: Iterable[Part], atoms: Iterable[Symbol]
-    ) -> None:
-        """Ground these parts of the core and the files over the atoms, all that hold, of a layout."""
+    def __init__(self, program: Program, atoms: Iterable[Symbol]) -> None:
+        """Ground the rules of a program over the atoms, all that hold, of one of its layouts."""
         self.rules: list[Reason] = []
-        self._facts: set[int] = set()
         self._comments: dict[tuple[str, int], tuple[list[str], str]] = {}
-        control = clingo.Control([f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None)
+        constants = [f"-c{name}={value}" for name, value in program.constants.items()]
+        control = clingo.Control(constants, logger=lambda *_: None)
         holds = set(atoms)
         with ast.ProgramBuilder(control) as builder:
             builder.add(ast.Program(HERE, "base", []))
             for atom in holds:
                 builder.add(ast.Rule(HERE, ast.Literal(HERE, ast.Sign.NoSign, _fact(atom)), []))
-            ast.parse_files([str(CORE), *map(str, files)], lambda statement: self._add(statement, builder))
-        control.ground([("base", []), *parts, ("pick", [])])
+            files = [str(CORE), *map(str, program.files)]
+            ast.parse_files(files, lambda statement: self._add(statement, builder))
+        control.ground([("base", []), *program.parts, ("pick", [])])
         self._instances: dict[Symbol, list[_Instance]] = {atom: [] for atom in holds}
         for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):
             number, head, body = atom.symbol.arguments
@@ -74,6 +54,7 @@ class Support:
             if head in holds and holds.issuperset(body.arguments):
                 self._instances[head].append(_Instance(number.number, tuple(body.arguments)))
         self._levels = self._derived()
+        self.chosen = Chosen(_by_variable(holds, "pick"), _by_variable(holds, "option"))
 
     def _add(self, statement: ast.AST, builder: ast.ProgramBuilder) -> None:
         """Take a statement of the rules: a rule as its instances, a comment for its words."""
@@ -95,8 +76,6 @@ class Support:
                 atom = ast.SymbolicAtom(ast.Function(HERE, SUPPORT, support, False))
                 literal = ast.Literal(HERE, ast.Sign.NoSign, atom)
                 builder.add(ast.Rule(HERE, literal, [*condition, *body]))
-            if not statement.body:
-                self._facts.add(len(self.rules))
             begin = statement.location.begin
             self.rules.append(Reason(excerpt(statement.location), begin.filename, begin.line, begin.column))
 
@@ -116,9 +95,19 @@ class Support:
             open_ -= new
         return levels
 
-    def tree(self, atom: Symbol, explained: set[Symbol] | None = None) -> Derivation:
-        """The derivation of an atom that holds; those in ``explained`` are not explained again, and it grows."""
-        return self._nodes(atom, set() if explained is None else explained, frozenset())[0]
+    def variables(self, subject: Sequence[Symbol]) -> list[Symbol]:
+        """The variables that pick one value for this subject, as ``bed,1`` in ``place(bed,1)`` or ``count(bed)``."""
+        return [
+            variable
+            for variable, values in self.chosen.picks.items()
+            if len(values) == 1
+            and (list(variable.arguments[: len(subject)]) == list(subject) or variable.arguments == [subject[0]])
+        ]
+
+    def trees(self, atoms: Iterable[Symbol]) -> tuple[Derivation, ...]:
+        """The derivations of atoms that hold; what one has derived, the next ones only name."""
+        explained: set[Symbol] = set()
+        return tuple(node for atom in atoms for node in self._nodes(atom, explained, frozenset()))
 
     def _nodes(self, atom: Symbol, explained: set[Symbol], above: frozenset[int]) -> list[Derivation]:
         """An atom's derivation; what recurs by a rule ``above`` it is left out, and its body stands for it."""
@@ -136,7 +125,8 @@ class Support:
         if instance.rule in above:
             return body
         explained.add(atom)
-        return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), tuple(body))]
+        options = map(str, self.chosen.options[atom.arguments[0]]) if atom.match("pick", 2) else ()
+        return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), tuple(options), tuple(body))]
 
     def _best(self, atom: Symbol) -> _Instance | None:
         """The instance that derives an atom in the fewest steps, of those from the fewest atoms."""
@@ -154,9 +144,13 @@ class Support:
         values = dict(zip(variables, map(str, atom.arguments), strict=True)) if variables else {}
         return re.sub(r"\b[A-Z]\b", lambda found: values.get(found[0], found[0]), words)
 
-    def is_core_fact(self, reason: Reason | None) -> bool:
-        """Whether this is a fact of the core's: it says what words like ``left`` mean."""
-        return reason is not None and self.rules.index(reason) in self._facts and Path(reason.file).parent == RULES
+
+def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:
+    """Variables and their values, by the atoms ``pick(V,X)`` or ``option(V,X,W)``, in the rules' own order."""
+    found: dict[Symbol, list[Symbol]] = {}
+    for atom in sorted(atom for atom in atoms if atom.name == name):
+        found.setdefault(atom.arguments[0], []).append(atom.arguments[1])
+    return found
 
 
 class _Named(ast.Transformer):
