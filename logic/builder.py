@@ -32,7 +32,7 @@ class Builder:
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
-        self._grammar = grammar
+        self.grammar = grammar
         self._loaded = LoadedGrammar(grammar, cell)
         if self._loaded.errors:
             raise self._loaded.errors[0]
@@ -173,8 +173,8 @@ class Builder:
         self, plan: dict[str, Any], layout: Layout, request: Request, seed: int, index: int
     ) -> House:
         provenance = Provenance(
-            grammar=self._grammar.name,
-            grammar_hash=self._grammar.hash,
+            grammar=self.grammar.name,
+            grammar_hash=self.grammar.hash,
             request=request.to_dict(),
             seed=seed,
             index=index,

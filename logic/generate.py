@@ -123,7 +123,9 @@ def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, 
     """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
     worker = _Worker(opening)
     try:
-        worker.answer(START_UP, f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?")
+        worker.answer(
+            START_UP, f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?"
+        )
         worker.ask(question)
         return worker.answer(seconds, late)
     finally:

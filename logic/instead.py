@@ -1,4 +1,4 @@
-"""What could stand in a house instead: other values of a choice where all others stay, and what forbids the rest."""
+"""What could be in a house instead: other values, all other choices as they are, or what forbids them."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -54,14 +54,14 @@ class Search:
         return found
 
     def of_atom(self, atom: Symbol, others: Iterable[Symbol]) -> Choice:
-        """An atom that holds by several picks, and atoms that could hold instead: they differ in the last term."""
+        """An atom that holds by several picks, and others that could instead: the last term differs."""
         *subject, value = atom.arguments
-        tried = [self._try(str(other.arguments[-1]), other, atom) for other in sorted(others) if other != atom]
+        tried = [self._try(str(each.arguments[-1]), each, atom) for each in sorted(others) if each != atom]
         name = Function(atom.name, subject)
         return Choice(str(name), str(value), tuple(each for each in tried if each is not None))
 
     def _try(self, value: str, atom: Symbol, variable: Symbol) -> Alternative | None:
-        """Whether this atom could hold where all picks but the variable's stay; None if it makes no difference."""
+        """Whether an atom could hold where all picks but the variable's stay; None if nothing changes."""
         hard = [*self._statements, self._relaxed.choice(Reason(str(atom)), [atom])]
         kept = {key: pick for key, pick in self._kept.items() if key[0] != variable}
         layout = self._relaxed.model([*hard, *kept.values()])

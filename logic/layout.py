@@ -59,7 +59,7 @@ class Program:
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
-        """Each sampled layout, and all atoms that hold in it; None, so that none is kept, unless it is set."""
+        """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._counts, self._choices, self._weights = self._options()
         self._brancher = _Brancher(self._choices)

@@ -80,7 +80,7 @@ class Prover:
     def house(
         self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
     ) -> tuple[Relaxed, list[Statement]]:
-        """The program of a house's rooms, and all that may be left out of it; with ``laws``, see ``Relaxed``."""
+        """The program of a house's rooms, and all that may be left out of it (``laws``: see ``Relaxed``)."""
         required = room_requirements(request)
         reasons = [_option("--type", name, request.types) for name in sorted(request.types)]
         reasons += map(_fixed, request.fixed)

@@ -2,8 +2,9 @@
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
 """Which rules derive the atoms of a layout, down to facts and picks.
 
-Each rule ``h :- b, not c.`` of the core and the grammar is grounded as ``support(N,h,(b,)) :- b, not c.`` over the
-atoms of the layout as facts, as xclingo does: its ground instances are the rule's own instances that hold.
+Each rule ``h :- b, not c.`` of the core and the grammar is grounded as ``support(N,h,(b,)) :- b, not c.``
+over the atoms of the layout as facts: what it derives are the instances of the rule that hold (as in xclingo:
+Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming", ICLP 2020).
 """
 
 import re
@@ -11,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import clingo
-from clingo import Function, Number, Symbol, ast
+from clingo import Number, Symbol, ast
 
 from logic.errors import Reason
 from logic.explain import HERE, excerpt
@@ -66,10 +67,10 @@ class Support:
             ):
                 self._comments[name, variables.count(",") + 1] = variables.split(","), words
         elif statement.ast_type == ast.ASTType.Rule:
-            for head, condition in _heads(statement.head):
-                named = _Named()
-                body = [named.visit(literal) if _positive(literal) else literal for literal in statement.body]
-                condition = [named.visit(literal) for literal in condition]
+            named = _Named()
+            body = [named.visit(literal) if _positive(literal) else literal for literal in statement.body]
+            for head, conditions in _heads(statement.head):
+                condition = [named.visit(literal) for literal in conditions]
                 terms = [each.atom.symbol for each in (condition or body) if _positive(each)]
                 number = ast.SymbolicTerm(HERE, Number(len(self.rules)))
                 support = [number, head, ast.Function(HERE, "", terms, False)]
@@ -96,12 +97,12 @@ class Support:
         return levels
 
     def variables(self, subject: Sequence[Symbol]) -> list[Symbol]:
-        """The variables that pick one value for this subject, as ``bed,1`` in ``place(bed,1)`` or ``count(bed)``."""
+        """The variables that pick one value for a subject: for bed 1 ``place(bed,1)``, ``count(bed)``."""
         return [
             variable
             for variable, values in self.chosen.picks.items()
             if len(values) == 1
-            and (list(variable.arguments[: len(subject)]) == list(subject) or variable.arguments == [subject[0]])
+            and variable.arguments in ([subject[0]], [*subject, *variable.arguments[len(subject) :]])
         ]
 
     def trees(self, atoms: Iterable[Symbol]) -> tuple[Derivation, ...]:
@@ -110,7 +111,7 @@ class Support:
         return tuple(node for atom in atoms for node in self._nodes(atom, explained, frozenset()))
 
     def _nodes(self, atom: Symbol, explained: set[Symbol], above: frozenset[int]) -> list[Derivation]:
-        """An atom's derivation; what recurs by a rule ``above`` it is left out, and its body stands for it."""
+        """An atom's derivation; where a rule ``above`` recurs, its body stands for it."""
         if atom in explained:
             return [Derivation(str(atom))]
         instance = self._best(atom)
@@ -125,8 +126,9 @@ class Support:
         if instance.rule in above:
             return body
         explained.add(atom)
-        options = map(str, self.chosen.options[atom.arguments[0]]) if atom.match("pick", 2) else ()
-        return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), tuple(options), tuple(body))]
+        values = self.chosen.options[atom.arguments[0]] if atom.match("pick", 2) else ()
+        options, rule = tuple(map(str, values)), self.rules[instance.rule]
+        return [Derivation(str(atom), rule, self.means(atom), options, tuple(body))]
 
     def _best(self, atom: Symbol) -> _Instance | None:
         """The instance that derives an atom in the fewest steps, of those from the fewest atoms."""
@@ -146,7 +148,7 @@ class Support:
 
 
 def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:
-    """Variables and their values, by the atoms ``pick(V,X)`` or ``option(V,X,W)``, in the rules' own order."""
+    """Variables and their values, by the atoms ``pick(V,X)`` or ``option(V,X,W)``, in order."""
     found: dict[Symbol, list[Symbol]] = {}
     for atom in sorted(atom for atom in atoms if atom.name == name):
         found.setdefault(atom.arguments[0], []).append(atom.arguments[1])
@@ -159,7 +161,7 @@ class _Named(ast.Transformer):
     def __init__(self) -> None:
         self._number = 0
 
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 (clingo's name)
+    def visit_Variable(self, node: ast.AST) -> ast.AST:
         """A variable."""
         if node.name != "_":
             return node
@@ -188,4 +190,6 @@ def _positive(literal: ast.AST) -> bool:
 def _fact(symbol: Symbol) -> ast.AST:
     terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
     atom = ast.Function(HERE, symbol.name, terms, False)
-    return ast.SymbolicAtom(atom if symbol.positive else ast.UnaryOperation(HERE, ast.UnaryOperator.Minus, atom))
+    return ast.SymbolicAtom(
+        atom if symbol.positive else ast.UnaryOperation(HERE, ast.UnaryOperator.Minus, atom)
+    )

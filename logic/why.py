@@ -4,7 +4,7 @@ The answer is found in a solver process, by ``logic.witness``.
 """
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import msgspec
@@ -20,8 +20,9 @@ INFERENCES = 100_000_000
 
 WHERE = {
     "along": "along its wall, from the near end",
-    "across": "from the room's left wall",
-    "inwards": "from the room's front wall",
+    "left": "from the room's left wall, as seen on entering",
+    "across": "from the room's left wall, as seen on entering",
+    "inwards": "from the wall with the door",
 }
 """What the lengths of places are; those of sizes are named by words that need no comment."""
 
@@ -29,7 +30,7 @@ WHERE = {
 class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
     """An atom of a layout, the rule that derives it, and the atoms from which it does so.
 
-    Without a rule it is explained elsewhere in the same answer. ``means`` is the rules' own comment on it;
+    Without a rule it is explained above in the same answer. ``means`` is the rules' own comment on it;
     ``options`` are the values of which a pick takes one.
     """
 
@@ -49,8 +50,8 @@ class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
 class Alternative(msgspec.Struct, frozen=True, omit_defaults=True):
     """Another value of a choice, where all other picks stay: possible, or what forbids it.
 
-    ``also`` are the fewest other choices that would have to change with it; ``possible`` is False and it is empty
-    where nothing helps.
+    ``because`` is a minimal conflict. ``also`` are other choices with whose change it is possible, and is not
+    without any one of them; where there are none, nothing helps.
     """
 
     value: str
@@ -97,17 +98,17 @@ class Why(msgspec.Struct, frozen=True, omit_defaults=True):
 
     def __str__(self) -> str:
         """The answer, section by section."""
-        sections = {
-            "Derived from facts and picks": [line for each in self.derivations for line in _tree(each, 1)],
-            "What could be instead, all other picks as they are": [
-                line for each in self.choices for line in _choice(each)
-            ],
-            "Lengths, and what they could have been": [line for each in self.lengths for line in _length(each)],
-            "Bounds that are tight: here both sides are equal (floor: the free floor between the furniture)": [line for each in self.tight for line in _bound(each)],
+        sections: dict[str, Iterable[Iterator[str]]] = {
+            "Derived from facts and picks": [_tree(each, 1) for each in self.derivations],
+            "What could be instead, all other picks as they are": map(_choice, self.choices),
+            "Lengths, and what they could have been": map(_length, self.lengths),
+            "Bounds that are tight: both sides are equal here (floor: what the furniture leaves free)": map(
+                _bound, self.tight
+            ),
         }
         text = f"{self.target}: {self.about}"
-        for title, lines in sections.items():
-            if lines:
+        for title, parts in sections.items():
+            if lines := [line for part in parts for line in part]:
                 text += "\n".join(["", "", title, *lines])
         return text
 
@@ -117,25 +118,23 @@ def explain_house(
 ) -> Why:
     """Say why a part of a house is as it is, by the rules that made it.
 
-    ``target`` is a room (``R3``), its door (``R3.door``), a piece (``R3.bed``, ``R3.bed2`` for the second in the
-    file's order, companions as well) or the main room (``main``). The house is made again from its provenance;
-    ``grammar`` is the directory of its rules where they are not shipped ones.
+    ``target`` is a room (``R3``), its door (``R3.door``), a piece or a companion (``R3.bed``; ``R3.bed2`` or
+    ``R3.bed.2`` for the second in the file's order) or the main room (``main``). The house is made again from
+    its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
 
     Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
-    provenance, made by other rules or versions, or edited since, ``LimitReached`` past these seconds.
+    provenance, or where the rules make another one: they or the house changed; ``LimitReached`` past these
+    seconds, ``GrammarError`` for wrong rules.
     """
-    room, piece = _found(house, target)
+    room, part = _found(house, target)
     made = house.provenance
     if made is None:
-        raise HouseFileError("the house does not say which rules made it: only houses of generate can be explained")
-    rules = find(grammar or made.grammar)
-    if rules.hash != made.grammar_hash:
         raise HouseFileError(
-            f"the rules in {rules.directory} or the core's are not those that made the house (hash "
-            f"{rules.hash[:12]}, the house's {made.grammar_hash[:12]}): name its own with --grammar, or make it again"
+            "the house does not say which rules made it: generate writes that into its files"
         )
+    rules = find(grammar or made.grammar)
     question = {
-        "why": {"target": target, "room": room, "piece": piece},
+        "why": {"target": target, "room": room, "part": part},
         "house": house.to_dict(),
         "inferences": INFERENCES,
     }
@@ -149,7 +148,8 @@ def _found(house: House, target: str) -> tuple[int | None, int | str | None]:
     name, _, part = target.partition(".")
     rooms = [f"R{index}" for index in range(len(house.rooms))]
     if name not in ["main", *rooms]:
-        raise RequestError(f"there is no {name}: {_hint('', name, ['main', *rooms])}the house has main, {', '.join(rooms)}")
+        hint = _hint("", name, ["main", *rooms])
+        raise RequestError(f"there is no {name}: {hint}the house has main, {', '.join(rooms)}")
     if name == "main":
         if part:
             raise RequestError(f"{target}: the main room has no parts: ask for main")
@@ -161,7 +161,8 @@ def _found(house: House, target: str) -> tuple[int | None, int | str | None]:
         number = sum(each.type == type_ for each in room.pieces[: index + 1])
         places |= dict.fromkeys((f"{type_}.{number}", f"{type_}{number}", listed[1 + index]), index)
     if part and part not in places:
-        raise RequestError(f"there is no {target}: {_hint(f'{name}.', part, listed)}{name} has {', '.join(listed)}")
+        hint = _hint(f"{name}.", part, listed)
+        raise RequestError(f"there is no {target}: {hint}{name} has {', '.join(listed)}")
     return int(name[1:]), places.get(part)
 
 
@@ -211,7 +212,8 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
 
 def _series(values: Sequence[str]) -> str:
     """Values in words, as ``1..4`` where they are whole numbers in a row."""
-    if len(values) > 2 and list(values) == [str(int(values[0]) + n) for n in range(len(values)) if values[0].isdigit()]:
+    numbers = [int(value) for value in values if value.isdigit()]
+    if len(values) > 2 and numbers == list(range(numbers[0], numbers[0] + len(values)) if numbers else ()):
         return f"{values[0]}..{values[-1]}"
     return ", ".join(values)
 
@@ -251,6 +253,9 @@ def _reasons(reasons: Sequence[Reason], label: str) -> Iterator[str]:
     """Rules and clauses, a line each, then what holds in the layout."""
     lines = [_stated(each) for each in reasons if each.file]
     atoms = [each.text for each in reasons if not each.file]
-    lines += textwrap.wrap(f"with {', '.join(atoms)}", 100, subsequent_indent="     ") if atoms else []
+    if atoms:
+        lines += textwrap.wrap(
+            f"{'with ' if lines else ''}{', '.join(atoms)}", 100, subsequent_indent="     "
+        )
     for number, line in enumerate(lines or ["the core alone: rules/room.pl"]):
         yield f"    {label if number == 0 else ' ' * len(label)}{line}"

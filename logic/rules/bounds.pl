@@ -110,7 +110,7 @@ companions([Role-Part|Placed], Piece, Parts, Others) :-
 names(Room, Parts, Names) :-
     room_width(Room, W), room_depth(Room, D), room_door(Room, Door), room_core(Room, core(X1,X2,Y1,Y2)),
     maplist(part_names, Parts, Each),
-    append([[W-(room-width),D-(room-depth),Door-(door-along),
+    append([[W-(room-width),D-(room-depth),Door-(door-left),
              X1-(floor-left),X2-(floor-right),Y1-(floor-front),Y2-(floor-back)]|Each], Names).
 
 part_names(part(Atom,item(_,L,D,_),Places), [L-(Atom-length),D-(Atom-depth)|Names]) :-
@@ -122,7 +122,7 @@ place_name(Atom, What-Expression, Start-(Atom-What)) :- term_variables(Expressio
 %   room, the room's sizes to a piece, all sizes to a place.
 
 target_lengths(room, Room, _, [room-width-W,room-depth-D]) :- !, room_width(Room, W), room_depth(Room, D).
-target_lengths(door, Room, _, [place-along-Door])          :- !, room_door(Room, Door).
+target_lengths(door, Room, _, [place-left-Door])           :- !, room_door(Room, Door).
 target_lengths(Atom, _, Parts, [piece-length-L,piece-depth-D|Lengths]) :-
     memberchk(part(Atom,item(_,L,D,_),Places), Parts),
     maplist(as_place, Places, Lengths).
@@ -145,8 +145,8 @@ given(place, Sizes, Sizes).
 
 posted_with(Sizes-Values, System) :- Sizes = Values, posted(System).
 
-extreme(V, V, V)       :- number(V), !.
-extreme(V, Low, High)  :- inf(V, Low), sup(V, High).
+extreme(V, V, V)      :- number(V), !.
+extreme(V, Low, High) :- inf(V, Low0), sup(V, High0), inner_range(Low0-High0, Low-High).
 
 %   past(+System, +Given, +Constraint, -Why): Why are the reasons of a minimal part of the system that excludes it.
 

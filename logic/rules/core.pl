@@ -1,5 +1,6 @@
 :- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3,
-                 room_conflict/4, room_system/3, room_pieces/3, room_lengths/5]).
+                 room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
+                 main_lengths/4]).
 
 /** <module> Stage 2: from a layout to a house
 
@@ -216,6 +217,24 @@ binding_record(binds(Sum,Relation,Constant,Why), [Summands,Relation,Metres,Reaso
     maplist(reason_record, Why, Reasons).
 
 summand_record(Factor*(Thing-What), [Factor,Text,What]) :- term_string(Thing, Text).
+
+%!  main_lengths(+Outlines, +Corners, +Width, -Json) is det.
+%
+%   Json is what main_room_ranges/6 says of rooms outline(Side,Width,Depth,Door), all in metres: "walls", "width",
+%   "height", and "law", the file and line of the clause that states it.
+
+main_lengths(Outlines, Corners, Width, Json) :-
+    maplist(free_outline, Outlines, Rooms),
+    rounded_up(Width, W),
+    main_room_ranges(Rooms, Corners, W, Walls, Widths, Heights),
+    maplist(inner_range, [Widths,Heights], [W1-W2,H1-H2]),
+    maplist(metres, Walls, [North,East,South,West]),
+    maplist(metres, [W1,W2,H1,H2], [WLow,WHigh,HLow,HHigh]),
+    predicate_property(main_room:width_range(_,_,_), file(File)),
+    predicate_property(main_room:width_range(_,_,_), line_count(Line)),
+    as_json(_{walls:_{north:North,east:East,south:South,west:West}, width:[WLow,WHigh], height:[HLow,HHigh], law:[File,Line]}, Json).
+
+free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(rounded_up, [W0,D0,Door0], [W,D,Door]).
 
 as_json(Value, Text) :-
     with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).
