@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 from clingo import Function, Symbol
 
@@ -62,15 +63,20 @@ class Search:
 
     def _try(self, value: str, atom: Symbol, variable: Symbol) -> Alternative | None:
         """Whether an atom could hold where all picks but the variable's stay; None if nothing changes."""
-        hard = [*self._statements, self._relaxed.choice(Reason(str(atom)), [atom])]
-        kept = {key: pick for key, pick in self._kept.items() if key[0] != variable}
+        asked = self._relaxed.choice(Reason(str(atom)), [atom])
+        hard, kept = [*self._statements, asked], {}
+        for key, pick in self._kept.items():
+            if _depends(variable, key[0]):  # A piece that is not there stands anywhere.
+                hard.append(pick)
+            elif key[0] != variable:
+                kept[key] = pick
         layout = self._relaxed.model([*hard, *kept.values()])
         if layout is not None and set(layout) == self._layout:
             return None
         if self._possible([*hard, *kept.values()]):
             return Alternative(value, True)
         needed = minimal([*hard, *kept.values()], self._possible, self._relaxed.core)
-        because = tuple(dict.fromkeys(each.reason for each in needed if each is not hard[-1]))
+        because = tuple(dict.fromkeys(each.reason for each in needed if each is not asked))
         given_up: list[tuple[Symbol, Symbol]] = []
         while not self._possible([*hard, *kept.values()]):
             core = self._relaxed.core([*hard, *kept.values()])
@@ -90,6 +96,13 @@ def _pick(variable: Symbol, value: Symbol) -> Symbol:
     return Function("pick", [variable, value])
 
 
+def _depends(variable: Symbol, other: Symbol) -> bool:
+    """Whether a variable is about a part of what another is about, as ``place(bed,1)`` of ``count(bed)``."""
+    most = len(other.arguments)
+    return 0 < most < len(variable.arguments) and variable.arguments[:most] == other.arguments
+
+
 def _kinship(variable: Symbol, other: Symbol) -> int:
-    """How many arguments two variables share: what is about the same thing is the first to change."""
-    return len({str(each) for each in variable.arguments} & {str(each) for each in other.arguments})
+    """How much two variables are about the same thing: that is the first to change."""
+    pairs = zip(variable.arguments, other.arguments, strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))

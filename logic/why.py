@@ -213,7 +213,7 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
 def _series(values: Sequence[str]) -> str:
     """Values in words, as ``1..4`` where they are whole numbers in a row."""
     numbers = [int(value) for value in values if value.isdigit()]
-    if len(values) > 2 and numbers == list(range(numbers[0], numbers[0] + len(values)) if numbers else ()):
+    if len(values) == len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
         return f"{values[0]}..{values[-1]}"
     return ", ".join(values)
 
