@@ -52,7 +52,7 @@ class Support:
         for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):
             number, head, body = atom.symbol.arguments
             # A pool or an interval stands for each of its values, of which some may not hold.
-            if head in holds and holds.issuperset(body.arguments):
+            if head in holds:
                 self._instances[head].append(_Instance(number.number, tuple(body.arguments)))
         self._levels = self._derived()
         self.chosen = Chosen(_by_variable(holds, "pick"), _by_variable(holds, "option"))
@@ -126,9 +126,20 @@ class Support:
         if instance.rule in above:
             return body
         explained.add(atom)
-        values = self.chosen.options[atom.arguments[0]] if atom.match("pick", 2) else ()
-        options, rule = tuple(map(str, values)), self.rules[instance.rule]
-        return [Derivation(str(atom), rule, self.means(atom), options, tuple(body))]
+        options = self._options(atom.arguments[0]) if atom.match("pick", 2) else ()
+        return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), options, tuple(body))]
+
+    def _options(self, variable: Symbol) -> tuple[str, ...]:
+        """What a variable may pick, with weights where they differ."""
+        weights = {
+            option.arguments[1]: option.arguments[2]
+            for option in self._instances
+            if option.match("option", 3) and option.arguments[0] == variable
+        }
+        same = len(set(weights.values())) == 1
+        return tuple(
+            f"{value}" if same else f"{value} (weight {weight})" for value, weight in sorted(weights.items())
+        )
 
     def _best(self, atom: Symbol) -> _Instance | None:
         """The instance that derives an atom in the fewest steps, of those from the fewest atoms."""

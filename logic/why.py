@@ -126,7 +126,7 @@ def explain_house(
     provenance, or where the rules make another one: they or the house changed; ``LimitReached`` past these
     seconds, ``GrammarError`` for wrong rules.
     """
-    room, part = _found(house, target)
+    room, part = target_in(house, target)
     made = house.provenance
     if made is None:
         raise HouseFileError(
@@ -143,7 +143,7 @@ def explain_house(
     return msgspec.convert(answered(opening, question, seconds, late)["why"], Why)
 
 
-def _found(house: House, target: str) -> tuple[int | None, int | str | None]:
+def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
     """The index of the target's room, None for the main room; and of its piece, or ``door``, or None."""
     name, _, part = target.partition(".")
     rooms = [f"R{index}" for index in range(len(house.rooms))]

@@ -1,6 +1,7 @@
 """Finds why a part of a house is as it is: the house is made again, and its layout asked for its reasons."""
 
 from collections.abc import Iterable, Mapping
+from functools import cache, cached_property
 
 import msgspec
 from clingo import Function, Number, Symbol, parse_term
@@ -55,8 +56,7 @@ class Witness:
         """Why a room has its type and side, or its door its place; any part of a fixed room."""
         number = Number(layout.number)
         type_, side = Function("room", [number, layout.type]), Function("side", [number, layout.side])
-        shown, model = (self._rooms.models or [])[-1]  # the last one sampled is the house's
-        support = Support(self._rooms, model)
+        support, search = self._of_rooms
         about = f"a {layout.type} on the {layout.side} side of the main room"
         if part is not None:
             about = f"in R{layout.number}, {about}"
@@ -67,10 +67,6 @@ class Witness:
             lengths, tight = self._lengths(layout, Function("room" if part is None else "door"))
             why = msgspec.structs.replace(why, lengths=lengths, tight=tight)
         if part is None:
-            relaxed, statements = self._builder.prover.house(self._request, laws=True)
-            search = Search(
-                relaxed, statements, lambda some: relaxed.model(some) is not None, support.chosen, shown
-            )
             choices = search.choices(support.variables([number]))
             choices = [
                 self._furnishable(each) if each.name == f"type({number})" else each for each in choices
@@ -82,23 +78,36 @@ class Witness:
     def _piece(self, target: str, layout: RoomLayout, index: int) -> Why:
         """Why a piece or a companion stands where it does."""
         type_, atom = self._builder.placer.pieces(layout)[index]
-        program, _ = self._builder.programs.furniture_for(layout.type.name, self._request)
-        (model,) = [model for shown, model in program.models or [] if shown is layout.furniture]
-        support = Support(program, model)
+        support, search = self._of_furniture(layout.number)
         piece = atom.arguments[:2]
         if atom.name == "with":
             atoms, subject = [atom], [*piece, atom.arguments[3]]
         else:
             own = [each for each in layout.furniture if each.arguments[:2] == piece and each.name != "with"]
             atoms, subject = [atom, *(each for each in own if each != atom)], piece
-        relaxed, statements, possible = self._builder.prover.furniture(
-            self._request, layout.type.name, laws=True
-        )
-        search = Search(relaxed, statements, possible, support.chosen, layout.furniture)
         choices = tuple(search.choices(support.variables(subject)))
         lengths, tight = self._lengths(layout, atom)
         about = f"a {type_} in R{layout.number}, a {layout.type} ({self._origin})"
         return Why(target, about, support.trees(atoms), choices, lengths, tight)
+
+    @cached_property
+    def _of_rooms(self) -> tuple[Support, Search]:
+        """What supports the layout of the rooms, and what could be instead."""
+        shown, model = (self._rooms.models or [])[-1]  # the last one sampled is the house's
+        support = Support(self._rooms, model)
+        relaxed, statements = self._builder.prover.house(self._request, laws=True)
+        possible = lambda some: relaxed.model(some) is not None  # noqa: E731 (as prover.furniture returns it)
+        return support, Search(relaxed, statements, possible, support.chosen, shown)
+
+    @cache  # noqa: B019 (a witness is asked about one house)
+    def _of_furniture(self, room: int) -> tuple[Support, Search]:
+        """The same for the furniture of a room."""
+        layout = self._layout.rooms[room]
+        program, _ = self._builder.programs.furniture_for(layout.type.name, self._request)
+        (model,) = [model for shown, model in program.models or [] if shown is layout.furniture]
+        support = Support(program, model)
+        relaxed = self._builder.prover.furniture(self._request, layout.type.name, laws=True)
+        return support, Search(*relaxed, support.chosen, layout.furniture)
 
     def _furnishable(self, choice: Choice) -> Choice:
         """A choice of a room's type, where those that cannot be furnished are not possible."""
