@@ -7,7 +7,6 @@ over the atoms of the layout as facts: what it derives are the instances of the 
 Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming", ICLP 2020).
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -18,6 +17,7 @@ from logic.errors import Reason
 from logic.explain import HERE, excerpt
 from logic.instead import Chosen
 from logic.layout import CORE, Program
+from logic.reference import asp_entries
 from logic.why import Derivation
 
 SUPPORT = "support'"
@@ -37,7 +37,12 @@ class Support:
     def __init__(self, program: Program, atoms: Iterable[Symbol]) -> None:
         """Ground the rules of a program over the atoms, all that hold, of one of its layouts."""
         self.rules: list[Reason] = []
-        self._comments: dict[tuple[str, int], tuple[list[str], str]] = {}
+        known = asp_entries()
+        self._entries = {
+            (entry.name, len(entry.arguments)): entry
+            for part in ("base", *(name for name, _ in program.parts), "pick")
+            for entry in known.get(part, ())
+        }
         constants = [f"-c{name}={value}" for name, value in program.constants.items()]
         control = clingo.Control(constants, logger=lambda *_: None)
         holds = set(atoms)
@@ -58,14 +63,9 @@ class Support:
         self.chosen = Chosen(_by_variable(holds, "pick"), _by_variable(holds, "option"))
 
     def _add(self, statement: ast.AST, builder: ast.ProgramBuilder) -> None:
-        """Take a statement of the rules: a rule as its instances, a comment for its words."""
+        """Take a statement of the rules: a rule as its instances."""
         if statement.ast_type in {ast.ASTType.Program, ast.ASTType.Definition}:
             builder.add(statement)
-        elif statement.ast_type == ast.ASTType.Comment:
-            for name, variables, words in re.findall(
-                r"(\w+)\(([A-Z,]+)\): (.+?)(?=\s{2,}\w+\([A-Z,]+\): |\s*\*%|$)", str(statement)
-            ):
-                self._comments[name, variables.count(",") + 1] = variables.split(","), words
         elif statement.ast_type == ast.ASTType.Rule:
             named = _Named()
             body = [named.visit(literal) if _positive(literal) else literal for literal in statement.body]
@@ -152,10 +152,9 @@ class Support:
         return min(known, key=effort, default=None)
 
     def means(self, atom: Symbol) -> str:
-        """The comment of the rules on this predicate, with the atom's arguments for its variables."""
-        variables, words = self._comments.get((atom.name, len(atom.arguments)), ([], ""))
-        values = dict(zip(variables, map(str, atom.arguments), strict=True)) if variables else {}
-        return re.sub(r"\b[A-Z]\b", lambda found: values.get(found[0], found[0]), words)
+        """What the reference says about this predicate, as in ``side(Number,Side): that room stands ..``."""
+        entry = self._entries.get((atom.name, len(atom.arguments)))
+        return f"{entry.name}({','.join(entry.arguments)}): {entry.text}" if entry else ""
 
 
 def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:

@@ -194,7 +194,7 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
     """The derivation line by line; facts of the core's own, which say what words mean, are left out."""
     indent = "  " * depth
     if depth == 1 and node.means:
-        yield f"{indent}{node.means}"
+        yield from textwrap.wrap(node.means, 110, initial_indent=indent, subsequent_indent=indent)
     if node.rule is None:
         yield f"{indent}{node.atom:<{46 - len(indent)}} see above"
         return
