@@ -125,7 +125,8 @@ class Support:
         ]
         if instance.rule in above:
             return body
-        explained.add(atom)
+        if body:  # a fact is as short as its name
+            explained.add(atom)
         options = self._options(atom.arguments[0]) if atom.match("pick", 2) else ()
         return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), options, tuple(body))]
 

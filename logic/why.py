@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from logic.errors import HouseFileError, Reason, RequestError
+from logic.errors import GrammarError, HouseFileError, Reason, RequestError
 from logic.generate import answered
 from logic.grammar import RULES, find
 from logic.house import House
@@ -132,7 +132,10 @@ def explain_house(
         raise HouseFileError(
             "the house does not say which rules made it: generate writes that into its files"
         )
-    rules = find(grammar or made.grammar)
+    try:
+        rules = find(grammar or made.grammar)
+    except GrammarError as error:
+        raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
     question = {
         "why": {"target": target, "room": room, "part": part},
         "house": house.to_dict(),
@@ -220,7 +223,8 @@ def _series(values: Sequence[str]) -> str:
 
 def _choice(choice: Choice) -> Iterator[str]:
     able = [each.value for each in choice.instead if each.possible]
-    yield f"  {choice.name} = {choice.value}{f', or {_series(able)}' if able else ''}"
+    others = f", or {_series(able)}" if able else "" if choice.instead else ", the only value"
+    yield f"  {choice.name} = {choice.value}{others}"
     for each in choice.instead:
         if not each.possible:
             also = " and ".join(each.also)
