@@ -448,10 +448,16 @@ def test_a_fixed_room_says_that_the_request_keeps_it(builder: Builder, family: E
     assert "between the rooms that the request keeps" in house.why("main").about
 
 
-def test_on_a_grid_bounds_are_whole_cells() -> None:
-    house = Explained(Builder(find("family"), 0.3), {"rooms": 3, "cell": 0.3}, 1)
+@pytest.fixture
+def on_grid() -> Iterator[Explained]:
+    """A house on a grid. A process has one Prolog, which is set back to no grid."""
+    yield Explained(Builder(find("family"), 0.3), {"rooms": 3, "cell": 0.3}, 1)
+    Builder(find("family"))
+
+
+def test_on_a_grid_bounds_are_whole_cells(on_grid: Explained) -> None:
     for target in ("main", "R0.door", "R1.door", "R2.door"):
-        for length in house.why(target).lengths:
+        for length in on_grid.why(target).lengths:
             for metres in (length.value, length.least, length.greatest):
                 assert metres / 0.3 == pytest.approx(round(metres / 0.3), abs=1e-6)
 
