@@ -232,7 +232,8 @@ main_lengths(Outlines, Corners, Width, Json) :-
     maplist(metres, [W1,W2,H1,H2], [WLow,WHigh,HLow,HHigh]),
     predicate_property(main_room:width_range(_,_,_), file(File)),
     predicate_property(main_room:width_range(_,_,_), line_count(Line)),
-    as_json(_{walls:_{north:North,east:East,south:South,west:West}, width:[WLow,WHigh], height:[HLow,HHigh], law:[File,Line]}, Json).
+    as_json(_{walls:_{north:North,east:East,south:South,west:West}, width:[WLow,WHigh], height:[HLow,HHigh],
+              law:[File,Line]}, Json).
 
 free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(rounded_up, [W0,D0,Door0], [W,D,Door]).
 

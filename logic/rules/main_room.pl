@@ -120,8 +120,8 @@ area(outline(_,Width,Depth,_,_), Area) :- Area is Width*Depth.
 
 %!  main_room_ranges(+Rooms, +Corners, +Width, -Walls, -Widths, -Heights) is det.
 %
-%   Walls are how long the north, east, south and west wall must be for the rooms there; Widths and Heights are Low-High, in
-%   which the main room's width is sampled, and its height where it has this Width.
+%   Walls are how long the north, east, south and west wall must be for the rooms there; Widths and Heights are Low-High,
+%   in which the main room's width is sampled, and its height where it has this Width.
 
 main_room_ranges(Rooms, Corners, Width, [North,East,South,West], Widths, Heights) :-
     rooms_gap(Gap),
