@@ -18,7 +18,7 @@ from logic.errors import MissingProgram, VitruviusError
 
 COMMANDS = {
     "generate": ("logic.commands:Generate", "Make houses from rules."),
-    "explain": ("logic.commands:Explain", "Why no house satisfies a request."),
+    "explain": ("logic.commands:Explain", "Why no house satisfies a request, or why a house is as it is."),
     "rules": ("logic.reference:Rules", "Print the reference of the rule language, with recipes."),
     "lint": ("logic.commands:Lint", "Find the mistakes in rule files that clingo and Prolog pass over."),
     "check": ("logic.commands:Check", "Check houses by plain geometry, apart from the rules that made them."),

@@ -1,4 +1,4 @@
-"""Houses from rules: generate, check, load, save."""
+"""Houses from rules: generate, check, explain, load, save."""
 
 from logic.check import check
 from logic.errors import (
@@ -15,6 +15,7 @@ from logic.errors import (
 from logic.files import load, save
 from logic.generate import count_layouts, generate, lint
 from logic.house import Door, House, Piece, Rect, Room
+from logic.why import Why, explain_house
 
 __all__ = [
     "Door",
@@ -31,8 +32,10 @@ __all__ = [
     "Room",
     "Unsatisfiable",
     "VitruviusError",
+    "Why",
     "check",
     "count_layouts",
+    "explain_house",
     "generate",
     "lint",
     "load",

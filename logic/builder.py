@@ -32,11 +32,12 @@ class Builder:
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
-        self._grammar = grammar
+        self.grammar = grammar
         self.loaded = LoadedGrammar(grammar, cell)
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
+        self.prover = Prover(grammar, self.placer, self.loaded.lengths)
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -44,7 +45,11 @@ class Builder:
         }
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
-        """Make house ``index``: a function of the grammar, the request, the seed and the index.
+        """Make house ``index``, see ``made``."""
+        return self.made(request, seed, index, inferences)[0]
+
+    def made(self, request: Request, seed: int, index: int, inferences: int) -> tuple[House, Layout]:
+        """House ``index``, a function of the grammar, the request, the seed and the index; and its layout.
 
         Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no
         such house, ``LimitReached`` past this number of Prolog inferences.
@@ -56,7 +61,7 @@ class Builder:
             while True:
                 try:
                     plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
-                    return self._as_house(plan, layout, request, seed, index)
+                    return self._as_house(plan, layout, request, seed, index), layout
                 except Misfit as proof:
                     inferences -= proof.inferences
                     self._learn_misfit(proof, layout, request, nogoods)
@@ -94,8 +99,7 @@ class Builder:
         ]
         atoms = program.sample(rng, assumed, without, nogoods.guards.get(program))
         if atoms is None:
-            prover = Prover(self._grammar, self.placer, self.loaded.lengths)
-            raise prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
+            raise self.prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
         of_room = {
             name: {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == name}
             for name in ("room", "side")
@@ -168,8 +172,8 @@ class Builder:
         self, plan: dict[str, Any], layout: Layout, request: Request, seed: int, index: int
     ) -> House:
         provenance = Provenance(
-            grammar=self._grammar.name,
-            grammar_hash=self._grammar.hash,
+            grammar=self.grammar.name,
+            grammar_hash=self.grammar.hash,
             request=request.to_dict(),
             seed=seed,
             index=index,

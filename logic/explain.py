@@ -11,7 +11,6 @@ too many of: so the fact that bounds it is among the reasons.
 """
 
 import contextlib
-import functools
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
 
 from logic.errors import Reason
+from logic.grammar import RULES
 from logic.layout import CORE, Endless, Instances, Part
 from logic.placement import Conflict
 
@@ -55,23 +55,26 @@ class Relaxed:
         parts: Iterable[Part],
         lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
         more: bool = False,
+        laws: bool = False,
         most: int | None = None,
     ) -> None:
         """Ground these parts of the core and the files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
         With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
-        Past ``most`` ground rules the rest is left out.
+        With ``laws`` what the core requires can be left out too. Past ``most`` ground rules the rest is
+        left out.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
         )
         self._instances = Instances(most)
         self._control.register_observer(self._instances)
-        self._control.load(str(CORE))
+        if not laws:
+            self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
-            for rule in _conditional(files, found, more):
+            for rule in _conditional((CORE, *files) if laws else files, found, more):
                 builder.add(rule)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
@@ -162,19 +165,20 @@ def _conditional(
 ) -> list[ast.AST]:
     """The files' statements, each rule with its condition; ``found`` gets a reason for each.
 
-    With ``more``, what bounds a number is followed by a rule with wider bounds for where it is left out.
+    Of the core's rules those alone that require something. With ``more``, what bounds a number is followed by
+    a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
-    lines = functools.cache(lambda file: Path(file).read_text(encoding="utf-8").split("\n"))
 
     def take(statement: ast.AST) -> None:
-        if statement.ast_type == ast.ASTType.Rule:
-            begin, end = statement.location.begin, statement.location.end
-            text = _excerpt(lines(begin.filename), begin.line, begin.column, end.line, end.column)
+        begin = statement.location.begin
+        own = Path(begin.filename).parent != RULES
+        if statement.ast_type == ast.ASTType.Rule and (own or str(statement.head) == "#false"):
             stated = _stated(len(found))
             if more and _signature(statement.head) in COUNTS:
                 rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))
             condition = _literal(stated)
+            text = excerpt(statement.location)
             found.append((Reason(text, begin.filename, begin.line, begin.column), None))
             statement = statement.update(body=[*statement.body, condition])
         rules.append(statement)
@@ -206,11 +210,12 @@ def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
     return rule.update(head=head, body=[*rule.body, condition, known])
 
 
-def _excerpt(lines: list[str], line: int, column: int, last_line: int, last_column: int) -> str:
-    """What stands between two places of a file, on one line."""
-    part = lines[line - 1 : last_line]
-    part[-1] = part[-1][: last_column - 1]
-    part[0] = part[0][column - 1 :]
+def excerpt(location: ast.Location) -> str:
+    """What stands at a location of a file, on one line."""
+    begin, end = location.begin, location.end
+    part = Path(begin.filename).read_text(encoding="utf-8").split("\n")[begin.line - 1 : end.line]
+    part[-1] = part[-1][: end.column - 1]
+    part[0] = part[0][begin.column - 1 :]
     return " ".join(" ".join(text.split()) for text in part)
 
 

@@ -116,12 +116,21 @@ def count_layouts(
     Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
-    worker = _Worker({"grammar": str(find(grammar).directory), "cell": 0.0})
+    opening = {"grammar": str(find(grammar).directory), "cell": 0.0}
+    question = {"count": seconds, "request": wanted.to_dict()}
+    counts = answered(opening, question, START_UP + 100 * seconds, "late")["counts"]
+    return [(name, number, whole) for name, number, whole in counts]
+
+
+def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
+    """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
+    worker = _Worker(opening)
     try:
-        worker.answer(START_UP, f"{grammar}: loading took {START_UP:g} s: do its rules recur without end?")
-        worker.ask({"count": seconds, "request": wanted.to_dict()})
-        patience = START_UP + 100 * seconds
-        return [(name, number, whole) for name, number, whole in worker.answer(patience, "late")["counts"]]
+        worker.answer(
+            START_UP, f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?"
+        )
+        worker.ask(question)
+        return worker.answer(seconds, late)
     finally:
         worker.end()
 

@@ -68,6 +68,7 @@ class Program:
         A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
         way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
+        self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks: list[str] = []
         self._control = clingo.Control(
             [*arguments, *(f"-c{name}={value}" for name, value in constants.items())],
@@ -77,11 +78,13 @@ class Program:
         if most:
             self._control.register_observer(Instances(most))
         try:
-            for file in (CORE, *files):
+            for file in (CORE, *self.files):
                 self._control.load(str(file))
-            self._control.ground([("base", []), *parts, ("pick", [])])
+            self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
+        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
+        """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._counts, self._choices, self._weights = self._options(strict=most is None)
         self._brancher = _Brancher(self._choices)
@@ -138,7 +141,12 @@ class Program:
             self._control.solve(assumptions=assumptions, yield_=True) as handle,
         ):
             model = handle.model()
-            return None if model is None else sorted(model.symbols(shown=True))
+            if model is None:
+                return None
+            layout = sorted(model.symbols(shown=True))
+            if self.models is not None:
+                self.models.append((layout, list(model.symbols(atoms=True))))
+            return layout
 
     def count(self, assumed: Iterable[Symbol], seconds: float) -> tuple[int, bool]:
         """The number of layouts with all assumed atoms; False where there are more than were counted in time.

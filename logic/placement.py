@@ -161,6 +161,24 @@ class Placer:
             )
         return answer
 
+    def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
+        """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
+        found = self._json(f"room_pieces({room.type},{_list(room.furniture)},Json)")
+        return [(type_, parse_term(atom)) for type_, atom in found]
+
+    def bounds(self, room: RoomLayout, target: Symbol) -> dict[str, Any]:
+        """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
+        return self._json(f"room_lengths({room.type},{_list(room.furniture)},{room.seed},{target},Json)")
+
+    def main_bounds(
+        self, rooms: Iterable[FixedRoom], corners: Iterable[Symbol], width: float
+    ) -> dict[str, Any]:
+        """What the main room's lengths could have been around rooms of these sizes: see core.pl."""
+        outlines = ",".join(
+            f"outline({room.side},{_numbers((room.width, room.depth, room.door))})" for room in rooms
+        )
+        return self._json(f"main_lengths([{outlines}],{_list(corners)},{width!r},Json)")
+
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
         """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
         found = self._json(f"grammar_origins({_list(clauses)},Json)")

@@ -57,6 +57,10 @@ class Programs:
         )
         return self.furniture(type_, tuple(required), arguments), [granted(each) for each in required]
 
+    def all_furniture(self, request: Request) -> list[Program]:
+        """The programs that furnish rooms for a request, of each type."""
+        return [self.furniture_for(type_, request)[0] for type_ in sorted(self._furniture)]
+
     def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool]]:
         """How many layouts there are: of the rooms, and of the furniture of each type of room.
 

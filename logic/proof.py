@@ -54,7 +54,7 @@ class Prover:
 
         And where these orders of the rooms are proved not to fit between the fixed rooms.
         """
-        relaxed, statements = self._house(request, unfurnishable)
+        relaxed, statements = self.house(request, unfurnishable)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in infeasible:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
@@ -77,12 +77,16 @@ class Prover:
         advice = f"There is a house {', or '.join(ways)}." if ways else ""
         return Unsatisfiable(self._grammar.name, str(request), unique, advice, types)
 
-    def _house(self, request: Request, unfurnishable: Iterable[str] = ()) -> tuple[Relaxed, list[Statement]]:
-        """The program of a house's rooms, and all that may be left out of it."""
+    def house(
+        self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
+    ) -> tuple[Relaxed, list[Statement]]:
+        """The program of a house's rooms, and all that may be left out of it (``laws``: see ``Relaxed``)."""
         required = room_requirements(request)
         reasons = [_option("--type", name, request.types) for name in sorted(request.types)]
         reasons += map(_fixed, request.fixed)
-        relaxed = Relaxed(self._grammar.asp, {"rooms": request.rooms}, [("house", []), *parts(required)])
+        relaxed = Relaxed(
+            self._grammar.asp, {"rooms": request.rooms}, [("house", []), *parts(required)], laws=laws
+        )
         statements = list(relaxed.statements)
         for reason, requirement in zip(reasons, required, strict=True):
             statements.append(relaxed.choice(reason, [granted(requirement)]))
@@ -97,7 +101,7 @@ class Prover:
         named = False
         for rooms in _others(request):
             other = replace(request, rooms=rooms)
-            relaxed, statements = self._house(other, unfurnishable)
+            relaxed, statements = self.house(other, unfurnishable)
             if relaxed.model([each for each in statements if each.reason in conflict]) is not None:
                 named = True
                 if request.fixed:  # Whether it fits between the fixed rooms is not known.
@@ -108,36 +112,39 @@ class Prover:
 
     def _has_house(self, request: Request) -> bool:
         """Whether a request has a house: rooms, each of which can be furnished."""
-        relaxed, statements = self._house(request)
+        relaxed, statements = self.house(request)
         while (layout := relaxed.model(statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
-            bare = [type_ for type_ in sorted(types) if not self._is_furnishable(request, type_)]
+            bare = [type_ for type_ in sorted(types) if not self.is_furnishable(request, type_)]
             if not bare:
                 return True
             for type_ in bare:
                 statements.append(relaxed.choice(_bare(type_), fails=to_furnish(type_, request.rooms)))
         return False
 
-    def _is_furnishable(self, request: Request, type_: str) -> bool:
+    def is_furnishable(self, request: Request, type_: str) -> bool:
         """Whether a room of this type can have what is asked for."""
         asked = tuple(request.furniture_of(type_))
         if (type_, asked) not in self._furnishable:
-            _, statements, possible = self._furniture(request, type_)
+            _, statements, possible = self.furniture(request, type_)
             self._furnishable[type_, asked] = possible(statements)
         return self._furnishable[type_, asked]
 
     def _room(self, request: Request, type_: str) -> list[Reason]:
         """Why no room of this type can be furnished."""
-        relaxed, statements, possible = self._furniture(request, type_)
+        relaxed, statements, possible = self.furniture(request, type_)
         # This learns all that stage 2 proves infeasible, so that the core is one of both stages.
         if possible(statements):
             raise VitruviusError(f"a {type_} was proved infeasible that can be furnished")
         return [each.reason for each in minimal(statements, possible, relaxed.core)]
 
-    def _furniture(
-        self, request: Request, type_: str
+    def furniture(
+        self, request: Request, type_: str, laws: bool = False
     ) -> tuple[Relaxed, list[Statement], Callable[[Sequence[Statement]], bool]]:
-        """The program of a room's furniture, all that may be left out of it, and a test of both stages."""
+        """The program of a room's furniture, all that may be left out of it, and a test of both stages.
+
+        With ``laws``, see ``Relaxed``.
+        """
         facts = self._lengths[type_]
         pieces = {fact.arguments[0].name for fact, _ in facts if fact.name == "extent"}
         asked = [each for each in request.furniture_of(type_) if each[1] in pieces]
@@ -151,11 +158,11 @@ class Prover:
             if least
         ]
         origins = self._placer.origins({clause for _, clause in facts})
-        located = {clause: _located(*origins[clause]) for _, clause in facts}
+        places = {clause: located(*origins[clause]) for _, clause in facts}
         room = Function("size", [Function(type_)])
         lengths = [
             # How much of a wall a piece takes may depend on the wall, and so on the room.
-            (fact, {each: located[each] for each in ((clause, room) if fact.name == "extent" else (clause,))})
+            (fact, {each: places[each] for each in ((clause, room) if fact.name == "extent" else (clause,))})
             for fact, clause in facts
         ]
         relaxed = Relaxed(
@@ -164,6 +171,7 @@ class Prover:
             [("room", []), *parts(requirement for _, requirement in required), *parts(more)],
             lengths,
             more=True,
+            laws=laws,
         )
         statements = list(relaxed.statements)
         statements += [relaxed.choice(reason, [granted(requirement)]) for reason, requirement in required]
@@ -230,8 +238,8 @@ def _bare(type_: str) -> Reason:
     return Reason(f"no room of type {type_} can be furnished")
 
 
-def _located(file: str, line: int) -> Reason:
-    """The clause's source from its first line to the full stop."""
+def located(file: str, line: int) -> Reason:
+    """The clause at a line, with its source from its first line to the full stop."""
     with open(file, encoding="utf-8") as rules:
         lines = rules.read().split("\n")[line - 1 :]
     text = ""

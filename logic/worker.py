@@ -2,8 +2,8 @@
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 with limited memory, and the parent owns deadlines and Ctrl-C. The first line names the grammar; each
-further line asks for one house. Each is answered by a line: ``{"versions": ...}``, with ``warnings`` where
-these are asked for, ``{"house": ...}`` or ``{"error": ...}``.
+further line asks for one house, or why one is as it is. Each is answered by a line: ``{"versions": ...}``,
+with ``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}`` or ``{"error": ...}``.
 """
 
 import json
@@ -52,6 +52,12 @@ def main() -> None:
             elif "count" in request:
                 wanted = Request.read(request["request"])
                 answer = {"counts": list(builder.programs.counts(wanted, request["count"]))}
+            elif "why" in request:
+                from logic.house import House
+                from logic.witness import Witness
+
+                witness = Witness(builder, House.from_dict(request["house"]), request["inferences"])
+                answer = {"why": msgspec.to_builtins(witness.why(**request["why"]))}
             else:
                 wanted = Request.read(request["request"])
                 house = builder.house(wanted, request["seed"], request["index"], request["inferences"])

@@ -1,5 +1,6 @@
 :- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3,
-                 room_conflict/4, room_system/3]).
+                 room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
+                 main_lengths/4]).
 
 /** <module> Stage 2: from a layout to a house
 
@@ -23,6 +24,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
     sample.pl          random numbers
     furnish.pl         a random solution for a room, or why it has none
+    bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
     plan.pl            from the rooms' frames to the house's plan
 */
@@ -30,6 +32,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(library(apply)).
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
+:- use_module(bounds).
 :- use_module(furnish).
 :- use_module(grammar_files).
 :- use_module(grid).
@@ -194,6 +197,58 @@ room_system(Type, Layout, Json) :-
     whole_system(Type, Layout, _, System),
     rows(System, Rows),
     as_json(Rows, Json).
+
+%!  room_pieces(+Type, +Layout, -Json) is det.
+%
+%   Json lists [Type,Atom] of the pieces and companions in a room with this furniture, in the order of a house file.
+
+room_pieces(Type, Layout, Json) :-
+    room_parts(Type, Layout, Parts),
+    findall([F,Text], ( member(F-Atom, Parts), term_string(Atom, Text) ), Pieces),
+    as_json(Pieces, Json).
+
+%!  room_lengths(+Type, +Layout, +Seed, +Target, -Json) is det.
+%
+%   Json is what room_bounds/6 says of a Target in the room of this Seed, in metres: "lengths" lists
+%   [Name,Value,Least,LeastReasons,Greatest,GreatestReasons], and "binding" [Sum,Relation,Constant,Reasons] with Sum a
+%   list of [Factor,Thing,What]. Reasons are as in placed/3.
+
+room_lengths(Type, Layout, Seed, Target, Json) :-
+    room_bounds(Type, Layout, Seed, Target, Lengths, Binding),
+    maplist(length_record, Lengths, LengthRecords),
+    maplist(binding_record, Binding, BindingRecords),
+    as_json(_{lengths:LengthRecords, binding:BindingRecords}, Json).
+
+length_record(length(Name,Value,Low-LowWhy,High-HighWhy), [Name,V,L,LowReasons,H,HighReasons]) :-
+    maplist(metres, [Value,Low,High], [V,L,H]),
+    maplist(reason_record, LowWhy, LowReasons),
+    maplist(reason_record, HighWhy, HighReasons).
+
+binding_record(binds(Sum,Relation,Constant,Why), [Summands,Relation,Metres,Reasons]) :-
+    metres(Constant, Metres),
+    maplist(summand_record, Sum, Summands),
+    maplist(reason_record, Why, Reasons).
+
+summand_record(Factor*(Thing-What), [Factor,Text,What]) :- term_string(Thing, Text).
+
+%!  main_lengths(+Outlines, +Corners, +Width, -Json) is det.
+%
+%   Json is what main_room_ranges/6 says of rooms outline(Side,Width,Depth,Door), all in metres: "walls", "width",
+%   "height", and "law", the file and line of the clause that states it.
+
+main_lengths(Outlines, Corners, Width, Json) :-
+    maplist(free_outline, Outlines, Rooms),
+    rounded_up(Width, W),
+    main_room_ranges(Rooms, Corners, W, Walls, Widths, Heights),
+    maplist(inner_range, [Widths,Heights], [W1-W2,H1-H2]),
+    maplist(metres, Walls, [North,East,South,West]),
+    maplist(metres, [W1,W2,H1,H2], [WLow,WHigh,HLow,HHigh]),
+    predicate_property(main_room:width_range(_,_,_), file(File)),
+    predicate_property(main_room:width_range(_,_,_), line_count(Line)),
+    as_json(_{walls:_{north:North,east:East,south:South,west:West}, width:[WLow,WHigh], height:[HLow,HHigh],
+              law:[File,Line]}, Json).
+
+free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(rounded_up, [W0,D0,Door0], [W,D,Door]).
 
 as_json(Value, Text) :-
     with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).

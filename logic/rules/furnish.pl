@@ -215,7 +215,8 @@ infeasible(Conflict, infeasible(Reasons)) :-
 %   Reasons are those of a minimal conflict of a room with this furniture, where the clauses Without are left out.
 
 conflict_without(Type, Layout, Without, Reasons) :-
-    whole_system(Type, Layout, Items, System),
+    whole_system(Type, Layout, Room, System),
+    room_items(Room, Items),
     exclude(resting_on(Without), System, Rest),
     phrase(positive(Items), Positive),
     append(Positive, Rest, All),
@@ -229,11 +230,11 @@ positive([_-item(_,L,D,_)|Items]) --> [(0 =< L)-[], (0 =< D)-[]], positive(Items
 
 resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !.
 
-%!  whole_system(+Type, +Layout, -Items, -System) is det.
+%!  whole_system(+Type, +Layout, -Room, -System) is det.
 %
-%   System is the whole linear system of a room with this furniture, every size unknown, and Items are what has a size.
+%   System is the whole linear system of a Room with this furniture, every size unknown.
 
-whole_system(Type, Layout, Items, System) :-
+whole_system(Type, Layout, Room, System) :-
     layout_room(Type, Layout, Room),
     phrase(room_constraints(Room), Constraints),
     room_items(Room, Items),

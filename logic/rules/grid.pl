@@ -1,4 +1,4 @@
-:- module(grid, [set_cell/1, lattice/1, metres/2, rounded_up/2, rounded_range/2, on_grid/0]).
+:- module(grid, [set_cell/1, lattice/1, metres/2, rounded_up/2, rounded_range/2, inner_range/2, on_grid/0]).
 
 /** <module> Metres, or the cells of a grid
 
@@ -51,3 +51,10 @@ rounded_range(M-MM, Range) :-
     ;   Low = M, Most = MM ),
     High is max(Low, Most),
     Range = Low-High.
+
+%!  inner_range(+Range, -Inner) is det.
+%
+%   Inner is the part of a range of Low-High in the house's unit that the grid allows: all, or between whole cells.
+
+inner_range(Low-High, Inner) :-
+    ( on_grid -> L is ceiling(Low - 1.0e-6), H is floor(High + 1.0e-6), Inner = L-H ; Inner = Low-High ).

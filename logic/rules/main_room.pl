@@ -1,4 +1,4 @@
-:- module(main_room, [main_room_around//4, main_room_between//5, infeasible_between/2]).
+:- module(main_room, [main_room_around//4, main_room_ranges/6, main_room_between//5, infeasible_between/2]).
 
 /** <module> The main room and where the rooms stand around it
 
@@ -92,21 +92,49 @@ fixed_start(west,  Along, origin(_,_,_,South), South-Along).
 %   twice as large as it must be. Area is the one bilinear law: the width is sampled where a height remains for it, and
 %   then the height.
 
-main_room_sample(Rooms, W0-H0, W-H) -->
-    { largest(Rooms, Largest),
-      Least is max(Largest, max(W0, H0/2) * max(H0, W0/2)),
-      WLow is max(W0, max(H0/2, sqrt(Largest/2))),
-      WHigh is min(2*sqrt(Least), 2*Least/max(H0, 1.0e-9)) },
+main_room_sample(Rooms, Least, W-H) -->
+    { width_range(Rooms, Least, WLow-WHigh) },
     interval_sample(WLow, WHigh, 1, W),
-    { HLow is max(H0, max(W/2, Largest/W)),
-      HHigh is min(2*W, 2*Least/W) },
+    { height_range(Rooms, Least, W, HLow-HHigh) },
     interval_sample(HLow, HHigh, 1, H).
+
+width_range(Rooms, W0-H0, WLow-WHigh) :-
+    largest(Rooms, Largest),
+    least_area(Largest, W0-H0, Least),
+    WLow is max(W0, max(H0/2, sqrt(Largest/2))),
+    WHigh is min(2*sqrt(Least), 2*Least/max(H0, 1.0e-9)).
+
+height_range(Rooms, W0-H0, W, HLow-HHigh) :-
+    largest(Rooms, Largest),
+    least_area(Largest, W0-H0, Least),
+    HLow is max(H0, max(W/2, Largest/W)),
+    HHigh is min(2*W, 2*Least/W).
+
+least_area(Largest, W0-H0, Least) :- Least is max(Largest, max(W0, H0/2) * max(H0, W0/2)).
 
 largest(Rooms, Largest) :-
     maplist(area, Rooms, Areas),
     max_list(Areas, Largest).
 
 area(outline(_,Width,Depth,_,_), Area) :- Area is Width*Depth.
+
+%!  main_room_ranges(+Rooms, +Corners, +Width, -Walls, -Widths, -Heights) is det.
+%
+%   Walls are how long the north, east, south and west wall must be for the rooms there; Widths and Heights are Low-High,
+%   in which the main room's width is sampled, and its height where it has this Width.
+
+main_room_ranges(Rooms, Corners, Width, [North,East,South,West], Widths, Heights) :-
+    rooms_gap(Gap),
+    side_chains(Rooms, Corners, no_origin, W-H, Chains),
+    maplist(least_wall(Gap), [W,H,W,H], Chains, [North,East,South,West]),
+    Least = W0-H0, W0 is max(North, South), H0 is max(East, West),
+    width_range(Rooms, Least, Widths),
+    height_range(Rooms, Least, Width, Heights).
+
+least_wall(Gap, Wall, Chain, Least) :-
+    before_all(Before),
+    phrase(packed_constraints(Chain, Gap, Before), Constraints),
+    findall(Low, ( {Wall >= 0}, posted(Constraints), inf(Wall, Low) ), [Least]).
 
 % - between fixed rooms --------------------------------------------------------------------------------------
 

@@ -60,7 +60,7 @@ test(without_another_clause_the_conflict_remains) :-
 test(a_room_without_its_clause_may_have_any_size) :-
     conflict_without(cell, [on(block,1,back,1),busy(back),last(back,1)], [size(cell)], _) -> fail ; true.
 test(the_whole_system_has_the_sizes_and_the_items, Count-Kinds == 1-[size(cell),size(cell,crate)]) :-
-    crate(L), whole_system(cell, L, Items, System), length(Items, Count),
+    crate(L), whole_system(cell, L, Room, System), room_items(Room, Items), length(Items, Count),
     findall(size(A), member(_-[size(A)], System), As), findall(size(A,B), member(_-[size(A,B)], System), Bs),
     append(As, Bs, All), sort(All, Kinds).
 

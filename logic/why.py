@@ -1,0 +1,265 @@
+"""Why a room, a piece or a door of a house is as it is: the answer, how it reads, and how to ask for it.
+
+The answer is found in a solver process, by ``logic.witness``.
+"""
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import msgspec
+
+from logic.errors import GrammarError, HouseFileError, Reason, RequestError
+from logic.generate import answered
+from logic.grammar import RULES, find
+from logic.house import House
+from logic.spelling import closest
+
+INFERENCES = 100_000_000
+"""Most Prolog inferences to make the house again."""
+
+WHERE = {
+    "along": "along its wall, from the near end",
+    "left": "from the room's left wall, as seen on entering",
+    "across": "from the room's left wall, as seen on entering",
+    "inwards": "from the wall with the door",
+}
+"""What the lengths of places are; those of sizes are named by words that need no comment."""
+
+
+class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An atom of a layout, the rule that derives it, and the atoms from which it does so.
+
+    Without a rule it is explained above in the same answer. ``means`` is the rules' own comment on it;
+    ``options`` are the values of which a pick takes one.
+    """
+
+    atom: str
+    rule: Reason | None = None
+    means: str = ""
+    options: tuple[str, ...] = ()
+    body: tuple["Derivation", ...] = ()
+
+    def all(self) -> Iterator["Derivation"]:
+        """This and all below it, each before its own body."""
+        yield self
+        for each in self.body:
+            yield from each.all()
+
+
+class Alternative(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Another value of a choice, where all other picks stay: possible, or what forbids it.
+
+    ``because`` is a minimal conflict. ``also`` are other choices with whose change it is possible, and is not
+    without any one of them; where there are none, nothing helps.
+    """
+
+    value: str
+    possible: bool
+    also: tuple[str, ...] = ()
+    because: tuple[Reason, ...] = ()
+
+
+class Choice(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What was chosen, and what could have been."""
+
+    name: str
+    value: str
+    instead: tuple[Alternative, ...] = ()
+
+
+class Length(msgspec.Struct, frozen=True):
+    """A length of the house (metres), the least and the greatest that it could have been, and why no more."""
+
+    name: str
+    value: float
+    least: float
+    greatest: float
+    no_less: tuple[Reason, ...]
+    no_more: tuple[Reason, ...]
+
+
+class Bound(msgspec.Struct, frozen=True):
+    """A linear constraint that is tight in the house, in words, and why it binds."""
+
+    text: str
+    because: tuple[Reason, ...]
+
+
+class Why(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Why a part of a house is as it is. As text it is what ``vitruvius explain HOUSE --why`` prints."""
+
+    target: str
+    about: str
+    derivations: tuple[Derivation, ...] = ()
+    choices: tuple[Choice, ...] = ()
+    lengths: tuple[Length, ...] = ()
+    tight: tuple[Bound, ...] = ()
+
+    def __str__(self) -> str:
+        """The answer, section by section."""
+        sections: dict[str, Iterable[Iterator[str]]] = {
+            "Derived from facts and picks": [_tree(each, 1) for each in self.derivations],
+            "What could be instead, all other picks as they are": map(_choice, self.choices),
+            "Lengths, and what they could have been": map(_length, self.lengths),
+            "Bounds that are tight: both sides are equal here (floor: what the furniture leaves free)": map(
+                _bound, self.tight
+            ),
+        }
+        text = f"{self.target}: {self.about}"
+        for title, parts in sections.items():
+            if lines := [line for part in parts for line in part]:
+                text += "\n".join(["", "", title, *lines])
+        return text
+
+
+def explain_house(
+    house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
+) -> Why:
+    """Say why a part of a house is as it is, by the rules that made it.
+
+    ``target`` is a room (``R3``), its door (``R3.door``), a piece or a companion (``R3.bed``; ``R3.bed2`` or
+    ``R3.bed.2`` for the second in the file's order) or the main room (``main``). The house is made again from
+    its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
+
+    Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
+    provenance, or where the rules make another one: they or the house changed; ``LimitReached`` past these
+    seconds, ``GrammarError`` for wrong rules.
+    """
+    room, part = target_in(house, target)
+    made = house.provenance
+    if made is None:
+        raise HouseFileError(
+            "the house does not say which rules made it: generate writes that into its files"
+        )
+    try:
+        rules = find(grammar or made.grammar)
+    except GrammarError as error:
+        raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
+    question = {
+        "why": {"target": target, "room": room, "part": part},
+        "house": house.to_dict(),
+        "inferences": INFERENCES,
+    }
+    opening = {"grammar": str(rules.directory), "cell": float(made.request.get("cell", 0.0))}
+    late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
+    return msgspec.convert(answered(opening, question, seconds, late)["why"], Why)
+
+
+def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
+    """The index of the target's room, None for the main room; and of its piece, or ``door``, or None."""
+    name, _, part = target.partition(".")
+    rooms = [f"R{index}" for index in range(len(house.rooms))]
+    if name not in ["main", *rooms]:
+        hint = _hint("", name, ["main", *rooms])
+        raise RequestError(f"there is no {name}: {hint}the house has main, {', '.join(rooms)}")
+    if name == "main":
+        if part:
+            raise RequestError(f"{target}: the main room has no parts: ask for main")
+        return None, None
+    room = house.rooms[int(name[1:])]
+    listed = ["door", *part_names([piece.type for piece in room.pieces])]
+    places: dict[str, int | str] = {"door": "door"}
+    for index, type_ in enumerate(piece.type for piece in room.pieces):
+        number = sum(each.type == type_ for each in room.pieces[: index + 1])
+        places |= dict.fromkeys((f"{type_}.{number}", f"{type_}{number}", listed[1 + index]), index)
+    if part and part not in places:
+        hint = _hint(f"{name}.", part, listed)
+        raise RequestError(f"there is no {target}: {hint}{name} has {', '.join(listed)}")
+    return int(name[1:]), places.get(part)
+
+
+def part_names(types: Sequence[str]) -> list[str]:
+    """``bed``, ``bed2`` ... for pieces of these types, in the file's order."""
+    counts = [types[: index + 1].count(type_) for index, type_ in enumerate(types)]
+    return [type_ if count == 1 else f"{type_}{count}" for type_, count in zip(types, counts, strict=True)]
+
+
+def _hint(before: str, name: str, names: Sequence[str]) -> str:
+    close = closest(name, names)
+    return f"did you mean {before}{close}? " if close else ""
+
+
+# How it reads
+
+
+def place(reason: Reason) -> str:
+    """As in ``rooms.lp:9``; of the core ``rules/room.lp:9``."""
+    file = Path(reason.file or "")
+    return f"{'rules/' if file.parent == RULES else ''}{file.name}:{reason.line}"
+
+
+def _stated(reason: Reason) -> str:
+    return f"{place(reason)}: {reason.text}" if reason.file else reason.text
+
+
+def _tree(node: Derivation, depth: int) -> Iterator[str]:
+    """The derivation line by line; facts of the core's own, which say what words mean, are left out."""
+    indent = "  " * depth
+    if depth == 1 and node.means:
+        yield from textwrap.wrap(node.means, 110, initial_indent=indent, subsequent_indent=indent)
+    if node.rule is None:
+        yield f"{indent}{node.atom:<{46 - len(indent)}} see above"
+        return
+    body, said = node.body, _stated(node.rule)
+    if node.options:
+        # The rule of all picks says nothing that the options and their own rule do not.
+        option = next(each for each in body if each.atom.startswith("option("))
+        rule = _stated(option.rule) if option.rule else "see above"
+        body, said = option.body, f"picked out of {_series(node.options)}; {rule}"
+    yield f"{indent}{node.atom:<{46 - len(indent)}} {said}"
+    for each in body:
+        if each.rule is None or each.body or Path(each.rule.file or "").parent != RULES:
+            yield from _tree(each, depth + 1)
+
+
+def _series(values: Sequence[str]) -> str:
+    """Values in words, as ``1..4`` where they are whole numbers in a row."""
+    numbers = [int(value) for value in values if value.isdigit()]
+    if len(values) == len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
+        return f"{values[0]}..{values[-1]}"
+    return ", ".join(values)
+
+
+def _choice(choice: Choice) -> Iterator[str]:
+    able = [each.value for each in choice.instead if each.possible]
+    others = f", or {_series(able)}" if able else "" if choice.instead else ", the only value"
+    yield f"  {choice.name} = {choice.value}{others}"
+    for each in choice.instead:
+        if not each.possible:
+            also = " and ".join(each.also)
+            yield f"    {each.value}: {f'only if {also} changed too' if also else 'impossible'}, because of"
+            yield from _reasons(each.because, "  ")
+
+
+def _length(length: Length) -> Iterator[str]:
+    value, least, greatest = (f"{metres:.3f}" for metres in (length.value, length.least, length.greatest))
+    where = f" ({WHERE[length.name]})" if length.name in WHERE else ""
+    if least == greatest:
+        yield f"  {length.name:<8} {value} m, no other{where}"
+        yield from _reasons(length.no_less, "")
+        return
+    end = ", the least" if value == least else ", the greatest" if value == greatest else ""
+    yield f"  {length.name:<8} {value} m{end}, of {least} to {greatest}{where}"
+    if length.no_less == length.no_more:
+        yield from _reasons(length.no_less, "")
+    else:
+        yield from _reasons(length.no_less, "no less: ")
+        yield from _reasons(length.no_more, "no more: ")
+
+
+def _bound(bound: Bound) -> Iterator[str]:
+    yield f"  {bound.text}"
+    yield from _reasons(bound.because, "")
+
+
+def _reasons(reasons: Sequence[Reason], label: str) -> Iterator[str]:
+    """Rules and clauses, a line each, then what holds in the layout."""
+    lines = [_stated(each) for each in reasons if each.file]
+    atoms = [each.text for each in reasons if not each.file]
+    if atoms:
+        lines += textwrap.wrap(
+            f"{'with ' if lines else ''}{', '.join(atoms)}", 100, subsequent_indent="     "
+        )
+    for number, line in enumerate(lines or ["the core alone: rules/room.pl"]):
+        yield f"    {label if number == 0 else ' ' * len(label)}{line}"
