@@ -163,7 +163,7 @@ CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
         {
             "sizes.pl": (
                 "room_size(bedroom,  W, D) :- { W >= 3.2, W =< 5.2, D >= 3.2, D =< 5.2 }",
-                "room_size(bedroom,  W, D) :- { W >= 1.2, W =< 1.9, D >= 1.2, D =< 1.9 }",
+                "room_size(bedroom,  W, D) :- { W >= 1.2, W =< 1.95, D >= 1.2, D =< 1.95 }",
             )
         },
         {"rooms": 1, "types": {"bedroom": 1}},
@@ -173,7 +173,7 @@ CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
             "arrangement.lp: :- turned(bed,K,near), touched(bed,K,far).",
             "arrangement.lp: :- turned(bed,K,far), touched(bed,K,near).",
             "sizes.pl: passage(0.42).",
-            "sizes.pl: room_size(bedroom, W, D) :- { W >= 1.2, W =< 1.9, D >= 1.2, D =< 1.9 }.",
+            "sizes.pl: room_size(bedroom, W, D) :- { W >= 1.2, W =< 1.95, D >= 1.2, D =< 1.95 }.",
             "sizes.pl: piece_size(bed, L, D, _) :- { L >= 0.9, L =< 1.6, D >= 1.9, D =< 2.1 }.",
         ],
     ),
