@@ -15,6 +15,8 @@ from typing import Annotated, Generic, Literal, TypeVar
 import tyro
 
 from agent.config import PRESETS, PQNConfig, TrainConfig
+from logic.errors import RequestError
+from logic.spelling import unknown
 
 Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper"]
 Kind = TypeVar("Kind", bound=TrainConfig)
@@ -50,10 +52,10 @@ class Train(Generic[Kind]):
         """The command with the defaults of the preset that the arguments name."""
         parser = ArgumentParser(add_help=False, allow_abbrev=False)
         parser.add_argument("--preset", default="pqn")
-        preset = parser.parse_known_args(arguments)[0].preset
-        # The real parser refuses a name that is none.
-        name: Preset = preset if preset in PRESETS else "pqn"
-        return Train(tyro.MISSING, preset=name, config=PRESETS[name])
+        preset: Preset = parser.parse_known_args(arguments)[0].preset
+        if preset not in PRESETS:
+            raise RequestError(f"--preset {preset}: {unknown('preset', preset, PRESETS)}")
+        return Train(tyro.MISSING, preset=preset, config=PRESETS[preset])
 
     def run(self) -> int:
         """Train to the end; the run is saved every half minute on the way."""
@@ -61,8 +63,9 @@ class Train(Generic[Kind]):
         from agent.evaluation.plots import learning_curve
         from agent.runs import run
         from logic import load
-        from logic.files import write_whole
+        from logic.files import require_folder, write_whole
 
+        require_folder(self.out)
         houses = load(self.houses)
         require_training(houses, self.houses)
         command = shlex.join(["vitruvius", *sys.argv[1:]])
@@ -100,7 +103,9 @@ class Export:
         """Write the file."""
         from agent import checkpoint
         from agent.export import export
+        from logic.files import require_ending
 
+        require_ending(self.out, [".onnx"])
         export(checkpoint.load(self.agent).network, self.out)
         _say(f"{self.out}")
         return 0

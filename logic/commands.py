@@ -39,6 +39,15 @@ class Generate:
     cell: float = 0.0
     """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
 
+    keep: Path | None = None
+    """House file: a house of it keeps its rooms, and the rest is generated around them."""
+
+    keep_house: int = 0
+    """Which house of that file, from 0."""
+
+    keep_rooms: tuple[str, ...] = ()
+    """Which of its rooms, as in --keep-rooms R0 R2; without it, all."""
+
     grammar: str = "family"
     """A shipped grammar's name, or a directory of rules."""
 
@@ -80,6 +89,7 @@ class Generate:
             types=_counts("--type", self.type),
             furniture=_counts("--piece", self.piece),
             cell=self.cell,
+            keep=self._kept(),
             grammar=self.grammar,
             seed=self.seed,
             count=self.count,
@@ -103,10 +113,29 @@ class Generate:
             say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
         return 0
 
+    def _kept(self) -> House | None:
+        """The house whose rooms are to be kept. Raises ``RequestError`` for one, or a room, that is not there."""
+        from logic import load
+
+        if self.keep is None:
+            if self.keep_house or self.keep_rooms:
+                raise RequestError("--keep-house and --keep-rooms are of a house file: give it by --keep FILE")
+            return None
+        houses = load(self.keep)
+        if not 0 <= self.keep_house < len(houses):
+            raise RequestError(f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}")
+        house = houses[self.keep_house]
+        try:
+            return house.only(*self.keep_rooms) if self.keep_rooms else house
+        except ValueError as error:
+            raise RequestError(f"--keep-rooms: {error}") from None
+
     def _count(self) -> int:
         """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
         from logic import count_layouts
 
+        if self.keep:
+            raise RequestError("--count-layouts counts those of whole houses: leave out --keep")
         counts = count_layouts(
             self.rooms,
             types=_counts("--type", self.type),
@@ -257,12 +286,15 @@ def _counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
 
 def _require_writable(out: Path | None, count: int) -> None:
     """Say before the work, not after it, that its place cannot take it."""
+    from logic.files import HOUSE_FILES, require_ending
+
     if out is None:
         return
-    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
-        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
     if out.is_dir():
         raise RequestError(f"--out {out}: is a folder: name a file in it, as in {out / 'houses.jsonl'}")
+    require_ending(out, HOUSE_FILES)
+    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
+        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
     folder = next(parent for parent in out.absolute().parents if parent.exists())
     if not folder.is_dir() or not os.access(folder, os.W_OK):
         raise RequestError(f"--out {out}: {folder} cannot be written to")

@@ -5,14 +5,21 @@ import os
 import secrets
 import stat
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from logic.errors import HouseFileError
+from logic.errors import HouseFileError, RequestError
 from logic.house import House
+from logic.spelling import closest
+
+HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
+"""How the names of house files end."""
+
+FILES = tuple(f".{kind}" for kind in "csv gif gz html json jsonl md mp4 pdf png svg txt".split())
+"""How names end that are no folder's."""
 
 MOST_BYTES, MOST_LINE = 1 << 30, 1 << 25
 """What is read of a house file, unpacked, and of one house."""
@@ -27,6 +34,8 @@ def load(path: str | Path) -> list[House]:
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)
+    except FileNotFoundError:
+        raise HouseFileError(f"{path}: there is no such file{_beside(path)}") from None
     except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
@@ -44,18 +53,33 @@ def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
 
     ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which
     ``load`` passes over. The file is written beside its place and renamed: a kill
-    leaves the old file or the new.
+    leaves the old file or the new. Raises ``RequestError``, a ``ValueError``, for a name that ends in no way of
+    a house file's, for no house, and for more than one where there is room for one.
     """
+    require_ending(path, HOUSE_FILES)
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
     if not records:
-        raise ValueError(f"no house to write to {path}")
+        raise RequestError(f"no house to write to {path}")
     if _holds_one(Path(path)) and len(records) != 1:
-        raise ValueError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
+        raise RequestError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
     if stopped:
         records.append(msgspec.json.encode({"stopped": stopped}))
     content = b"\n".join(records) + b"\n"
     # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
     write_whole(path, gzip.compress(content, mtime=0) if Path(path).suffix == ".gz" else content)
+
+
+def require_ending(path: str | Path, endings: Sequence[str]) -> None:
+    """Raise ``RequestError`` for a file whose name says that it holds something else than what is written."""
+    if not Path(path).name.endswith(tuple(endings)):
+        found = Path(path).suffix or "no extension"
+        raise RequestError(f"{path}: {found} is not written here: name the file with {' or '.join(endings)}")
+
+
+def require_folder(path: Path | None) -> None:
+    """Raise ``RequestError`` for a folder's name that is a file's: several files are written into it."""
+    if path is not None and (path.is_file() or path.suffix in FILES):
+        raise RequestError(f"{path}: a folder is written, of several files: name it without {path.suffix}")
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
@@ -86,6 +110,16 @@ def write_whole(path: str | Path, content: bytes) -> None:
         if isinstance(error, OSError) and error.errno:
             error.filename = str(path)
         raise
+
+
+def _beside(path: Path) -> str:
+    """Which house files there are in the place of an absent one, the most similar first; or how to make one."""
+    there = sorted(file.name for file in path.parent.glob("*") if file.name.endswith(HOUSE_FILES))
+    if close := closest(path.name, there):
+        return f": did you mean {path.parent / close}?"
+    if there:
+        return f": {path.parent} has {', '.join(there[:5])}"
+    return f". Make it with: vitruvius generate --rooms 4 --count 100 --out {path}"
 
 
 def _ends(line: bytes) -> bool:

@@ -32,6 +32,7 @@ from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import BODY, House
 from logic.request import MOST_ROOMS, Count, Request
+from logic.spelling import keywords
 
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
@@ -43,6 +44,7 @@ ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Rule files are UTF-8 whatever the user's language."""
 
 
+@keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
 def generate(
     rooms: int,
     *,
@@ -92,8 +94,14 @@ def generate(
     if keep is not None:
         if cell:
             raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
-        if not 0 < len(keep.rooms) <= rooms:
-            raise RequestError(f"keep: 1 to {rooms} of the {rooms} rooms can be fixed, not {len(keep.rooms)}")
+        fixed = len(keep.rooms)
+        if not fixed:
+            raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
+        if fixed > rooms:
+            raise RequestError(
+                f"keep: the house has {fixed} rooms to keep, but rooms={rooms}: ask for rooms={fixed} or more, "
+                "or keep some of them, as in keep=house.only(\"R0\")"
+            )
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
     rules = find(grammar)
@@ -101,6 +109,7 @@ def generate(
     return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
 
 
+@keywords(pieces="furniture", rules="grammar", timeout="seconds")
 def count_layouts(
     rooms: int,
     *,

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from logic import House, load
+from logic.spelling import unknown
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.tasks import named
@@ -39,7 +40,7 @@ def backend_class(name: str) -> type[Backend]:
     if name in BACKENDS:
         name = BACKENDS[name]
     elif ":" not in name:
-        raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
+        raise ValueError(f"{unknown('backend', name, BACKENDS)}, or module:Class")
     try:
         make = named(name)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
@@ -67,4 +68,4 @@ def configuration(preset: str | Config, max_episode_steps: int | None) -> Config
 def require(name: str, value: Any, known: Any) -> None:
     """Raise ``ValueError`` unless the value is one of those known."""
     if value not in known:
-        raise ValueError(f"unknown {name} {value!r}: there are {', '.join(known)}")
+        raise ValueError(unknown(name, value, known))

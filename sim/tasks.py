@@ -20,6 +20,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 
 from logic import House
+from logic.spelling import unknown
 
 Box = tuple[float, float, float, float]
 """(west, north, east, south), metres."""
@@ -89,8 +90,9 @@ def task(targets: Targets) -> Task:
     arguments = dict(given)
     name = arguments.pop("task", None)
     if name not in TASKS and (not isinstance(name, str) or ":" not in name):
+        names = TASKS if given is targets else TARGETS
         raise ValueError(
-            f"unknown targets {targets!r}: there are {', '.join(TARGETS)}, module:Class, and"
+            f"targets: {unknown('task', name, names)}, module:Class, and"
             f' {{"task": ...}} with {", ".join(TASKS)} or module:Class'
         )
     try:

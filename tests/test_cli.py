@@ -218,8 +218,3 @@ def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     assert replayed.config == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
 
 
-def test_a_preset_that_is_none_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as done:
-        main(["train", "houses.jsonl", "--preset", "best"])
-    assert done.value.code == 2
-    assert "invalid choice 'best'" in capsys.readouterr().err

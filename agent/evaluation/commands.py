@@ -64,8 +64,9 @@ class Evaluate:
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
         from logic import load
-        from logic.files import write_whole
+        from logic.files import require_folder, write_whole
 
+        require_folder(self.out)
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
         agents.setdefault("paper", [checkpoint.load("paper")])
@@ -189,5 +190,7 @@ class Demo:
     def run(self) -> int:
         """Do it all; 1 if the agent does not clearly beat the random walk and the paper's human's ratio."""
         from agent.demo import demo
+        from logic.files import require_folder
 
+        require_folder(self.out)
         return demo(self.out, self.seed)
