@@ -101,12 +101,12 @@ def _released(path: str | Path) -> Path:
     if name in PRESETS:
         out = f"runs/{name}"
         raise CheckpointError(
-            f"{name}: is a preset of train, and no agent. Train one: vitruvius train --preset {name} --out {out}; "
-            f"then it is {out}/agent.safetensors"
+            f"{name}: is a preset of train, and no agent. Train one: "
+            f"vitruvius train --preset {name} --out {out}; then it is {out}/agent.safetensors"
         )
     if Path(path).suffix or "/" in name:
         raise CheckpointError(f"{path}: there is no such file. Make one with: vitruvius train")
-    raise CheckpointError(f"{unknown('agent', name, released())}, and no such file")
+    raise CheckpointError(f"{path}: there is no such file, and {unknown('agent', name, released())}")
 
 
 def released() -> list[str]:

@@ -69,7 +69,7 @@ def parse(arguments: list[str]) -> Any:
 
 
 def _require_options(prog: str, arguments: Sequence[str], *options: Any) -> None:
-    """Raise ``RequestError`` for an option that these dataclasses do not have: tyro says first what is missing."""
+    """Raise ``RequestError`` for an option that these dataclasses lack: tyro says what is missing instead."""
     names = [field.name.replace("_", "-") for each in options for field in fields(each)]
     known = {f"--{prefix}{name}" for name in names for prefix in ("", "no-")} | {"--", "--help"}
     for argument in arguments:

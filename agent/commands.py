@@ -29,8 +29,8 @@ class Train(Generic[Kind]):
     Several processes learn as one: python -m torch.distributed.run --nproc-per-node 2 -m agent.cli train ...
     """
 
-    houses: tyro.conf.Positional[Path]
-    """House file to learn in: vitruvius generate makes one."""
+    houses: tyro.conf.Positional[Path | None] = None
+    """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius."""
 
     out: Path = Path("runs/train")
     """Folder for agent.safetensors, config.json, metrics.jsonl, learning-curve.png and tensorboard/."""
@@ -55,19 +55,24 @@ class Train(Generic[Kind]):
         preset: Preset = parser.parse_known_args(arguments)[0].preset
         if preset not in PRESETS:
             raise RequestError(f"--preset {preset}: {unknown('preset', preset, PRESETS)}")
-        return Train(tyro.MISSING, preset=preset, config=PRESETS[preset])
+        return Train(preset=preset, config=PRESETS[preset])
 
     def run(self) -> int:
         """Train to the end; the run is saved every half minute on the way."""
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
         from agent.runs import run
+        from agent.world import require_task, simulator
         from logic import load
         from logic.files import require_folder, write_whole
+        from sim.arguments import BANK
 
         require_folder(self.out)
-        houses = load(self.houses)
-        require_training(houses, self.houses)
+        simulator(self.config)
+        require_task(self.config.targets)
+        file = self.houses or BANK
+        houses = load(file)
+        require_training(houses, file)
         command = shlex.join(["vitruvius", *sys.argv[1:]])
         made, history = run(
             houses,

@@ -114,16 +114,20 @@ class Generate:
         return 0
 
     def _kept(self) -> House | None:
-        """The house whose rooms are to be kept. Raises ``RequestError`` for one, or a room, that is not there."""
+        """The house whose rooms are kept. Raises ``RequestError`` for one, or a room, that is not there."""
         from logic import load
 
         if self.keep is None:
             if self.keep_house or self.keep_rooms:
-                raise RequestError("--keep-house and --keep-rooms are of a house file: give it by --keep FILE")
+                raise RequestError(
+                    "--keep-house and --keep-rooms are of a house file: give it by --keep FILE"
+                )
             return None
         houses = load(self.keep)
         if not 0 <= self.keep_house < len(houses):
-            raise RequestError(f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}")
+            raise RequestError(
+                f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}"
+            )
         house = houses[self.keep_house]
         try:
             return house.only(*self.keep_rooms) if self.keep_rooms else house

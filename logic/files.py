@@ -18,7 +18,10 @@ from logic.spelling import closest
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
 """How the names of house files end."""
 
-FILES = tuple(f".{kind}" for kind in "csv gif gz html json jsonl md mp4 pdf png svg txt".split())
+FILES = tuple(
+    f".{kind}"
+    for kind in ["csv", "gif", "gz", "html", "json", "jsonl", "md", "mp4", "pdf", "png", "svg", "txt"]
+)
 """How names end that are no folder's."""
 
 MOST_BYTES, MOST_LINE = 1 << 30, 1 << 25
@@ -53,8 +56,8 @@ def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
 
     ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which
     ``load`` passes over. The file is written beside its place and renamed: a kill
-    leaves the old file or the new. Raises ``RequestError``, a ``ValueError``, for a name that ends in no way of
-    a house file's, for no house, and for more than one where there is room for one.
+    leaves the old file or the new. Raises ``RequestError``, a ``ValueError``, for a name that is no house
+    file's, for no house, and for more than one in a ``.json`` file.
     """
     require_ending(path, HOUSE_FILES)
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
@@ -113,7 +116,7 @@ def write_whole(path: str | Path, content: bytes) -> None:
 
 
 def _beside(path: Path) -> str:
-    """Which house files there are in the place of an absent one, the most similar first; or how to make one."""
+    """Which house file there is in place of an absent one, or how to make one."""
     there = sorted(file.name for file in path.parent.glob("*") if file.name.endswith(HOUSE_FILES))
     if close := closest(path.name, there):
         return f": did you mean {path.parent / close}?"

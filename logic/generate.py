@@ -99,8 +99,8 @@ def generate(
             raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
         if fixed > rooms:
             raise RequestError(
-                f"keep: the house has {fixed} rooms to keep, but rooms={rooms}: ask for rooms={fixed} or more, "
-                "or keep some of them, as in keep=house.only(\"R0\")"
+                f"keep: the house has {fixed} rooms to keep, but rooms={rooms}: ask for rooms={fixed} or "
+                'more, or keep some of them: keep=house.only("R0"), on the command line --keep-rooms R0'
             )
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}

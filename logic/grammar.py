@@ -34,7 +34,7 @@ def find(grammar: str | Path) -> Grammar:
     """
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if not directory.is_dir():
-        raise GrammarError(f"{unknown('grammar', grammar, shipped())}, and no such directory")
+        raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
     directory = directory.resolve()
     # Editors leave hidden files beside those that they edit.
     files = [file for file in sorted(directory.iterdir()) if file.is_file() and not file.name.startswith(".")]

@@ -32,8 +32,8 @@ def unknown(what: str, name: object, names: Iterable[str]) -> str:
 
 
 def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A function whose ``TypeError`` for a wrong keyword names the right one: that of ``meant`` for words that
-    other libraries use, else the most similar.
+    """A function whose ``TypeError`` for a wrong keyword names the right one: that of ``meant``, if it
+    has one, else the most similar.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:

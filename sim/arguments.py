@@ -13,6 +13,9 @@ from sim.tasks import named
 
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
+BANK = Path(__file__).with_name("houses.jsonl.gz")
+"""32 houses to begin with, those of ``vitruvius generate --rooms 4 --count 32 --out sim/houses.jsonl.gz``."""
+
 BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
 
 

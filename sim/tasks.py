@@ -12,6 +12,7 @@ A new task is a class of a few lines, given to an environment as ``targets=``:
 """
 
 import importlib
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
@@ -75,13 +76,19 @@ Targets = str | dict[str, Any] | Task
 
 def task(targets: Targets) -> Task:
     """The task that is meant: by a name of ``TARGETS``, as ``{"task": name or "module:Class", **arguments}``,
-    such as ``{"task": "reach", "room": "kitchen"}``, as ``"module:Class"`` alone, or itself.
+    such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text, as ``"module:Class"`` alone, or
+    itself.
 
     All but the last go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if there is
     no such task, or not with these arguments.
     """
     if isinstance(targets, str) and targets in TARGETS:
         return TARGETS[targets]
+    if isinstance(targets, str) and targets.startswith("{"):
+        try:
+            targets = json.loads(targets)
+        except ValueError as error:
+            raise ValueError(f"targets: {targets} is no JSON: {error}") from None
     given = {"task": targets} if isinstance(targets, str) else targets
     if not isinstance(given, dict):
         if not (callable(getattr(given, "spaces", None)) and hasattr(given, "ends_on_pick_up")):

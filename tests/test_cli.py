@@ -216,5 +216,3 @@ def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     assert parse(["train", *said[:1]]).config == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
     assert replayed.config == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
-
-

@@ -345,7 +345,9 @@ def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_works():
 
 
 WRONG_ARGUMENTS = {
-    "there is no backend grids: did you mean grid? There are continuous, grid, or module:Class": {"backend": "grids"},
+    "there is no backend grids: did you mean grid? There are continuous, grid, or module:Class": {
+        "backend": "grids"
+    },
     "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
     "there is no task all: there are main, secondary, mixed": {"targets": "all"},
     "there is no preset papers: did you mean paper": {"preset": "papers"},
