@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from agent.cli import COMMANDS, EXTRAS, main, parse
+from agent.cli import COMMANDS, EXTRAS, parse
 from agent.config import PRESETS
 from benchmarks import STUDIES
 from logic import load
@@ -143,14 +143,6 @@ def test_help_names_every_command_and_every_study() -> None:
     for arguments, table in ((["--help"], COMMANDS), (["bench", "--help"], STUDIES)):
         shown = vitruvius(*arguments).stdout
         assert all(name in shown and sentence.split()[0] in shown for name, (_, sentence) in table.items())
-
-
-@pytest.mark.parametrize("name", STUDIES)
-def test_the_help_of_a_study_starts_nothing(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as done:
-        main(["bench", name, "--help"])
-    assert not done.value.code
-    assert f"usage: vitruvius bench {name}" in capsys.readouterr().out
 
 
 BASE_ALONE = """

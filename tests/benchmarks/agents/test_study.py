@@ -70,7 +70,7 @@ def study() -> Study:
     players = {"plain": (0.8, 0.82), "bare": (0.5,), "other": (0.3, 0.3), "script": (0.6,)}
     return Study(
         share=0.2,
-        command="python -m benchmarks.agents --share 0.2",
+        command="./run bench agents --share 0.2",
         days="2026-01-01",
         machine="a machine",
         versions="Python 3.11",
