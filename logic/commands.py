@@ -7,6 +7,7 @@ import json
 import os
 import re
 import sys
+import time
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
-from rich.progress import track
+from rich.progress import Progress, ProgressColumn, TextColumn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house import House
@@ -140,16 +141,28 @@ class Generate:
 
         if self.keep:
             raise RequestError("--count-layouts counts those of whole houses: leave out --keep")
-        counts = count_layouts(
-            self.rooms,
-            types=_counts("--type", self.type),
-            furniture=_counts("--piece", self.piece),
-            grammar=self.grammar,
-            seconds=self.seconds,
-        )
-        for name, number, whole in counts:
-            print(f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}")
-        return 0 if all(whole for _, _, whole in counts) else 4
+        begun, exact = time.monotonic(), True
+        with _bar(TextColumn("{task.description}")) as bar:
+            task = bar.add_task("")
+
+            def report(name: str, number: int) -> None:
+                passed = time.monotonic() - begun
+                bar.update(task, description=f"{name}: {number:,} layouts after {passed:.0f} s")
+
+            for name, number, whole in count_layouts(
+                self.rooms,
+                types=_counts("--type", self.type),
+                furniture=_counts("--piece", self.piece),
+                grammar=self.grammar,
+                seconds=self.seconds,
+                report=report,
+            ):
+                print(
+                    f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}", flush=True
+                )
+                begun, exact = time.monotonic(), exact and whole
+                bar.update(task, description="")
+        return 0 if exact else 4
 
 
 @dataclass(frozen=True)
@@ -306,9 +319,19 @@ def _require_writable(out: Path | None, count: int) -> None:
 
 def _progress(items: Any, total: int, what: str) -> Iterator[Any]:
     """A progress bar on a terminal, nothing in a pipe."""
+    with _bar() as bar:
+        yield from bar.track(items, total, description=what)
+
+
+def _bar(*columns: ProgressColumn) -> Progress:
+    """A bar on stderr. Where the standard output is a file, rich must not redirect it to the bar."""
     console = Console(stderr=True)
-    return iter(
-        track(items, what, total=total, console=console, disable=not console.is_terminal, transient=True)
+    return Progress(
+        *columns,
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+        redirect_stdout=sys.stdout.isatty(),
     )
 
 

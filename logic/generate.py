@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -117,20 +117,32 @@ def count_layouts(
     furniture: Mapping[str, Count] | None = None,
     grammar: str | Path = "family",
     seconds: float = 60.0,
-) -> list[tuple[str, int, bool]]:
+    report: Callable[[str, int], None] = lambda name, number: None,
+) -> Iterator[tuple[str, int, bool]]:
     """Count the layouts from which stage 1 samples: of a house's rooms, and of each type's furniture.
 
     Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
     more. Room layouts say types, sides, corners; furniture layouts all that ``rules/room.lp`` shows.
-    Raises as ``generate`` does.
+    ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
-    worker = _Worker({"grammar": str(find(grammar).directory), "cell": 0.0})
+    return _layouts({"grammar": str(find(grammar).directory), "cell": 0.0}, wanted, seconds, report)
+
+
+def _layouts(
+    opening: dict[str, Any], wanted: Request, seconds: float, report: Callable[[str, int], None]
+) -> Iterator[tuple[str, int, bool]]:
+    """The counts, one by one."""
+    worker = _Worker(opening)
     try:
-        worker.answer(START_UP, f"{grammar}: loading took {START_UP:g} s: do its rules recur without end?")
+        worker.loaded()
         worker.ask({"count": seconds, "request": wanted.to_dict()})
-        patience = START_UP + 100 * seconds
-        return [(name, number, whole) for name, number, whole in worker.answer(patience, "late")["counts"]]
+        while count := worker.answer(START_UP + 100 * seconds, "late")["count"]:
+            name, number, whole = count
+            if whole is None:
+                report(name, number)
+            else:
+                yield name, number, whole
     finally:
         worker.end()
 
@@ -170,11 +182,7 @@ def _houses(
     try:
         for worker in team:
             if worker.unanswered:
-                loaded = worker.answer(
-                    START_UP,
-                    f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
-                )
-                for text in loaded["warnings"]:
+                for text in worker.loaded()["warnings"]:
                     warnings.warn(text, GrammarWarning, stacklevel=2)
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})
@@ -274,6 +282,12 @@ class _Worker:
             self._questions.flush()
         except BrokenPipeError:
             pass
+
+    def loaded(self) -> dict[str, Any]:
+        """Wait until the grammar is loaded: its versions and warnings."""
+        return self.answer(
+            START_UP, f"{self._grammar}: loading took {START_UP:g} s: do its rules recur without end?"
+        )
 
     def answer(self, seconds: float, late: str) -> dict[str, Any]:
         """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``."""

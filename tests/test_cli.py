@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from agent.cli import COMMANDS, EXTRAS, parse
+from agent.cli import COMMANDS, EXTRAS, main, parse
 from agent.config import PRESETS
 from benchmarks import STUDIES
 from logic import load
@@ -49,6 +49,18 @@ def test_generate_check_and_draw(tmp_path: Path) -> None:
 def test_without_a_file_houses_go_to_the_standard_output() -> None:
     made = vitruvius("generate", "--rooms", 1, "--count", 2)
     assert [json.loads(line)["roomNumber"] for line in made.stdout.splitlines()] == [1, 1]
+
+
+def test_on_a_terminal_houses_still_go_to_the_standard_output(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where that is a file and the progress bar has the terminal."""
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")
+    with pytest.raises(SystemExit, match="0"):
+        main(["generate", "--rooms", "1"])
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["roomNumber"] == 1
+    assert "100%" in shown.err
 
 
 def test_check_says_no_by_line(tmp_path: Path) -> None:
