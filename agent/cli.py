@@ -71,13 +71,13 @@ def parse(arguments: list[str]) -> Any:
 def _require_options(prog: str, arguments: Sequence[str], *options: Any) -> None:
     """Raise ``RequestError`` for an option that these dataclasses lack: tyro says what is missing instead."""
     names = [field.name.replace("_", "-") for each in options for field in fields(each)]
-    known = {f"--{prefix}{name}" for name in names for prefix in ("", "no-")} | {"--", "--help"}
+    known = {"", "help", *names, *(f"no-{name}" for name in names)}
     for argument in arguments:
-        option = argument.partition("=")[0].replace("_", "-")
-        if option.startswith("--") and option not in known:
+        option = argument.partition("=")[0].replace("_", "-").removeprefix("--")
+        if argument.startswith("--") and option not in known:
             close = closest(option, known)
-            hint = f"did you mean {close}?" if close else f"see {prog} --help"
-            raise RequestError(f"{prog}: there is no option {option}: {hint}")
+            hint = f"did you mean --{close}?" if close else f"see {prog} --help"
+            raise RequestError(f"{prog}: there is no option --{option}: {hint}")
 
 
 ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."

@@ -18,9 +18,9 @@ from logic.spelling import closest
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
 """How the names of house files end."""
 
-FILES = tuple(
-    f".{kind}"
-    for kind in ["csv", "gif", "gz", "html", "json", "jsonl", "md", "mp4", "pdf", "png", "svg", "txt"]
+FILES = (
+    *(".csv", ".gif", ".gz", ".html", ".json", ".jsonl", ".md", ".mp4", ".onnx", ".pdf", ".png"),
+    *(".safetensors", ".svg", ".txt"),
 )
 """How names end that are no folder's."""
 

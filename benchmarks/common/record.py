@@ -8,8 +8,8 @@ stopped keeps what it measured.
 import csv
 import io
 import json
-from collections import Counter
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -41,11 +41,12 @@ class Recorder:
 
     def __init__(self, config: pytest.Config) -> None:
         """Begin with nothing."""
-        self.config, self.file = config, Path(config.getoption("report"))
+        self.config = config
+        self.file: Path = config.getoption("report")  # pyright: ignore[reportAttributeAccessIssue]
         self.machine: Any = None
         self.last = monotonic()
         self.left: dict[str, tuple[str, float]] = {}
-        self.seconds, self.work = Counter[str](), Counter[str]()
+        self.seconds, self.work = defaultdict[str, float](float), defaultdict[str, float](float)
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         """Note what there is to measure, and that the time begins."""
@@ -90,9 +91,11 @@ class Recorder:
         return report["benchmarks"][-1]
 
 
-def time_left(seconds: Counter[str], work: Counter[str], left: Iterable[tuple[str, float]]) -> float:
+def time_left(
+    seconds: Mapping[str, float], work: Mapping[str, float], left: Iterable[tuple[str, float]]
+) -> float:
     """Seconds for the work that is left: each kind at its rate so far, or at that of all kinds."""
-    mean = seconds.total() / work.total()
+    mean = sum(seconds.values()) / sum(work.values())
     rate = {kind: seconds[kind] / work[kind] for kind in work}
     return sum(more * rate.get(kind, mean) for kind, more in left)
 

@@ -177,7 +177,7 @@ def test_a_run_of_another_budget_or_with_other_options_is_refused(tmp_path: Path
 
 
 def test_an_unknown_entry_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match="--only nothing: no entry"):
+    with pytest.raises(RequestError, match="--only: there is no entry nothing"):
         Agents(only=("nothing",), out=tmp_path).run()
 
 

@@ -2,7 +2,6 @@
 
 import csv
 import json
-from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -47,5 +46,5 @@ def test_what_was_measured_before_ctrl_c_stays_and_its_page_says_that_it_is_part
 
 
 def test_the_time_left_follows_sizes_of_the_same_measurement_and_else_the_mean() -> None:
-    seconds, work = Counter({"house": 3.0, "loading": 1.0}), Counter({"house": 3.0, "loading": 5.0})
+    seconds, work = {"house": 3.0, "loading": 1.0}, {"house": 3.0, "loading": 5.0}
     assert time_left(seconds, work, [("house", 4.0), ("other", 2.0)]) == 4 * 1.0 + 2 * 0.5
