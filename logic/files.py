@@ -73,9 +73,10 @@ def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
 
 
 def require_ending(path: str | Path, endings: Sequence[str]) -> None:
-    """Raise ``RequestError`` for a file whose name says that it holds something else than what is written."""
-    if not Path(path).name.endswith(tuple(endings)):
-        found = Path(path).suffix or "no extension"
+    """Raise ``RequestError`` for a file's name that says something else than what is written."""
+    path = Path(path)
+    if not path.name.endswith(tuple(endings)) and (path.is_file() or not path.exists()):
+        found = path.suffix or "no extension"
         raise RequestError(f"{path}: {found} is not written here: name the file with {' or '.join(endings)}")
 
 
@@ -91,13 +92,12 @@ def write_whole(path: str | Path, content: bytes) -> None:
     A link stays one, and what it leads to is replaced; a file that was there keeps its mode. What is no
     regular file, a device or a pipe, is written to. Raises ``OSError`` for a folder or where writing fails.
     """
-    path = Path(os.path.realpath(path))
+    given, path = Path(path), Path(os.path.realpath(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    before = (
-        path.stat() if path.exists() or path.is_symlink() else None
-    )  # a link is left where links go round
+    # A link is left where links go round. A pipe by its number, as in /dev/stdout, has no other path.
+    before = given.stat() if given.exists() or path.is_symlink() else None
     if before and not stat.S_ISREG(before.st_mode):
-        path.write_bytes(content)
+        given.write_bytes(content)
         return
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:

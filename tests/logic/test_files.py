@@ -279,6 +279,17 @@ def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path: Path) -> None:
         write_whole(tmp_path / "round", b"")
 
 
+def test_a_pipe_is_written_to_by_its_number_whatever_it_is_called() -> None:
+    """As by ``--out /dev/stdout`` or ``--out >(gzip)``."""
+    reader, writer = os.pipe()
+    try:
+        save([HOUSE], f"/dev/fd/{writer}")
+        assert os.read(reader, 1 << 16).startswith(b'{"format"')
+    finally:
+        os.close(reader)
+        os.close(writer)
+
+
 def test_a_pipe_is_written_to_and_stays(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
