@@ -40,7 +40,10 @@ MISTAKES = (
     Command("generate --rooms 3 --type bathrom=1", ("no room type bathrom", "did you mean bathroom?")),
     Command("generate --rooms 3 --piece wardrop=1", ("there is no piece wardrop", "did you mean wardrobe?")),
     Command("generate --rooms 3 --piece bedrom.bed=1", ("no room type bedrom", "did you mean bedroom?")),
-    Command("generate --rooms 3 --count-layouts --type hal=1", ("no room type hal", "did you mean hall?")),
+    Command(
+        "generate --rooms 3 --count-layouts --seconds 0.1 --type hal=1",
+        ("no room type hal", "did you mean hall?"),
+    ),
     Command("check housse.jsonl", ("there is no such file", "did you mean houses.jsonl?"), 5),
     Command("check flats.json", ("there is no such file", ". has houses.jsonl"), 5),
     Command("check none/flats.json", ("no such file", "vitruvius generate --rooms 4"), 5),
