@@ -10,16 +10,15 @@ from agent.paper import PaperNetwork
 from agent.planner import FEATURES
 from agent.policies import QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
-from agent.world import layer_of
+from agent.world import layer_of, simulator
 from sim import HouseVectorEnv
-from sim.config import PRESETS
 
 
 def network_of(config: TrainConfig) -> Any:
     """A new network as the config has it, for what its simulator shows; its weights are a function of the
     seed, and torch's own generator is left as it was.
     """
-    world = PRESETS[config.world]
+    world = simulator(config)
     if isinstance(config, PaperConfig):
         return PaperNetwork.of(config)
     assert isinstance(config, QLearningConfig)

@@ -10,9 +10,10 @@ import safetensors
 import safetensors.torch
 
 from agent.build import network_of
-from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.config import PRESETS, DQNConfig, PaperConfig, PQNConfig, TrainConfig
 from logic.errors import VitruviusError
 from logic.files import write_whole
+from logic.spelling import unknown
 
 FORMAT = "vitruvius-agent-3"
 
@@ -63,8 +64,11 @@ def load(path: str | Path) -> Checkpoint:
 
     Raises ``CheckpointError``.
     """
-    if str(path) in released() and not Path(path).exists():
-        path = RELEASED / f"{path}.safetensors"
+    if not Path(path).exists():
+        path = _released(path)
+    if Path(path).is_dir():
+        hint = f": did you mean {run}?" if (run := Path(path) / "agent.safetensors").exists() else ""
+        raise CheckpointError(f"{path}: is a folder, and no agent{hint}")
     try:
         Path(path).open("rb").close()  # safetensors says less of why it cannot
         with safetensors.safe_open(path, framework="pt") as file:
@@ -87,6 +91,22 @@ def load(path: str | Path) -> Checkpoint:
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
+
+
+def _released(path: str | Path) -> Path:
+    """The file of a released agent, by its name. Raises ``CheckpointError`` that says what was meant."""
+    name = str(path)
+    if name in released():
+        return RELEASED / f"{name}.safetensors"
+    if name in PRESETS:
+        out = f"runs/{name}"
+        raise CheckpointError(
+            f"{name}: is a preset of train, and no agent. Train one: "
+            f"vitruvius train --preset {name} --out {out}; then it is {out}/agent.safetensors"
+        )
+    if Path(path).suffix or "/" in name:
+        raise CheckpointError(f"{path}: there is no such file. Make one with: vitruvius train")
+    raise CheckpointError(f"{path}: there is no such file, and {unknown('agent', name, released())}")
 
 
 def released() -> list[str]:

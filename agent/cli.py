@@ -7,14 +7,16 @@ making a house needs no simulator, and help comes at once.
 import pkgutil
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import tyro
 
 from benchmarks import STUDIES
 from logic.commands import say
-from logic.errors import MissingProgram, VitruviusError
+from logic.errors import MissingProgram, RequestError, VitruviusError
+from logic.spelling import closest, unknown
 
 COMMANDS = {
     "generate": ("logic.commands:Generate", "Make houses from rules."),
@@ -50,17 +52,32 @@ def parse(arguments: list[str]) -> Any:
     prog, table = "vitruvius", COMMANDS
     if arguments[:1] == ["bench"]:
         prog, table, arguments = "vitruvius bench", STUDIES, arguments[1:]
-    if not arguments or arguments[0] not in table:
+    if not arguments or arguments[0] in ("-h", "--help"):
         return tyro.extras.subcommand_cli_from_dict(
             _help_of(table), prog=prog, description=ABOUT, args=arguments
         )
     name, *rest = arguments
-    kind = pkgutil.resolve_name(table[name][0])
-    options = {"prog": f"{prog} {name}", "args": rest}
+    if name not in table:
+        raise RequestError(f"{prog}: {unknown('command' if table is COMMANDS else 'study', name, table)}")
+    kind, prog = pkgutil.resolve_name(table[name][0]), f"{prog} {name}"
     if name == "train":  # its defaults are a preset's
         like = kind.like(rest)
-        return tyro.cli(kind[type(like.config)], default=like, **options)
-    return tyro.cli(kind, **options)
+        _require_options(prog, rest, like, like.config)
+        return tyro.cli(kind[type(like.config)], default=like, prog=prog, args=rest)
+    _require_options(prog, rest, kind)
+    return tyro.cli(kind, prog=prog, args=rest)
+
+
+def _require_options(prog: str, arguments: Sequence[str], *options: Any) -> None:
+    """Raise ``RequestError`` for an option that these dataclasses lack: tyro says what is missing instead."""
+    names = [field.name.replace("_", "-") for each in options for field in fields(each)]
+    known = {"", "help", *names, *(f"no-{name}" for name in names)}
+    for argument in arguments:
+        option = argument.partition("=")[0].replace("_", "-").removeprefix("--")
+        if argument.startswith("--") and option not in known:
+            close = closest(option, known)
+            hint = f"did you mean --{close}?" if close else f"see {prog} --help"
+            raise RequestError(f"{prog}: there is no option --{option}: {hint}")
 
 
 ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."

@@ -15,6 +15,8 @@ from typing import Annotated, Generic, Literal, TypeVar
 import tyro
 
 from agent.config import PRESETS, PQNConfig, TrainConfig
+from logic.errors import RequestError
+from logic.spelling import unknown
 
 Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper"]
 Kind = TypeVar("Kind", bound=TrainConfig)
@@ -27,8 +29,8 @@ class Train(Generic[Kind]):
     Several processes learn as one: python -m torch.distributed.run --nproc-per-node 2 -m agent.cli train ...
     """
 
-    houses: tyro.conf.Positional[Path]
-    """House file to learn in: vitruvius generate makes one."""
+    houses: tyro.conf.Positional[Path | None] = None
+    """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius."""
 
     out: Path = Path("runs/train")
     """Folder for agent.safetensors, config.json, metrics.jsonl, learning-curve.png and tensorboard/."""
@@ -50,21 +52,27 @@ class Train(Generic[Kind]):
         """The command with the defaults of the preset that the arguments name."""
         parser = ArgumentParser(add_help=False, allow_abbrev=False)
         parser.add_argument("--preset", default="pqn")
-        preset = parser.parse_known_args(arguments)[0].preset
-        # The real parser refuses a name that is none.
-        name: Preset = preset if preset in PRESETS else "pqn"
-        return Train(tyro.MISSING, preset=name, config=PRESETS[name])
+        preset: Preset = parser.parse_known_args(arguments)[0].preset
+        if preset not in PRESETS:
+            raise RequestError(f"--preset {preset}: {unknown('preset', preset, PRESETS)}")
+        return Train(preset=preset, config=PRESETS[preset])
 
     def run(self) -> int:
         """Train to the end; the run is saved every half minute on the way."""
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
         from agent.runs import run
+        from agent.world import require_task, simulator
         from logic import load
-        from logic.files import write_whole
+        from logic.files import require_folder, write_whole
+        from sim.arguments import BANK
 
-        houses = load(self.houses)
-        require_training(houses, self.houses)
+        require_folder(self.out)
+        simulator(self.config)
+        require_task(self.config.targets)
+        file = self.houses or BANK
+        houses = load(file)
+        require_training(houses, file)
         command = shlex.join(["vitruvius", *sys.argv[1:]])
         made, history = run(
             houses,
@@ -100,7 +108,9 @@ class Export:
         """Write the file."""
         from agent import checkpoint
         from agent.export import export
+        from logic.files import require_ending
 
+        require_ending(self.out, [".onnx"])
         export(checkpoint.load(self.agent).network, self.out)
         _say(f"{self.out}")
         return 0

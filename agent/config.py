@@ -5,7 +5,9 @@ The names of the fields are those of CleanRL and Stable-Baselines3; their docstr
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
+
+import tyro
 
 from logic.errors import RequestError
 
@@ -22,11 +24,16 @@ class TrainConfig:
     Raises ``RequestError``, a ``ValueError``, that names the field for a value that no run can have.
     """
 
-    targets: TargetMode = "main"
-    """Where targets lie."""
+    targets: str = "main"
+    """Where targets lie: main, secondary or mixed; or another task: module:Class, or as JSON, for example
+    '{"task": "reach", "room": "kitchen"}'."""
 
     world: Literal["default", "paper"] = "default"
     """Preset of the simulator."""
+
+    sim: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FIELD=VALUE")] = ()
+    """Field of the simulator's configuration in place of the preset's (sim/config.py lists them), as in
+    noise=0.05, rays=20 or body=[0.3,0.3]. Repeat for several fields."""
 
     avoidance: Literal["shield", "paper", "none"] = "shield"
     """The layer that overrules. shield: forbids a step forward where the rays say that the body's path is not

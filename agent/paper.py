@@ -29,8 +29,8 @@ from agent.learner import Learner, Progress, Tally
 from agent.memory import Memory
 from agent.network import seeded
 from agent.replay import ReplayBuffer
+from agent.world import simulator
 from sim import HouseVectorEnv
-from sim.config import PRESETS
 
 REPORT = 128
 """Steps of every environment between two reports."""
@@ -62,7 +62,7 @@ class PaperNetwork(nn.Module):
     @classmethod
     def of(cls, config: PaperConfig) -> "PaperNetwork":
         """A new network for what the config's simulator shows; its weights are a function of the seed."""
-        world = PRESETS[config.world]
+        world = simulator(config)
         with seeded(config.seed):
             return cls(world.rays, world.channels)
 

@@ -33,10 +33,11 @@ from agent.learner import Diverged, Learner, Progress
 from agent.paper import Paper
 from agent.pqn import PQN
 from agent.progress import progress
-from agent.world import make_envs
+from agent.world import make_envs, simulator
 from logic import House
 from logic.errors import RequestError
 from logic.files import write_whole
+from logic.spelling import keywords
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
@@ -94,6 +95,7 @@ class Folder:
             yield
 
 
+@keywords(preset="config", out="path", folder="path")
 def run(
     houses: Sequence[House],
     config: TrainConfig,
@@ -131,7 +133,7 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
         raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
     torch.set_float32_matmul_precision(config.precision)
-    envs = make_envs(houses, share, config.targets, preset=config.world, device=config.device)
+    envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
     if isinstance(config, PQNConfig):
         return PQN(config, envs)
     if ranks.size() > 1:

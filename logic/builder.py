@@ -55,7 +55,7 @@ class Builder:
         such house, ``LimitReached`` past this number of Prolog inferences.
         """
         rng = np.random.default_rng([seed, index])
-        self._require_known(request)
+        self.require_known(request)
         with Nogoods() as nogoods:
             layout = self.layout(request, rng, nogoods)
             while True:
@@ -156,7 +156,7 @@ class Builder:
                 "smaller ones might: try another seed, fewer rooms or smaller types"
             )
 
-    def _require_known(self, request: Request) -> None:
+    def require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
         for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):

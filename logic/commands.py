@@ -7,6 +7,7 @@ import json
 import os
 import re
 import sys
+import time
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
-from rich.progress import track
+from rich.progress import Progress, ProgressColumn, TextColumn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house import House
@@ -38,6 +39,15 @@ class Generate:
 
     cell: float = 0.0
     """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
+
+    keep: Path | None = None
+    """House file: a house of it keeps its rooms, and the rest is generated around them."""
+
+    keep_house: int = 0
+    """Which house of that file, from 0."""
+
+    keep_rooms: tuple[str, ...] = ()
+    """Which of its rooms, as in --keep-rooms R0 R2; without it, all."""
 
     grammar: str = "family"
     """A shipped grammar's name, or a directory of rules."""
@@ -80,6 +90,7 @@ class Generate:
             types=_counts("--type", self.type),
             furniture=_counts("--piece", self.piece),
             cell=self.cell,
+            keep=self._kept(),
             grammar=self.grammar,
             seed=self.seed,
             count=self.count,
@@ -103,20 +114,55 @@ class Generate:
             say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
         return 0
 
+    def _kept(self) -> House | None:
+        """The house whose rooms are kept. Raises ``RequestError`` for one, or a room, that is not there."""
+        from logic import load
+
+        if self.keep is None:
+            if self.keep_house or self.keep_rooms:
+                raise RequestError(
+                    "--keep-house and --keep-rooms are of a house file: give it by --keep FILE"
+                )
+            return None
+        houses = load(self.keep)
+        if not 0 <= self.keep_house < len(houses):
+            raise RequestError(
+                f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}"
+            )
+        house = houses[self.keep_house]
+        try:
+            return house.only(*self.keep_rooms) if self.keep_rooms else house
+        except ValueError as error:
+            raise RequestError(f"--keep-rooms: {error}") from None
+
     def _count(self) -> int:
         """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
         from logic import count_layouts
 
-        counts = count_layouts(
-            self.rooms,
-            types=_counts("--type", self.type),
-            furniture=_counts("--piece", self.piece),
-            grammar=self.grammar,
-            seconds=self.seconds,
-        )
-        for name, number, whole in counts:
-            print(f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}")
-        return 0 if all(whole for _, _, whole in counts) else 4
+        if self.keep:
+            raise RequestError("--count-layouts counts those of whole houses: leave out --keep")
+        begun, exact = time.monotonic(), True
+        with _bar(TextColumn("{task.description}")) as bar:
+            task = bar.add_task("")
+
+            def report(name: str, number: int) -> None:
+                passed = time.monotonic() - begun
+                bar.update(task, description=f"{name}: {number:,} layouts after {passed:.0f} s")
+
+            for name, number, whole in count_layouts(
+                self.rooms,
+                types=_counts("--type", self.type),
+                furniture=_counts("--piece", self.piece),
+                grammar=self.grammar,
+                seconds=self.seconds,
+                report=report,
+            ):
+                print(
+                    f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}", flush=True
+                )
+                begun, exact = time.monotonic(), exact and whole
+                bar.update(task, description="")
+        return 0 if exact else 4
 
 
 @dataclass(frozen=True)
@@ -304,12 +350,15 @@ def _counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
 
 def _require_writable(out: Path | None, count: int) -> None:
     """Say before the work, not after it, that its place cannot take it."""
+    from logic.files import HOUSE_FILES, require_ending
+
     if out is None:
         return
-    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
-        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
     if out.is_dir():
         raise RequestError(f"--out {out}: is a folder: name a file in it, as in {out / 'houses.jsonl'}")
+    require_ending(out, HOUSE_FILES)
+    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
+        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
     folder = next(parent for parent in out.absolute().parents if parent.exists())
     if not folder.is_dir() or not os.access(folder, os.W_OK):
         raise RequestError(f"--out {out}: {folder} cannot be written to")
@@ -317,9 +366,19 @@ def _require_writable(out: Path | None, count: int) -> None:
 
 def _progress(items: Any, total: int, what: str) -> Iterator[Any]:
     """A progress bar on a terminal, nothing in a pipe."""
+    with _bar() as bar:
+        yield from bar.track(items, total, description=what)
+
+
+def _bar(*columns: ProgressColumn) -> Progress:
+    """A bar on stderr. Where the standard output is a file, rich must not redirect it to the bar."""
     console = Console(stderr=True)
-    return iter(
-        track(items, what, total=total, console=console, disable=not console.is_terminal, transient=True)
+    return Progress(
+        *columns,
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+        redirect_stdout=sys.stdout.isatty(),
     )
 
 

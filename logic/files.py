@@ -5,14 +5,24 @@ import os
 import secrets
 import stat
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from logic.errors import HouseFileError
+from logic.errors import HouseFileError, RequestError
 from logic.house import House
+from logic.spelling import closest
+
+HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
+"""How the names of house files end."""
+
+FILES = (
+    *(".csv", ".gif", ".gz", ".html", ".json", ".jsonl", ".md", ".mp4", ".onnx", ".pdf", ".png"),
+    *(".safetensors", ".svg", ".txt"),
+)
+"""How names end that are no folder's."""
 
 MOST_BYTES, MOST_LINE = 1 << 30, 1 << 25
 """What is read of a house file, unpacked, and of one house."""
@@ -27,6 +37,8 @@ def load(path: str | Path) -> list[House]:
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)
+    except FileNotFoundError:
+        raise HouseFileError(f"{path}: there is no such file{_beside(path)}") from None
     except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
@@ -44,18 +56,34 @@ def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
 
     ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which
     ``load`` passes over. The file is written beside its place and renamed: a kill
-    leaves the old file or the new.
+    leaves the old file or the new. Raises ``RequestError``, a ``ValueError``, for a name that is no house
+    file's, for no house, and for more than one in a ``.json`` file.
     """
+    require_ending(path, HOUSE_FILES)
     records = [msgspec.json.encode(house.to_dict()) for house in houses]
     if not records:
-        raise ValueError(f"no house to write to {path}")
+        raise RequestError(f"no house to write to {path}")
     if _holds_one(Path(path)) and len(records) != 1:
-        raise ValueError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
+        raise RequestError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
     if stopped:
         records.append(msgspec.json.encode({"stopped": stopped}))
     content = b"\n".join(records) + b"\n"
     # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
     write_whole(path, gzip.compress(content, mtime=0) if Path(path).suffix == ".gz" else content)
+
+
+def require_ending(path: str | Path, endings: Sequence[str]) -> None:
+    """Raise ``RequestError`` for a file's name that says something else than what is written."""
+    path = Path(path)
+    if not path.name.endswith(tuple(endings)) and (path.is_file() or not path.exists()):
+        found = path.suffix or "no extension"
+        raise RequestError(f"{path}: {found} is not written here: name the file with {' or '.join(endings)}")
+
+
+def require_folder(path: Path | None) -> None:
+    """Raise ``RequestError`` for a folder's name that is a file's: several files are written into it."""
+    if path is not None and (path.is_file() or path.suffix in FILES):
+        raise RequestError(f"{path}: a folder is written, of several files: name it without {path.suffix}")
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
@@ -64,13 +92,12 @@ def write_whole(path: str | Path, content: bytes) -> None:
     A link stays one, and what it leads to is replaced; a file that was there keeps its mode. What is no
     regular file, a device or a pipe, is written to. Raises ``OSError`` for a folder or where writing fails.
     """
-    path = Path(os.path.realpath(path))
+    given, path = Path(path), Path(os.path.realpath(path))
     path.parent.mkdir(parents=True, exist_ok=True)
-    before = (
-        path.stat() if path.exists() or path.is_symlink() else None
-    )  # a link is left where links go round
+    # A link is left where links go round. A pipe by its number, as in /dev/stdout, has no other path.
+    before = given.stat() if given.exists() or path.is_symlink() else None
     if before and not stat.S_ISREG(before.st_mode):
-        path.write_bytes(content)
+        given.write_bytes(content)
         return
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
@@ -86,6 +113,16 @@ def write_whole(path: str | Path, content: bytes) -> None:
         if isinstance(error, OSError) and error.errno:
             error.filename = str(path)
         raise
+
+
+def _beside(path: Path) -> str:
+    """Which house file there is in place of an absent one, or how to make one."""
+    there = sorted(file.name for file in path.parent.glob("*") if file.name.endswith(HOUSE_FILES))
+    if close := closest(path.name, there):
+        return f": did you mean {path.parent / close}?"
+    if there:
+        return f": {path.parent} has {', '.join(there[:5])}"
+    return f". Make it with: vitruvius generate --rooms 4 --count 100 --out {path}"
 
 
 def _ends(line: bytes) -> bool:

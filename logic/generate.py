@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import BODY, House
 from logic.request import MOST_ROOMS, Count, Request
+from logic.spelling import keywords
 
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
@@ -43,6 +44,7 @@ ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Rule files are UTF-8 whatever the user's language."""
 
 
+@keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
 def generate(
     rooms: int,
     *,
@@ -92,8 +94,14 @@ def generate(
     if keep is not None:
         if cell:
             raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
-        if not 0 < len(keep.rooms) <= rooms:
-            raise RequestError(f"keep: 1 to {rooms} of the {rooms} rooms can be fixed, not {len(keep.rooms)}")
+        fixed = len(keep.rooms)
+        if not fixed:
+            raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
+        if fixed > rooms:
+            raise RequestError(
+                f"keep: the house has {fixed} rooms to keep, but rooms={rooms}: ask for rooms={fixed} or "
+                'more, or keep some of them: keep=house.only("R0"), on the command line --keep-rooms R0'
+            )
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
     rules = find(grammar)
@@ -101,6 +109,7 @@ def generate(
     return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
 
 
+@keywords(pieces="furniture", rules="grammar", timeout="seconds")
 def count_layouts(
     rooms: int,
     *,
@@ -108,27 +117,41 @@ def count_layouts(
     furniture: Mapping[str, Count] | None = None,
     grammar: str | Path = "family",
     seconds: float = 60.0,
-) -> list[tuple[str, int, bool]]:
+    report: Callable[[str, int], None] = lambda name, number: None,
+) -> Iterator[tuple[str, int, bool]]:
     """Count the layouts from which stage 1 samples: of a house's rooms, and of each type's furniture.
 
     Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
     more. Room layouts say types, sides, corners; furniture layouts all that ``rules/room.lp`` shows.
-    Raises as ``generate`` does.
+    ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
-    opening = {"grammar": str(find(grammar).directory), "cell": 0.0}
-    question = {"count": seconds, "request": wanted.to_dict()}
-    counts = answered(opening, question, START_UP + 100 * seconds, "late")["counts"]
-    return [(name, number, whole) for name, number, whole in counts]
+    return _layouts({"grammar": str(find(grammar).directory), "cell": 0.0}, wanted, seconds, report)
+
+
+def _layouts(
+    opening: dict[str, Any], wanted: Request, seconds: float, report: Callable[[str, int], None]
+) -> Iterator[tuple[str, int, bool]]:
+    """The counts, one by one."""
+    worker = _Worker(opening)
+    try:
+        worker.loaded()
+        worker.ask({"count": seconds, "request": wanted.to_dict()})
+        while count := worker.answer(START_UP + 100 * seconds, "late")["count"]:
+            name, number, whole = count
+            if whole is None:
+                report(name, number)
+            else:
+                yield name, number, whole
+    finally:
+        worker.end()
 
 
 def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
     """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
     worker = _Worker(opening)
     try:
-        worker.answer(
-            START_UP, f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?"
-        )
+        worker.loaded()
         worker.ask(question)
         return worker.answer(seconds, late)
     finally:
@@ -170,11 +193,7 @@ def _houses(
     try:
         for worker in team:
             if worker.unanswered:
-                loaded = worker.answer(
-                    START_UP,
-                    f"{opening['grammar']}: loading took {START_UP:g} s: do its rules recur without end?",
-                )
-                for text in loaded["warnings"]:
+                for text in worker.loaded()["warnings"]:
                     warnings.warn(text, GrammarWarning, stacklevel=2)
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]})
@@ -274,6 +293,12 @@ class _Worker:
             self._questions.flush()
         except BrokenPipeError:
             pass
+
+    def loaded(self) -> dict[str, Any]:
+        """Wait until the grammar is loaded: its versions and warnings."""
+        return self.answer(
+            START_UP, f"{self._grammar}: loading took {START_UP:g} s: do its rules recur without end?"
+        )
 
     def answer(self, seconds: float, late: str) -> dict[str, Any]:
         """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from logic.errors import GrammarError
+from logic.spelling import unknown
 
 SHIPPED = Path(__file__).parent / "grammars"
 RULES = Path(__file__).parent / "rules"
@@ -33,8 +34,7 @@ def find(grammar: str | Path) -> Grammar:
     """
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if not directory.is_dir():
-        names = ", ".join(shipped())
-        raise GrammarError(f"no grammar is called {grammar}, and it is no directory. Shipped ones: {names}")
+        raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
     directory = directory.resolve()
     # Editors leave hidden files beside those that they edit.
     files = [file for file in sorted(directory.iterdir()) if file.is_file() and not file.name.startswith(".")]

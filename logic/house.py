@@ -10,6 +10,8 @@ from typing import Any, Literal
 
 import msgspec
 
+from logic.spelling import unknown
+
 FORMAT = "vitruvius-1"
 """Our files: a room touches the main room from outside, along the wall that holds its door."""
 
@@ -105,7 +107,7 @@ class House(msgspec.Struct, frozen=True):
         known = {f"R{index}": room for index, room in enumerate(self.rooms)}
         for name in names:
             if name not in known:
-                raise ValueError(f"there is no room {name}: the house has {', '.join(known)}")
+                raise ValueError(unknown("room", name, known))
         return House(self.floor, tuple(room for name, room in known.items() if name in names), self.format)
 
     @classmethod

@@ -148,17 +148,23 @@ class Program:
                 self.models.append((layout, list(model.symbols(atoms=True))))
             return layout
 
-    def count(self, assumed: Iterable[Symbol], seconds: float) -> tuple[int, bool]:
-        """The number of layouts with all assumed atoms; False where there are more than were counted in time.
+    def count(self, assumed: Iterable[Symbol], seconds: float) -> Iterator[tuple[int, bool | None]]:
+        """The number of layouts with all assumed atoms: last with True, or with False where there are more
+        than were counted in time; once a second before that, the number so far with None.
 
         The program must have been made with the arguments ``EVERY``.
         """
-        deadline, number = time.monotonic() + seconds, 0
+        begun, shown, number = time.monotonic(), 0.0, 0
         with self._control.solve(assumptions=self._literals(assumed, ()), yield_=True) as handle:
             for number, _ in enumerate(handle, start=1):
-                if time.monotonic() > deadline:
-                    return number, False
-        return number, True
+                passed = time.monotonic() - begun
+                if passed > seconds:
+                    yield number, False
+                    return
+                if passed > shown + 1:
+                    shown = passed
+                    yield number, None
+        yield number, True
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]

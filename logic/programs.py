@@ -61,16 +61,17 @@ class Programs:
         """The programs that furnish rooms for a request, of each type."""
         return [self.furniture_for(type_, request)[0] for type_ in sorted(self._furniture)]
 
-    def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool]]:
+    def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool | None]]:
         """How many layouts there are: of the rooms, and of the furniture of each type of room.
 
-        A name, the number, and whether it is all of them: False where the seconds for each ran out.
+        A name, the number, and whether it is all of them: False where the seconds for each ran out, None
+        where the count goes on.
         """
-        program, assumed = self.rooms_for(request, EVERY)
-        yield (str(request), *program.count(assumed, seconds))
-        for type_ in sorted(self._furniture):
-            program, assumed = self.furniture_for(type_, request, EVERY)
-            yield (type_, *program.count(assumed, seconds))
+        named = [(str(request), self.rooms_for(request, EVERY))]
+        named += [(type_, self.furniture_for(type_, request, EVERY)) for type_ in sorted(self._furniture)]
+        for name, (program, assumed) in named:
+            for count in program.count(assumed, seconds):
+                yield (name, *count)
 
     def remarks(self) -> Iterator[GrammarError]:
         """What clingo only remarks on, and passes over, in the grammar's files.

@@ -8,7 +8,7 @@ import msgspec
 
 from logic.errors import RequestError
 from logic.fixed import FixedRoom, from_records
-from logic.spelling import closest
+from logic.spelling import unknown
 
 Range = tuple[int, int | None]
 """The least number and the greatest, None for no bound."""
@@ -124,9 +124,7 @@ def known(what: str, name: str, names: Iterable[str]) -> None:
     """Raise ``RequestError`` for a name that is none of these."""
     names = sorted(names)
     if name not in names:
-        close = closest(name, names)
-        hint = f"did you mean {close}? " if close else ""
-        raise RequestError(f"there is no {what} {name}: {hint}it has {', '.join(names)}")
+        raise RequestError(unknown(what, name, names))
 
 
 def _is_pair(count: Any) -> bool:

@@ -1,7 +1,13 @@
 """Which known name a misspelt one was meant to be."""
 
 import difflib
-from collections.abc import Iterable
+import inspect
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def closest(name: str, names: Iterable[str]) -> str | None:
@@ -15,3 +21,32 @@ def closest(name: str, names: Iterable[str]) -> str | None:
 
     best = max(sorted(names), key=likeness, default=None)
     return best if best is not None and likeness(best)[0] >= 0.6 else None
+
+
+def unknown(what: str, name: object, names: Iterable[str]) -> str:
+    """As in ``there is no preset pqnmap: did you mean pqn-map? There are dqn, paper, pqn-map``."""
+    names = list(names)
+    close = closest(str(name), names)
+    hint = f": did you mean {close}? There are " if close else ": there are "
+    return f"there is no {what} {name or repr(name)}{hint}{', '.join(names)}"
+
+
+def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A function whose ``TypeError`` for a wrong keyword names the right one: that of ``meant``, if it
+    has one, else the most similar.
+    """
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        names = [name for name in inspect.signature(function).parameters if name != "self"]
+
+        @wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> R:
+            for name in kwargs.keys() - names:
+                close = meant.get(name) or closest(name, names)
+                hint = f"did you mean {close}?" if close else f"it has {', '.join(names)}"
+                raise TypeError(f"{function.__qualname__}() has no argument {name}: {hint}")
+            return function(*args, **kwargs)
+
+        return call
+
+    return decorated

@@ -3,7 +3,8 @@
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 with limited memory, and the parent owns deadlines and Ctrl-C. The first line names the grammar; each
 further line asks for one house, or why one is as it is. Each is answered by a line: ``{"versions": ...}``,
-with ``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}`` or ``{"error": ...}``.
+with ``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}`` or ``{"error": ...}``; a
+count of layouts by several, of which ``{"count": null}`` is the last.
 """
 
 import json
@@ -51,7 +52,11 @@ def main() -> None:
                     answer["warnings"] = list(map(str, warnings(grammar, builder.loaded)))
             elif "count" in request:
                 wanted = Request.read(request["request"])
-                answer = {"counts": list(builder.programs.counts(wanted, request["count"]))}
+                builder.require_known(wanted)
+                for count in builder.programs.counts(wanted, request["count"]):
+                    answers.write(json.dumps({"count": count}) + "\n")
+                    answers.flush()
+                answer = {"count": None}
             elif "why" in request:
                 from logic.house import House
                 from logic.witness import Witness

@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from logic import House, load
+from logic.spelling import unknown
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.tasks import named
 
 Houses = str | Path | Sequence[House] | dict[str, Any]
+
+BANK = Path(__file__).with_name("houses.jsonl.gz")
+"""32 houses to begin with, those of ``vitruvius generate --rooms 4 --count 32 --out sim/houses.jsonl.gz``."""
 
 BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
 
@@ -39,7 +43,7 @@ def backend_class(name: str) -> type[Backend]:
     if name in BACKENDS:
         name = BACKENDS[name]
     elif ":" not in name:
-        raise ValueError(f"unknown backend {name!r}: there are {', '.join(BACKENDS)}, or module:Class")
+        raise ValueError(f"{unknown('backend', name, BACKENDS)}, or module:Class")
     try:
         make = named(name)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
@@ -67,4 +71,4 @@ def configuration(preset: str | Config, max_episode_steps: int | None) -> Config
 def require(name: str, value: Any, known: Any) -> None:
     """Raise ``ValueError`` unless the value is one of those known."""
     if value not in known:
-        raise ValueError(f"unknown {name} {value!r}: there are {', '.join(known)}")
+        raise ValueError(unknown(name, value, known))

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
 
-from sim.arguments import Houses
+from sim.arguments import BANK, Houses
 from sim.vector import METADATA, HouseVectorEnv
 
 
@@ -15,7 +15,7 @@ class HouseEnv(gymnasium.Env):
 
     metadata = METADATA
 
-    def __init__(self, houses: Houses, render_mode: str | None = None, **arguments: Any) -> None:
+    def __init__(self, houses: Houses = BANK, render_mode: str | None = None, **arguments: Any) -> None:
         """See ``HouseVectorEnv``."""
         self.envs = HouseVectorEnv(houses, num_envs=1, render_mode=render_mode, **arguments)
         self.render_mode = render_mode

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from gymnasium.error import ResetNeeded
 
+from logic.spelling import unknown
 from sim.kernels import KEEP, SAMPLE
 from sim.world import World
 
@@ -29,9 +30,9 @@ def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOpt
 
     Raises ``ValueError`` for options that are unknown or wrong, ``ResetNeeded`` for a first one of some only.
     """
-    unknown = set(options) - set(OPTIONS)
-    if unknown:
-        raise ValueError(f"unknown reset option {min(unknown)!r}: there are {', '.join(OPTIONS)}")
+    for option in options:
+        if option not in OPTIONS:
+            raise ValueError(unknown("reset option", option, OPTIONS))
     count = world.num_envs
     mask = np.ones(count, bool)
     wholes, reals = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)

@@ -12,6 +12,7 @@ A new task is a class of a few lines, given to an environment as ``targets=``:
 """
 
 import importlib
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
@@ -20,6 +21,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 
 from logic import House
+from logic.spelling import unknown
 
 Box = tuple[float, float, float, float]
 """(west, north, east, south), metres."""
@@ -74,13 +76,19 @@ Targets = str | dict[str, Any] | Task
 
 def task(targets: Targets) -> Task:
     """The task that is meant: by a name of ``TARGETS``, as ``{"task": name or "module:Class", **arguments}``,
-    such as ``{"task": "reach", "room": "kitchen"}``, as ``"module:Class"`` alone, or itself.
+    such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text, as ``"module:Class"`` alone, or
+    itself.
 
     All but the last go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if there is
     no such task, or not with these arguments.
     """
     if isinstance(targets, str) and targets in TARGETS:
         return TARGETS[targets]
+    if isinstance(targets, str) and targets.startswith("{"):
+        try:
+            targets = json.loads(targets)
+        except ValueError as error:
+            raise ValueError(f"targets: {targets} is no JSON: {error}") from None
     given = {"task": targets} if isinstance(targets, str) else targets
     if not isinstance(given, dict):
         if not (callable(getattr(given, "spaces", None)) and hasattr(given, "ends_on_pick_up")):
@@ -89,8 +97,9 @@ def task(targets: Targets) -> Task:
     arguments = dict(given)
     name = arguments.pop("task", None)
     if name not in TASKS and (not isinstance(name, str) or ":" not in name):
+        names = TASKS if given is targets else TARGETS
         raise ValueError(
-            f"unknown targets {targets!r}: there are {', '.join(TARGETS)}, module:Class, and"
+            f"targets: {unknown('task', name, names)}, module:Class, and"
             f' {{"task": ...}} with {", ".join(TASKS)} or module:Class'
         )
     try:

@@ -10,7 +10,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from logic import House
-from sim.arguments import Houses, backend_class, configuration, house_list, require
+from logic.spelling import keywords
+from sim.arguments import BANK, Houses, backend_class, configuration, house_list, require
 from sim.backend import Backend
 from sim.config import Config
 from sim.episodes import HOUSE
@@ -87,15 +88,17 @@ class HouseVectorEnv(VectorEnv):
 
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
-    ``{"rooms": 4, "count": 64}``. ``targets``: where they lie, ``main`` room, ``secondary`` rooms or
-    ``mixed``, or another task, such as ``{"task": "reach", "room": "kitchen"}``: see ``sim.tasks``.
+    ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
+    ``targets``: where they lie, ``main`` room, ``secondary`` rooms or ``mixed``, or another task, such as
+    ``{"task": "reach", "room": "kitchen"}``: see ``sim.tasks``.
     ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
     ``seed``: of the first reset, if that is given none.
     """
 
+    @keywords(config="preset", bank="houses", task="targets", n_envs="num_envs")
     def __init__(
         self,
-        houses: Houses,
+        houses: Houses = BANK,
         num_envs: int = 1,
         *,
         backend: str = "continuous",

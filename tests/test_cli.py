@@ -67,6 +67,18 @@ def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path
     assert plans == ["contact-sheet.svg", "house-0.svg", "house-1.svg"]
 
 
+def test_on_a_terminal_houses_still_go_to_the_standard_output(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where that is a file and the progress bar has the terminal."""
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")
+    with pytest.raises(SystemExit, match="0"):
+        main(["generate", "--rooms", "1"])
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["roomNumber"] == 1
+    assert "100%" in shown.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
@@ -147,14 +159,6 @@ def test_help_names_every_command_and_every_study() -> None:
         assert all(name in shown and sentence.split()[0] in shown for name, (_, sentence) in table.items())
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_the_help_of_a_study_starts_nothing(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as done:
-        main(["bench", name, "--help"])
-    assert not done.value.code
-    assert f"usage: vitruvius bench {name}" in capsys.readouterr().out
-
-
 BASE_ALONE = """
 import sys
 from importlib.abc import MetaPathFinder
@@ -218,10 +222,3 @@ def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     assert parse(["train", *said[:1]]).config == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
     assert replayed.config == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
-
-
-def test_a_preset_that_is_none_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as done:
-        main(["train", "houses.jsonl", "--preset", "best"])
-    assert done.value.code == 2
-    assert "invalid choice 'best'" in capsys.readouterr().err

@@ -32,8 +32,9 @@ class Evaluate:
     houses: Path | None = None
     """House file to measure in; by default the benchmark bank, 256 houses of 2 to 6 rooms."""
 
-    targets: tyro.conf.UseAppendAction[tuple[TargetMode, ...]] = ()
-    """Where targets lie. Repeat for several; by default main, secondary and mixed, one after the other."""
+    targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Where targets lie: main, secondary, mixed, or another task as for train. Repeat for several; by default
+    the three, one after the other."""
 
     seed: int = 0
     """Seeds starts and targets, the same for every policy."""
@@ -63,10 +64,14 @@ class Evaluate:
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
+        from agent.world import require_task
         from logic import load
-        from logic.files import write_whole
+        from logic.files import require_folder, write_whole
 
+        require_folder(self.out)
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
+        for targets in self.targets:
+            require_task(targets)
         agents = by_name(self.agents)
         agents.setdefault("paper", [checkpoint.load("paper")])
         houses = load(self.houses) if self.houses else benchmark()
@@ -144,7 +149,7 @@ class Record:
     steps: int = 1500
     """How many steps of the episode to film."""
 
-    targets: TargetMode = "main"
+    targets: str = "main"
     """Where targets lie."""
 
     seed: int = 0
@@ -203,5 +208,7 @@ class Demo:
     def run(self) -> int:
         """Do it all; 1 if the agent does not clearly beat the random walk and the paper's human's ratio."""
         from agent.demo import demo
+        from logic.files import require_folder
 
+        require_folder(self.out)
         return demo(self.out, self.seed)

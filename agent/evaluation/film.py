@@ -8,9 +8,8 @@ from agent.build import policy_of
 from agent.checkpoint import Checkpoint
 from agent.evaluation.episodes import reset
 from agent.evaluation.map_picture import MapPicture, beside
-from agent.evaluation.protocol import SENSORS
 from agent.progress import Report
-from agent.world import make_envs
+from agent.world import make_envs, sensor
 from logic import House
 from sim.film import Camera, film
 
@@ -37,7 +36,7 @@ def record(
 
     With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    envs = make_envs([house], 1, targets, preset=SENSORS[agent.config.world])
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
     length = min(steps or envs.config.steps, envs.config.steps)
     observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)

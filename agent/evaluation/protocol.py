@@ -4,7 +4,6 @@ All policies meet the same starts and the same targets in the same order: house 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -17,21 +16,16 @@ from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.policies import Policy
 from agent.progress import Report
-from agent.world import make_envs
+from agent.world import make_envs, sensor
 from logic import House
+from logic.spelling import keywords
 from sim import HouseVectorEnv
-from sim.config import DEFAULT, PAPER, Config
+from sim.config import DEFAULT, Config
 from sim.lookout import Lookout
 from sim.oracle import Oracle
 
-SENSORS = {
-    "default": DEFAULT,
-    "paper": replace(DEFAULT, first_ray=PAPER.first_ray, sees_angle=PAPER.sees_angle),
-}
-"""By the simulator's preset that an agent learnt in, the configuration that it is measured in: all have the
-default body, and the paper's agents keep the paper's rays."""
 
-
+@keywords(targets="modes", preset="agents")
 def measure(
     agents: Mapping[str, Sequence[Checkpoint]],
     houses: Sequence[House],
@@ -48,10 +42,11 @@ def measure(
     ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
     """
     for number, mode in enumerate(modes):
-        settings = {name: Setting(houses, mode, sensor, backend) for name, sensor in SENSORS.items()}
-        default = settings["default"]
+        sensors = {DEFAULT, *(sensor(run.config) for runs in agents.values() for run in runs)}
+        settings = {each: Setting(houses, mode, each, backend) for each in sensors}
+        default = settings[DEFAULT]
         policies: list[tuple[str, Setting, Callable[[HouseVectorEnv, int], Policy]]] = [
-            (name, settings[run.config.world], partial(policy_of, run.network, run.config))
+            (name, settings[sensor(run.config)], partial(policy_of, run.network, run.config))
             for name, runs in agents.items()
             for run in runs
         ]

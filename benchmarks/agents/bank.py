@@ -4,6 +4,7 @@ Half a minute on two cores. The same solver versions (``requirements.lock``) giv
 """
 
 import sys
+from argparse import ArgumentParser
 
 from agent.banks import NAME, TEST, bank_hash, geometry_hash
 from benchmarks.common.houses import in_turns
@@ -31,4 +32,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
+    ArgumentParser(description=__doc__).parse_args()
     sys.exit(main())

@@ -23,6 +23,7 @@ from benchmarks.common.houses import TRAINING, training_houses
 from benchmarks.common.pages import ROOT, machine, revision, versions, write
 from benchmarks.common.processes import CLI, Job, run_all
 from logic.errors import RequestError
+from logic.spelling import unknown
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,8 @@ class Agents:
         """Do all of it."""
         entries = [replace(entry, steps=max(1, round(self.share * entry.steps))) for entry in ENTRIES]
         names = [*(entry.name for entry in entries), *EXTERNALS]
-        if unknown := set(self.only) - set(names):
-            known = ", ".join(names)
-            raise RequestError(f"--only {min(unknown)}: no entry. They are {known}")
+        if wrong := set(self.only) - set(names):
+            raise RequestError(f"--only: {unknown('entry', min(wrong), names)}")
         if not 0 < self.share <= 1 or self.workers < 1 or not self.seeds:
             raise RequestError("--share must lie above 0 and be at most 1; --workers 1 or more; --seeds some")
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends what it started too

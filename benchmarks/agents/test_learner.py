@@ -6,6 +6,7 @@ the speed that one of the largest layer's shape has here and now. A round is a r
 which ``update`` learns. ``python -m benchmarks.agents.test_learner`` prints which operations take time.
 """
 
+from argparse import ArgumentParser
 from dataclasses import replace
 from time import perf_counter
 
@@ -136,6 +137,7 @@ def test_iteration(benchmark, learner):
 
 
 if __name__ == "__main__":
+    ArgumentParser(description=__doc__).parse_args()
     run = started()
     for name, part in (("acting", lambda: act(run)), ("update", lambda: run.train_epochs(run.returns()))):
         with profile() as watched:

@@ -14,6 +14,9 @@ from benchmarks.common.plot import plot
 from benchmarks.common.series import is_rate, law, series_of
 from logic import VitruviusError
 
+INTERRUPTED = 2
+"""The exit code of pytest after Ctrl-C."""
+
 
 class MeasurementFailed(VitruviusError):
     """A study did not run to its end."""
@@ -27,33 +30,56 @@ def study(
     page: Callable[[dict[str, Any]], str] | None = None,
     *,
     needs: Sequence[str] = (),
+    parts: Sequence[str] = (),
     publish: bool = False,
     **settings: str,
 ) -> None:
-    """Time ``test_NAME.py``; write NAME.json, NAME.png and, by ``page``, NAME.md; print the fitted laws.
+    """Time ``test_NAME.py``; write NAME.json, NAME.csv, NAME.png, by ``page`` NAME.md; print the laws.
 
-    ``settings`` reach the script as environment variables. Raises ``MeasurementFailed``, and
-    ``ModuleNotFoundError`` before anything runs where a module that it ``needs`` is absent.
+    ``settings`` reach the script as environment variables; of its tests those run whose names begin with
+    ``test_`` and one of the ``parts``, by default all. What was measured before Ctrl-C or a failure is
+    written, too. Raises ``MeasurementFailed``, ``KeyboardInterrupt``, and, before anything runs,
+    ``ModuleNotFoundError`` where a module that it ``needs`` is absent.
     """
     for module in ("pytest_benchmark", *needs):
         import_module(module)
     name = script.stem.removeprefix("test_")
-    report = measured(script, out / f"{name}.json", settings)
-    files = {f"{name}.png": plot(report)} | ({f"{name}.md": page(report).encode()} if page else {})
-    write(files, out, publish=publish and page is not None)
-    for title, points in series_of(report).items():
-        print(f"{title}: {law(points, is_rate(report))}")
-    print(", ".join(str(out / file) for file in (f"{name}.json", *files)))
+    file = out / f"{name}.json"
+    stopped = measured(script, file, settings, parts)
+    if file.exists():
+        report = json.loads(file.read_text())
+        files = {f"{name}.png": plot(report)} if series_of(report) else {}
+        files |= {f"{name}.md": marked(page(report), report).encode()} if page else {}
+        write(files, out, publish=publish and page is not None and stopped is None)
+        for title, points in series_of(report).items():
+            print(f"{title}: {law(points, is_rate(report))}")
+        print(", ".join(str(out / each) for each in (file.name, f"{name}.csv", *files)))
+    if stopped:
+        raise stopped
 
 
-def measured(script: Path, file: Path, settings: Mapping[str, str]) -> dict[str, Any]:
-    """What pytest-benchmark reports of a script, kept in a file; its own tables go to the terminal."""
+def marked(page: str, report: dict[str, Any]) -> str:
+    """The page, with a note below its title where not all was measured."""
+    title, rest = page.split("\n", 1)
+    done, count = report["measured"], report["of"]
+    return page if done == count else f"{title}\n\n**Partial: {done} of {count} measurements.**\n{rest}"
+
+
+def measured(
+    script: Path, file: Path, settings: Mapping[str, str], parts: Sequence[str] = ()
+) -> BaseException | None:
+    """Write what pytest-benchmark reports of a script as it goes (see ``record.py``); what stopped it, if
+    anything did. Its own tables go to the terminal.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
-    beside = file.with_name(f".{file.name}").resolve()
-    command = [sys.executable, "-m", "pytest", "-q", str(script), f"--benchmark-json={beside}"]
+    file.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "pytest", "-q", str(script), f"--report={file.resolve()}"]
+    command += ["-p", "benchmarks.common.record", "-k", " or ".join(f"test_{part}" for part in parts)]
     command += ["--benchmark-columns=median,iqr,rounds", f"--rootdir={ROOT}", "-p", "no:cacheprovider"]
-    done = subprocess.run(command, env=os.environ | settings, check=False)
-    if done.returncode:
-        raise MeasurementFailed(f"the study {script.name} failed: see above")
-    beside.replace(file)
-    return json.loads(file.read_text())
+    try:
+        done = subprocess.run(command, env=os.environ | settings, check=False)
+    except KeyboardInterrupt as stop:
+        return stop
+    if done.returncode == INTERRUPTED:
+        return KeyboardInterrupt()
+    return MeasurementFailed(f"the study {script.name} failed: see above") if done.returncode else None

@@ -3,10 +3,13 @@
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from benchmarks.common.measure import study
 from benchmarks.generator.page import generator_page
 from logic.errors import RequestError
+
+Part = Literal["loading", "house", "layout", "place", "workers", "rejection", "decide", "sample"]
 
 
 @dataclass(frozen=True)
@@ -22,8 +25,13 @@ class Generator:
     rounds: int = 20
     """Houses of each number of rooms."""
 
+    part: tuple[Part, ...] = ()
+    """Parts of the study: loading a grammar; a house by both stages, its layout (clingo), its place (CLP(R));
+    workers side by side; rejection sampling; whether linear systems have a solution (decide), and one of them
+    (sample), beside another solver. By default all."""
+
     out: Path = Path("runs/bench")
-    """Folder for generator.json, generator.png and generator.md."""
+    """Folder for generator.json and generator.csv, written as it goes, generator.png and generator.md."""
 
     publish: bool = False
     """Put the page and its plot into docs too."""
@@ -32,12 +40,18 @@ class Generator:
         """Measure, draw, write the page and print the fitted laws."""
         if self.rounds < 1 or not self.rooms or min(self.rooms) < 1:
             raise RequestError("--rooms needs one number or more, each 1 or more; --rounds 1 or more")
-        place = Path(self.grammar)
+        if self.publish and self.part:
+            raise RequestError("--publish: the page in docs shows all parts: leave out --part")
+        place, rooms = Path(self.grammar), " ".join(map(str, sorted(set(self.rooms))))
         settings = {
             "VITRUVIUS_GRAMMAR": str(place.resolve()) if place.is_dir() else self.grammar,
-            "VITRUVIUS_ROOMS": " ".join(map(str, sorted(set(self.rooms)))),
+            "VITRUVIUS_ROOMS": rooms,
             "VITRUVIUS_ROUNDS": str(self.rounds),
         }
-        page = partial(generator_page, grammar=self.grammar)
+        command = f"./run bench generator --grammar {self.grammar}"
+        if (self.rooms, self.rounds, self.part) != (Generator.rooms, Generator.rounds, Generator.part):
+            command += f" --rooms {rooms} --rounds {self.rounds}"
+            command += f" --part {' '.join(self.part)}" if self.part else ""
+        page = partial(generator_page, command=command)
         script = Path(__file__).with_name("test_generator.py")
-        study(script, self.out, page, publish=self.publish, **settings)
+        study(script, self.out, page, parts=self.part, publish=self.publish, **settings)

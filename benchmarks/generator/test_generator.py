@@ -80,6 +80,7 @@ def measure(
         p95=float(np.percentile(times, 95)),
         inferences=float(np.median(np.diff(counts))) - asking,
         panel=panel,
+        versions=builder.versions,
     )
 
 

@@ -6,7 +6,7 @@ Taichi's cache on the disk; ``TI_OFFLINE_CACHE=0`` forbids the cache.
 """
 
 import json
-import sys
+from argparse import ArgumentParser
 from time import perf_counter
 from typing import Any
 from unittest.mock import patch
@@ -42,4 +42,6 @@ def main(file: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("file")
+    main(parser.parse_args().file)

@@ -8,8 +8,9 @@ from agent import banks
 from agent.banks import TEST, TRAINING, VALIDATION, bank_hash, benchmark, geometry_hash, require_training
 from agent.commands import Train
 from agent.config import PQNConfig
-from logic import House, HouseFileError, Rect, check, generate, save
+from logic import House, HouseFileError, Rect, check, generate, load, save
 from logic.promises import PROMISES
+from sim.arguments import BANK
 
 
 @pytest.fixture(scope="module")
@@ -66,10 +67,22 @@ def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(ba
     assert not (tmp_path / "out").exists()
 
 
-def test_todays_rules_make_the_houses_of_the_bank_again_where_the_solvers_are_the_same(bank):
-    [again] = generate(rooms=2, seed=TEST.start)
-    made, frozen = again.provenance, bank[0].provenance
-    assert made is not None
-    if made.versions != frozen.versions:
+def test_the_houses_that_come_with_the_simulator_may_be_learnt_from_and_have_a_kitchen():
+    """So a task may ask for one."""
+    houses = load(BANK)
+    assert len(houses) == 32
+    require_training(houses, BANK)
+    assert not any(check(house) for house in houses)
+    assert all("kitchen" in [room.type for room in house.rooms] for house in houses)
+
+
+@pytest.mark.parametrize(
+    ("path", "request_"), [(banks.benchmark_path(), {"rooms": 2, "seed": TEST.start}), (BANK, {"rooms": 4})]
+)
+def test_todays_rules_make_the_houses_of_the_banks_again_where_the_solvers_are_the_same(path, request_):
+    first, [again] = load(path)[0], generate(**request_)
+    assert again.provenance
+    assert first.provenance
+    if again.provenance.versions != first.provenance.versions:
         pytest.skip("other versions of the solvers than the bank's: it stays as it was made")
-    assert geometry_hash(again) == geometry_hash(bank[0])
+    assert geometry_hash(again) == geometry_hash(first)

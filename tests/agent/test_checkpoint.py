@@ -67,8 +67,8 @@ def test_saving_leaves_one_file_and_replaces_an_old_one(tmp_path):
 
 
 def test_a_checkpoint_that_is_absent_or_a_folder_is_refused(tmp_path):
-    assert "No such file" in refusal(tmp_path / "none.safetensors")
-    assert "directory" in refusal(tmp_path)
+    assert "there is no such file" in refusal(tmp_path / "none.safetensors")
+    assert "is a folder" in refusal(tmp_path)
 
 
 @pytest.mark.parametrize("content", [b"", b"no checkpoint", b'{"format": 1}\n', pickle.dumps([1])])

@@ -13,13 +13,15 @@ import torch
 
 from agent import checkpoint, runs
 from agent.banks import bank_hash
+from agent.cli import parse
 from agent.config import PRESETS, DQNConfig, PQNConfig
 from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.runs import run
-from logic import save
+from logic import load, save
 from logic.errors import RequestError
+from sim.arguments import BANK
 from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
@@ -47,6 +49,20 @@ def same(one: Path, other: Path) -> bool:
     """Whether two checkpoints hold the same numbers."""
     pairs = [checkpoint.load(path / "agent.safetensors").network.state_dict() for path in (one, other)]
     return all(torch.equal(value, pairs[1][name]) for name, value in pairs[0].items())
+
+
+def test_train_takes_any_task_and_any_field_of_the_simulator_and_keeps_them(tmp_path, monkeypatch):
+    """In the houses that come with the project, where none are given."""
+    monkeypatch.chdir(tmp_path)
+    task = '{"task": "reach", "room": "kitchen"}'
+    words = ["train", "--targets", task, "--sim", "steps=99", "--sim", "random_start=false", "--out", "run"]
+    words += ["--num-envs", "8", "--num-steps", "16", "--steps"]
+    assert parse([*words, "256"]).run() == 0
+    found = checkpoint.load("run/agent.safetensors")
+    assert (found.config.targets, found.config.sim) == (task, ("steps=99", "random_start=false"))
+    assert found.houses == bank_hash(load(BANK))
+    assert parse([*words, "512", "--resume"]).run() == 0
+    assert checkpoint.load("run/agent.safetensors").steps == 512
 
 
 def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):

@@ -1,6 +1,7 @@
 """The agent in the real simulator: the shield, and flipped houses."""
 
 import math
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -8,11 +9,12 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
+from agent.config import PRESETS, PQNConfig
 from agent.evaluation.episodes import play
 from agent.policies import RandomPolicy
-from agent.world import make_envs, shield
+from agent.world import make_envs, sensor, shield, simulator
 from logic import Door, House, HouseFileError, Rect, Room
-from sim import HouseVectorEnv
+from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from tests.sample_houses import random_house
 
 E = 16
@@ -50,6 +52,20 @@ def everywhere(house: int) -> np.ndarray:
 
 def chance(seed: int = 0) -> torch.Generator:
     return torch.Generator().manual_seed(seed)
+
+
+def test_fields_of_the_simulator_replace_those_of_the_preset_and_the_sensor_is_kept_for_measuring():
+    config = PQNConfig(world="paper", sim=("rays=20", "body=[0.2, 0.3]", "collision=swept", "steps=70"))
+    learnt_in = Config(**asdict(PAPER) | {"rays": 20, "body": (0.2, 0.3), "collision": "swept", "steps": 70})
+    assert simulator(config) == learnt_in
+    measured_in = replace(DEFAULT, rays=20, first_ray=PAPER.first_ray, sees_angle=True)
+    assert sensor(config) == measured_in
+
+
+def test_the_presets_learn_in_the_simulators_presets():
+    assert {name: simulator(preset) for name, preset in PRESETS.items()} == {
+        name: PAPER if name == "paper" else DEFAULT for name in PRESETS
+    }
 
 
 def test_in_a_corridor_no_step_that_the_shield_allows_is_blocked(envs):

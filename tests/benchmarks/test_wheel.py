@@ -50,6 +50,14 @@ def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, t
     assert (tmp_path / "found" / "generator.png").stat().st_size
 
 
+def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tmp_path: Path) -> None:
+    code = "import sim.arguments; print(sim.__file__, len(sim.arguments.house_list(sim.arguments.BANK)))"
+    ended = in_wheel(installed, tmp_path, "-c", code)
+    path, houses = ended.stdout.splitlines()[-1].split()
+    assert Path(path).is_relative_to(installed)
+    assert houses == "32"
+
+
 def test_a_wheel_has_the_benchmark_bank(installed: Path, tmp_path: Path) -> None:
     code = "import agent.banks; print(agent.banks.benchmark_path(), len(agent.banks.benchmark()))"
     ended = in_wheel(installed, tmp_path, "-c", code)

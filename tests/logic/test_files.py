@@ -207,7 +207,7 @@ def test_a_small_file_that_unpacks_to_more_than_is_read_is_refused(
 
 
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(HouseFileError, match="No such file"):
+    with pytest.raises(HouseFileError, match="there is no such file"):
         load(tmp_path / "absent.jsonl")
     with pytest.raises(HouseFileError, match="directory"):
         load(tmp_path)
@@ -277,6 +277,17 @@ def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "round").symlink_to(tmp_path / "round")
     with pytest.raises(OSError, match="round"):
         write_whole(tmp_path / "round", b"")
+
+
+def test_a_pipe_is_written_to_by_its_number_whatever_it_is_called() -> None:
+    """As by ``--out /dev/stdout`` or ``--out >(gzip)``."""
+    reader, writer = os.pipe()
+    try:
+        save([HOUSE], f"/dev/fd/{writer}")
+        assert os.read(reader, 1 << 16).startswith(b'{"format"')
+    finally:
+        os.close(reader)
+        os.close(writer)
 
 
 def test_a_pipe_is_written_to_and_stays(tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ def test_a_count_without_sense_is_refused(count: object) -> None:
         ({"furniture": {"wardobe": 1}}, "wardobe: did you mean wardrobe"),
         ({"furniture": {"bedrom.bed": 1}}, "bedrom: did you mean bedroom"),
         ({"furniture": {"bathroom.bed": 1}}, "bed.*shower, sink, toilet"),
-        ({"types": {"": 1}}, "it has bathroom, bedroom, hall, kitchen"),
+        ({"types": {"": 1}}, "there are bathroom, bedroom, hall, kitchen"),
     ],
 )
 def test_an_unknown_name_is_answered_by_those_that_exist(asked: dict, says: str) -> None:

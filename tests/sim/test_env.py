@@ -190,7 +190,7 @@ def test_wrong_tensors_are_refused_and_change_nothing(envs, usual, name):
 
 
 WRONG_OPTIONS = {
-    "unknown reset option 'houses'": {"houses": [0] * 5},
+    "there is no reset option houses: did you mean house": {"houses": [0] * 5},
     "option house: 5 integers": {"house": [0, 1]},
     "option house: 5 integers, found float64 (5,)": {"house": [0.0] * 5},
     "the bank has houses 0 to 2": {"house": [0, 1, 2, 3, 0]},
@@ -345,14 +345,16 @@ def test_cuda_is_refused_where_there_is_none_and_the_cpu_still_works():
 
 
 WRONG_ARGUMENTS = {
-    "unknown backend 'grids': there are continuous, grid, or module:Class": {"backend": "grids"},
+    "there is no backend grids: did you mean grid? There are continuous, grid, or module:Class": {
+        "backend": "grids"
+    },
     "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
-    "unknown targets 'all': there are main, secondary, mixed": {"targets": "all"},
-    "unknown preset 'papers'": {"preset": "papers"},
+    "there is no task all: there are main, secondary, mixed": {"targets": "all"},
+    "there is no preset papers: did you mean paper": {"preset": "papers"},
     "num_envs is 0": {"num_envs": 0},
     "max_episode_steps is 0": {"max_episode_steps": 0},
     "unknown render_mode 'human'": {"render_mode": "human"},
-    "unknown device 'tpu': there are cpu, cuda": {"device": "tpu"},
+    "there is no device tpu: did you mean cpu": {"device": "tpu"},
     "device 'cuda' cannot be had": {"device": "cuda"},
     "'Sometimes' is not a valid AutoresetMode": {"autoreset_mode": "Sometimes"},
 }

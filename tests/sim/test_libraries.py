@@ -294,7 +294,7 @@ def test_the_readmes_examples_run(folder, monkeypatch):
         (Path(__file__).parents[2] / "README.md").read_text().split("## The simulator")[1].split("\n## ")[0]
     )
     (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    assert "check_vector_env" in program
+    assert "make_vec" in program
     monkeypatch.chdir(folder)
     exec(program, {})
 

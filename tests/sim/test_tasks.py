@@ -123,8 +123,8 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("targets", "message"),
     [
-        ("attic", "unknown targets 'attic': there are main, secondary, mixed"),
-        ({"task": "fly"}, "unknown targets"),
+        ("attic", "there is no task attic: there are main, secondary, mixed"),
+        ({"task": "fly"}, "there is no task fly: there are collect, reach"),
         ({"task": "reach"}, "cannot be had: .*room"),
         ({"task": "reach", "room": "hall", "door": 1}, "cannot be had: .*door"),
         ("tests.sim.test_tasks:Smallest", "cannot be had: .*Smallest"),

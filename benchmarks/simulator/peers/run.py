@@ -16,6 +16,7 @@ from benchmarks.common.pages import ROOT, machine
 from benchmarks.common.processes import say
 from logic.errors import MissingProgram, RequestError
 from logic.files import write_whole
+from logic.spelling import unknown
 
 HERE = Path(__file__).resolve().parent
 PEERS = {
@@ -60,17 +61,17 @@ class Peers:
 
     def measured(self) -> dict[str, Any]:
         """What is in the file then. Raises ``MissingProgram`` without uv."""
+        allowed = sorted(os.sched_getaffinity(0))
+        count = self.processors or len(allowed)
+        if wrong := set(self.only) - set(PEERS):
+            raise RequestError(f"--only: {unknown('peer', min(wrong), PEERS)}")
+        if self.rounds < 5 or not 0 < count <= len(allowed):
+            raise RequestError(f"--rounds must be 5 or more, --processors 1 to {len(allowed)}")
         uv = shutil.which("uv") or shutil.which("uv", path=ROOT / ".local/uv/bin")
         if not uv:
             raise MissingProgram(
                 "uv is missing: ./run leaves one in .local/uv/bin, or see https://docs.astral.sh/uv"
             )
-        allowed = sorted(os.sched_getaffinity(0))
-        count = self.processors or len(allowed)
-        if unknown := set(self.only) - set(PEERS):
-            raise RequestError(f"--only {min(unknown)}: no peer. They are {', '.join(PEERS)}")
-        if self.rounds < 5 or not 0 < count <= len(allowed):
-            raise RequestError(f"--rounds must be 5 or more, --processors 1 to {len(allowed)}")
         chosen = allowed[-count:]  # the first processor serves most interrupts
         rows, failures = [], []
         for peer in self.only:

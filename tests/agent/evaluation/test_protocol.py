@@ -13,7 +13,8 @@ from agent.checkpoint import Checkpoint
 from agent.config import PRESETS, TARGET_MODES, PQNConfig
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.commands import Evaluate, by_name
-from agent.evaluation.protocol import SENSORS, Setting, measure
+from agent.evaluation.protocol import Setting, measure
+from agent.world import sensor
 from logic import RequestError, save
 from tests.sample_houses import random_house
 
@@ -95,7 +96,9 @@ def test_agents_of_all_presets_are_measured_in_the_same_houses(tmp_path):
 
 
 def test_an_agent_of_the_papers_simulator_sees_by_the_papers_rays_and_meets_the_same_targets():
-    default, paper = (Setting(HOUSES[:1], "main", SENSORS[name], "continuous").envs for name in SENSORS)
+    default, paper = (
+        Setting(HOUSES[:1], "main", sensor(PRESETS[name]), "continuous").envs for name in ("pqn", "paper")
+    )
     for envs in (default, paper):
         envs.reset(seed=5)
     assert paper.single_observation_space.shape == (40, 3)

@@ -70,7 +70,7 @@ def study() -> Study:
     players = {"plain": (0.8, 0.82), "bare": (0.5,), "other": (0.3, 0.3), "script": (0.6,)}
     return Study(
         share=0.2,
-        command="python -m benchmarks.agents --share 0.2",
+        command="./run bench agents --share 0.2",
         days="2026-01-01",
         machine="a machine",
         versions="Python 3.11",
@@ -177,7 +177,7 @@ def test_a_run_of_another_budget_or_with_other_options_is_refused(tmp_path: Path
 
 
 def test_an_unknown_entry_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match="--only nothing: no entry"):
+    with pytest.raises(RequestError, match="--only: there is no entry nothing"):
         Agents(only=("nothing",), out=tmp_path).run()
 
 

@@ -1,17 +1,23 @@
 """The page of the generator's study says what was measured, and hides no plan that was not done in time."""
 
+from pathlib import Path
+
+import pytest
+
 from benchmarks.generator.page import generator_page
+from benchmarks.generator.run import Generator
+from logic import RequestError
 from tests.benchmarks.reports import report
 
 
 def test_fewer_than_half_late_leave_the_median_but_not_the_95th_percentile() -> None:
-    page = generator_page(report(), "family")
+    page = generator_page(report(), "./run bench generator")
     assert "| 6 | 1,000 | > 20,000 | 800 | 2 of 20 |" in page
     assert "| 7 | > 20,000 | > 20,000 |  | 20 of 20 |" in page
 
 
 def test_the_page_names_machine_versions_grammar_and_what_is_measured() -> None:
-    page = generator_page(report(), "mine")
+    page = generator_page(report(), "./run bench generator --grammar mine")
     for words in (
         "--grammar mine",
         "x86_64",
@@ -23,3 +29,20 @@ def test_the_page_names_machine_versions_grammar_and_what_is_measured() -> None:
     ):
         assert words in page
     assert "| 32 | 64.0 | 64.0 | 100.0 | 64.0 | 200.0 | 3.12 | 50,000 | 50,000 |" in page
+
+
+def test_a_part_of_the_study_makes_a_page_of_its_sections_alone() -> None:
+    whole = report()
+    houses = [entry for entry in whole["benchmarks"] if entry["name"].startswith("test_house")]
+    page = generator_page(whole | {"benchmarks": houses}, "./run bench generator --part house")
+    assert "| 32 |  |  | 100.0 | 64.0 | 200.0 | 3.12 |  | 50,000 |" in page
+    assert [line for line in page.splitlines() if line.startswith("## ")] == [
+        "## A furnished house",
+        "## Fitted laws",
+        "## On your grammar",
+    ]
+
+
+def test_a_part_of_the_study_is_not_published(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="leave out --part"):
+        Generator(part=("house",), publish=True, out=tmp_path).run()

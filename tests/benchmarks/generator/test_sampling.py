@@ -1,8 +1,9 @@
 """Sampling is fair: gaps on their simplex, sizes in their range, layouts alike; and layouts are counted."""
 
 import json
+import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations_with_replacement, permutations, product
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 from agent.cli import main
 from benchmarks.generator.laws import along_sides, held, on_a_chain, on_a_wall
 from benchmarks.generator.layouts import by_rejection, entropy, every_layout
-from logic import count_layouts
+from logic import RequestError, count_layouts
 from logic.builder import Builder
 from logic.grammar import find
 from logic.layout import EVERY, Program
@@ -136,8 +137,36 @@ def test_a_room_has_as_often_few_pieces_as_many(builder: Builder, piece: str, mo
 def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
     """Three coins of which not all show heads: seven layouts, whatever else the model says."""
     made = coins(tmp_path, EVERY)
-    assert made.count([], 60) == (7, True)
-    assert made.count([], 0) == (1, False)
+    assert list(made.count([], 60)) == [(7, True)]
+    assert list(made.count([], 0)) == [(1, False)]
+
+
+def test_a_count_says_once_a_second_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock that goes on by 0.4 s with each layout."""
+    monkeypatch.setattr("logic.layout.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
+    assert list(coins(tmp_path, EVERY).count([], 60)) == [(3, None), (6, None), (7, True)]
+
+
+def test_a_count_of_layouts_knows_the_types_and_shows_how_far_it_is(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(RequestError, match="bedrom: did you mean bedroom"):
+        list(count_layouts(4, types={"bedrom": 1}))
+
+    def counted(
+        *_: object, report: Callable[[str, int], None], **__: object
+    ) -> Iterator[tuple[str, int, bool]]:
+        report("hall", 1234)
+        time.sleep(0.2)  # it is shown ten times a second
+        yield "hall", 5678, True
+
+    monkeypatch.setattr("logic.count_layouts", counted)
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")
+    with pytest.raises(SystemExit, match="0"):
+        main(["generate", "--rooms", "2", "--count-layouts"])
+    shown = capsys.readouterr()
+    assert shown.out == "hall: 5,678\n"
+    assert "hall: 1,234 layouts after 0 s" in shown.err
 
 
 def test_counts_are_those_of_brute_force(tmp_path: Path) -> None:
@@ -152,7 +181,7 @@ def test_counts_are_those_of_brute_force(tmp_path: Path) -> None:
         for _ in permutations(range(crates)):
             for touching in product([False, True], repeat=crates + 1):  # what is before it, and the end
                 rooms += not all(touching)
-    assert count_layouts(3, grammar=tmp_path) == [("3 rooms", houses, True), ("cell", rooms, True)]
+    assert list(count_layouts(3, grammar=tmp_path)) == [("3 rooms", houses, True), ("cell", rooms, True)]
 
 
 def test_the_layouts_of_four_rooms_are_as_many_as_combinatorics_says() -> None:

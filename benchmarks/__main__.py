@@ -1,0 +1,7 @@
+"""``python -m benchmarks`` is ``vitruvius bench``."""
+
+import sys
+
+from agent.cli import main
+
+main(["bench", *sys.argv[1:]])

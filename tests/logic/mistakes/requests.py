@@ -1,0 +1,88 @@
+"""Mistakes on the command line: what was typed, the exit code, and what the answer says."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Command:
+    """Words after ``vitruvius``, in a folder that has houses.jsonl (one house of 2 rooms) and runs/mine."""
+
+    words: str
+    says: tuple[str, ...]
+    code: int = 2
+
+
+MISTAKES = (
+    # commands
+    Command("trian", ("there is no command trian", "did you mean train?")),
+    Command("frobnicate", ("there is no command frobnicate: there are generate, explain",)),
+    Command("bench generatr", ("there is no study generatr", "did you mean generator?")),
+    # options
+    Command("generate --rooom 3", ("generate: there is no option --rooom", "did you mean --rooms?")),
+    Command("generate --rooms 3 --tpye hall=1", ("no option --tpye", "did you mean --type?")),
+    Command("generate --rooms 3 --zoo 2", ("no option --zoo", "see vitruvius generate --help")),
+    Command("train --learning_rat 1", ("no option --learning-rat", "did you mean --learning-rate?")),
+    Command("train --no-resum", ("no option --no-resum", "did you mean --no-resume?")),
+    Command("bench generator --round 5", ("no option --round", "did you mean --rounds?")),
+    # names
+    Command("train --preset pqnmap", ("there is no preset pqnmap", "did you mean pqn-map?")),
+    Command("train --preset=best", ("there is no preset best: there are pqn, pqn-map",)),
+    Command(
+        "evaluate pqn",
+        ("pqn: is a preset of train, and no agent", "train --preset pqn", "runs/pqn/agent.safetensors"),
+        5,
+    ),
+    Command("evaluate pqnmap", ("there is no agent pqnmap", "did you mean pqn-map?"), 5),
+    Command("evaluate runs/mine", ("is a folder", "did you mean runs/mine/agent.safetensors?"), 5),
+    Command("evaluate runs/mine/agent.safetensor", ("there is no such file", "vitruvius train"), 5),
+    Command("generate --rooms 3 --grammar famly", ("there is no grammar famly", "did you mean family?"), 5),
+    Command("lint clinc", ("no such directory", "there is no grammar clinc", "did you mean clinic?"), 5),
+    Command("generate --rooms 3 --type bathrom=1", ("no room type bathrom", "did you mean bathroom?")),
+    Command("generate --rooms 3 --piece wardrop=1", ("there is no piece wardrop", "did you mean wardrobe?")),
+    Command("generate --rooms 3 --piece bedrom.bed=1", ("no room type bedrom", "did you mean bedroom?")),
+    Command(
+        "generate --rooms 3 --count-layouts --seconds 0.1 --type hal=1",
+        ("no room type hal", "did you mean hall?"),
+    ),
+    Command("check housse.jsonl", ("there is no such file", "did you mean houses.jsonl?"), 5),
+    Command("check flats.json", ("there is no such file", ". has houses.jsonl"), 5),
+    Command("check none/flats.json", ("no such file", "vitruvius generate --rooms 4"), 5),
+    Command("evaluate --targets scondary", ("there is no task scondary", "did you mean secondary?")),
+    # values
+    Command("generate --rooms 3 --type bathroom", ("--type bathroom", "--type bed=2 or bed=1..3")),
+    Command("generate --rooms 0", ("rooms must be a whole number, 1 or more, not 0",)),
+    Command("generate --rooms 300", ("rooms must be at most 128, not 300",)),
+    Command("generate --rooms 3 --seconds inf", ("seconds must be above 0 and below a million",)),
+    Command("train --steps 0", ("steps must be above 0, not 0",)),
+    Command("train --sim nose=0.1", ("--sim nose=0.1", "there is no field nose", "did you mean noise?")),
+    Command("train --sim noise=much", ("--sim noise=much", "Expected `float`")),
+    Command("train --sim ray_spacing=2", ("--sim ray_spacing=2", "it must divide 45")),
+    Command("train --targets mian", ("there is no task mian", "did you mean main?")),
+    Command("train --targets {'task':'reach'}", ("is no JSON",)),
+    Command('train --targets {"task":"reach"}', ("cannot be had", "'room'")),
+    Command("train --targets nowhere:Task", ("cannot be had", "nowhere")),
+    # files that are written
+    Command("generate --rooms 2 --out x.txt", ("x.txt: .txt is not written", ".jsonl")),
+    Command("generate --rooms 2 --out x.csv", ("x.csv: .csv is not written", ".jsonl")),
+    Command("generate --rooms 2 --out x", ("x: no extension is not written", ".jsonl")),
+    Command("generate --rooms 2 --count 2 --out x.json", ("holds one house, not 2", "use .jsonl")),
+    Command("generate --rooms 2 --out runs", ("runs: is a folder", "runs/houses.jsonl")),
+    Command("export pqn-map --out x.pt", ("x.pt: .pt is not written", ".onnx")),
+    Command("evaluate --out x.json", ("x.json: a folder is written",)),
+    Command("train --steps 1 --out x.safetensors", ("x.safetensors: a folder is written",)),
+    # fixed rooms
+    Command(
+        "generate --rooms 1 --keep houses.jsonl",
+        ("the house has 2 rooms to keep, but rooms=1", "ask for rooms=2 or more", "--keep-rooms R0"),
+    ),
+    Command("generate --rooms 3 --keep houses.jsonl --keep-rooms R0 R5", ("no room R5", "there are R0, R1")),
+    Command("generate --rooms 3 --keep houses.jsonl --keep-house 1", ("has houses 0 to 0",)),
+    Command("generate --rooms 3 --keep-rooms R0", ("give it by --keep FILE",)),
+    Command("generate --rooms 3 --keep houses.jsonl --cell 0.3", ("leave out cell or keep",)),
+    Command("generate --rooms 3 --keep houses.jsonl --count-layouts", ("leave out --keep",)),
+    # studies
+    Command("bench generator --rounds 0", ("--rounds 1 or more",)),
+    Command("bench generator --part house --publish", ("leave out --part",)),
+    Command("bench agents --only pqnn", ("there is no entry pqnn", "did you mean pqn?")),
+    Command("bench peers --only jaxnav", ("there is no peer jaxnav", "did you mean JaxNav?")),
+)
