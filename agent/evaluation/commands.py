@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from agent.config import TARGET_MODES, TargetMode, differences
+from agent.config import TARGET_MODES, differences
 from logic.commands import say
 from logic.errors import RequestError
 
@@ -150,7 +150,7 @@ class Record:
     """How many steps of the episode to film."""
 
     targets: str = "main"
-    """Where targets lie."""
+    """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
 
     seed: int = 0
     """Seeds the start and the targets."""
@@ -166,6 +166,7 @@ class Record:
         from agent import checkpoint
         from agent.evaluation.film import record
         from agent.progress import progress
+        from agent.world import require_task
         from logic import load
         from sim.film import require_gif
 
@@ -173,6 +174,7 @@ class Record:
             require_gif(self.out)
         except ValueError as error:
             raise RequestError(f"--out {error}") from None
+        require_task(self.targets)
         agent, houses = checkpoint.load(self.agent), load(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
