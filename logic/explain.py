@@ -23,6 +23,7 @@ from clingo import Function, Number, Symbol, SymbolType, ast
 from logic.errors import Reason
 from logic.grammar import RULES
 from logic.layout import CORE, Endless, Instances, Part
+from logic.messages import written
 from logic.placement import Conflict
 
 BEGIN = ast.Position("<explanation>", 1, 1)
@@ -178,7 +179,7 @@ def _conditional(
             if more and _signature(statement.head) in COUNTS:
                 rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))
             condition = _literal(stated)
-            text = excerpt(statement.location)
+            text = written(statement)
             found.append((Reason(text, begin.filename, begin.line, begin.column), None))
             statement = statement.update(body=[*statement.body, condition])
         rules.append(statement)
@@ -208,15 +209,6 @@ def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
     known = _literal(ast.SymbolicAtom(ast.Function(HERE, "more", [piece, extra], False)))
     head = rule.head.update(atom=rule.head.atom.update(symbol=wider))
     return rule.update(head=head, body=[*rule.body, condition, known])
-
-
-def excerpt(location: ast.Location) -> str:
-    """What stands at a location of a file, on one line."""
-    begin, end = location.begin, location.end
-    part = Path(begin.filename).read_text(encoding="utf-8").split("\n")[begin.line - 1 : end.line]
-    part[-1] = part[-1][: end.column - 1]
-    part[0] = part[0][begin.column - 1 :]
-    return " ".join(" ".join(text.split()) for text in part)
 
 
 def _stated(number: int) -> ast.AST:

@@ -17,9 +17,10 @@ def entries() -> list[dict]:
 def inexpressible(*names: str) -> str:
     """What to say of a predicate with these names, its own or also its arguments'; empty if it is unknown.
 
-    ``max_house_area`` and ``maxHouseArea`` hold the words *house area*.
+    ``max_house_area`` and ``maxHouseAreas`` hold the words *house area*.
     """
     held = {word.lower() for name in names for word in re.findall("[A-Z]?[a-z]+", name)}
+    held |= {word.removesuffix("s") for word in held}
     for entry in entries():
         if any(held.issuperset(words.split()) for words in entry["words"]):
             return f"not expressible in this topology: {entry['topic']}: {entry['says']}: see {READ}"

@@ -215,7 +215,8 @@ class Placer:
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:
     """An error for a name in a ``.pl`` file that nothing knows: of a predicate, a room type or a piece."""
-    return GrammarError(inexpressible(name) or text, file, line, column)
+    # A misspelt name is that before it is a word that asks for too much: door_widht is door_width.
+    return GrammarError(text if ": did you mean" in text else inexpressible(name) or text, file, line, column)
 
 
 def _problem(file: str, line: int, column: int, text: str, name: str) -> GrammarError:

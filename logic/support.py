@@ -14,9 +14,10 @@ import clingo
 from clingo import Number, Symbol, ast
 
 from logic.errors import Reason
-from logic.explain import HERE, excerpt
+from logic.explain import HERE
 from logic.instead import Chosen
 from logic.layout import CORE, Program
+from logic.messages import written
 from logic.reference import asp_entries
 from logic.why import Derivation
 
@@ -78,7 +79,7 @@ class Support:
                 literal = ast.Literal(HERE, ast.Sign.NoSign, atom)
                 builder.add(ast.Rule(HERE, literal, [*condition, *body]))
             begin = statement.location.begin
-            self.rules.append(Reason(excerpt(statement.location), begin.filename, begin.line, begin.column))
+            self.rules.append(Reason(written(statement), begin.filename, begin.line, begin.column))
 
     def _derived(self) -> dict[Symbol, int]:
         """How many steps it takes to derive each atom: a proof by fewer steps is never circular."""

@@ -142,7 +142,7 @@ MISTAKES = (
         old="",
         new="weight(hall,2). weight(hall,3).",
         at="weight(hall,3)",
-        says="weight(hall,2) is stated too, at furniture.lp:19:1",
+        says="weight(hall,2) is stated too, at furniture.lp:",
     ),
     Mistake(
         "a weight of zero",
@@ -426,8 +426,8 @@ MISTAKES = (
         "a window",
         "rooms.lp",
         old="",
-        new=":- window(R), room(R,bathroom).",
-        at="window",
+        new=":- windows(R,2), room(R,bathroom).",
+        at="windows",
         says="not expressible in this topology: windows and outside doors",
     ),
     Mistake(

@@ -415,6 +415,12 @@ door_width(0.762).          % the paper's 2.5 feet
     ),
     passage("an expansion", new="term_expansion(a, b).", says="nothing uses term_expansion/2"),
     passage("a grammar rule of Prolog", new="passage --> [0.42].", says="a grammar has no DCG rules"),
+    passage(
+        "a misspelt length",
+        new=f"{PASSAGE}\ndoor_widht(0.9).",
+        says="nothing uses door_widht/1: did you mean door_width/1?",
+        at="door_widht",
+    ),
     # - what this topology cannot express
     passage(
         "a size of the main room",
