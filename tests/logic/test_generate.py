@@ -197,7 +197,7 @@ def test_a_limit_of_inferences_is_stated() -> None:
         ({"rooms": 3, "types": {"bedroom": -1}}, "bedroom"),
         ({"rooms": 3, "types": {"bedroom": (2, 1)}}, "lesser first"),
         ({"rooms": 3, "types": {"bedroom": 1.5}}, "whole number"),
-        ({"rooms": 3, "types": {"bedrom": 1}}, "did you mean bedroom.*it has bathroom, bedroom"),
+        ({"rooms": 3, "types": {"bedrom": 1}}, "did you mean bedroom.*There are bathroom, bedroom"),
         ({"rooms": 3, "furniture": {"bad": 1}}, "did you mean bed"),
         ({"rooms": 3, "furniture": {"hall.bed": 1}}, "no piece bed"),
         ({"rooms": 3, "cell": 0.2}, "0.287"),
