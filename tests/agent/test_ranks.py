@@ -21,12 +21,19 @@ TORCHRUN = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node=2",
 TORCHRUN += ["--rdzv-backend=c10d", "--rdzv-endpoint=localhost:0"]
 
 
+def by_torchrun(*command: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*TORCHRUN, *command], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
+    )
+
+
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory):
     """What one process learnt from eight environments, and what two learnt from four each, with gloo."""
     folder = tmp_path_factory.mktemp("ranks")
     learn(str(folder / "one"))
-    assert processes.as_two_ranks(learn, folder / "two") == [0, 0]
+    ended = by_torchrun("-m", "tests.ranks", str(folder / "two"))
+    assert ended.returncode == 0, ended.stderr[-2000:]
     return [torch.load(folder / name, weights_only=True) for name in ("one", "two")]
 
 
@@ -57,23 +64,13 @@ def test_no_thread_of_the_process_group_is_left(learnt):
 def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     out = tmp_path / "run"
-    train = [
-        "train",
-        str(tmp_path / "houses.jsonl"),
-        "--out",
-        str(out),
-        "--num-envs",
-        "8",
-        "--num-steps",
-        "16",
-        "--map",
-    ]
-    command = [*TORCHRUN, "-m", "agent.cli", *train, "--steps", "500"]
-    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
+    train = ["train", str(tmp_path / "houses.jsonl"), "--out", str(out), "--map"]
+    train += ["--num-envs", "8", "--num-steps", "16"]
+    ended = by_torchrun("-m", "agent.cli", *train, "--steps", "500")
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert ended.stderr.count("vitruvius evaluate") == 1  # one of them reports
     assert json.loads((out / "config.json").read_text())["ranks"] == 2
-    assert processes.as_two_ranks(processes.vitruvius, *train, "--steps", 1000, "--resume") == [0, 0]
+    assert processes.as_two_ranks(*train, "--steps", "1000", "--resume") == [0, 0]
     steps = [json.loads(line)["steps"] for line in (out / "metrics.jsonl").read_text().splitlines()]
     assert steps == list(range(128, 1025, 128))
     assert checkpoint.load(out / "agent.safetensors").steps == 1024
