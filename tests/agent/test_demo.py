@@ -25,6 +25,7 @@ def made(tmp_path_factory):
         for name, value in {"ROOMS": (2,), "TRAINING": 6, "HELD_OUT": 2, "STEPS": 2000, "LINES": 0.0}.items():
             patch.setattr(module, name, value)
         patch.setattr(module, "Console", lambda: console)
+        patch.setattr("agent.evaluation.film.STRIDE", 20)
         out.mkdir()
         (out / "report.md").write_text("of an older run")
         code = demo(out, seed=3)
@@ -72,7 +73,7 @@ def test_the_terminal_shows_whole_tables_in_80_columns(made):
 
 def test_the_film_shows_the_whole_episode(made):
     with Image.open(made[0] / "episode.gif") as image:
-        assert image.n_frames == 1500 / 4 + 1  # pyright: ignore[reportAttributeAccessIssue]
+        assert image.n_frames == 1500 / 20 + 1  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):

@@ -3,6 +3,7 @@
 import json
 import time
 from dataclasses import replace
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.runs import run
-from logic import load, save
+from logic import save
 from logic.errors import RequestError
 from sim.arguments import BANK
 from tests import processes
@@ -76,10 +77,17 @@ def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):
 def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
     """By SIGKILL, wherever it stood; and again. With all that a run may keep."""
     save(HOUSES, tmp_path / "houses.jsonl")
-    run(load(tmp_path / "houses.jsonl"), replace(WITH_MAP, steps=2500), tmp_path / "whole")
-    arguments = ["train", str(tmp_path / "houses.jsonl"), "--out", str(tmp_path / "killed"), "--resume"]
-    arguments += ["--num-envs", "8", "--num-steps", "16", "--steps", "2500", "--seed", "2", "--map"]
-    killed, lines = processes.start(*arguments), 0  # --resume begins where there is nothing yet
+    arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
+    arguments += ["--num-envs", "8", "--num-steps", "16", "--map"]
+
+    def started(name: str) -> BaseProcess:
+        # --resume begins where there is nothing yet
+        return processes.start(*arguments, "--out", str(tmp_path / name), "--resume")
+
+    whole = started("whole")
+    whole.join(120)  # the others find its kernels on disk
+    assert whole.exitcode == 0
+    killed, lines = started("killed"), 0
     for least in (4, 11):
         while lines < least and killed.is_alive():
             time.sleep(0.02)
@@ -87,7 +95,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
             lines = len(file.read_text().splitlines()) if file.exists() else 0
         killed.kill()
         killed.join()
-        killed = processes.start(*arguments)
+        killed = started("killed")
     killed.join(120)
     assert killed.exitcode == 0
     assert metrics(tmp_path / "killed") == metrics(tmp_path / "whole")
