@@ -6,7 +6,7 @@ from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 
 import torch
-import torch.distributed as dist
+from torch.distributed import TCPStore  # pyright: ignore[reportPrivateImportUsage]
 
 SERVER = get_context("forkserver")
 SERVER.set_forkserver_preload(
@@ -23,7 +23,7 @@ def start(*arguments: str, **environment: str) -> BaseProcess:
 
 def as_two_ranks(*arguments: str) -> list[int | None]:
     """Two processes in the environment that ``torchrun`` gives them, to their ends: their exit codes."""
-    store = dist.TCPStore("localhost", 0, is_master=True, wait_for_workers=False)
+    store = TCPStore("localhost", 0, is_master=True, wait_for_workers=False)
     shared = {"WORLD_SIZE": "2", "LOCAL_WORLD_SIZE": "2", "MASTER_ADDR": "localhost"}
     shared |= {"MASTER_PORT": str(store.port), "TORCHELASTIC_USE_AGENT_STORE": "True"}
     ranks = [start(*arguments, **shared, RANK=rank, LOCAL_RANK=rank) for rank in "01"]
