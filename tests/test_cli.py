@@ -1,5 +1,7 @@
 """The command: every way to end, by its exit code and one line of text."""
 
+import contextlib
+import io
 import json
 import re
 import signal
@@ -32,8 +34,16 @@ main()
 
 
 def vitruvius(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "agent.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False, cwd=cwd)
+    """The command in this process, as if in one of its own."""
+    command, out, err = list(map(str, arguments)), io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(cwd or Path.cwd()),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+        pytest.raises(SystemExit) as ended,
+    ):
+        main(command)
+    return subprocess.CompletedProcess(command, int(ended.value.code or 0), out.getvalue(), err.getvalue())
 
 
 def test_generate_check_and_draw(tmp_path: Path) -> None:
@@ -111,7 +121,8 @@ def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: in
 def test_a_missing_prolog_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SWI_HOME_DIR", "/nowhere")
     monkeypatch.setenv("LIBSWIPL_PATH", "/nowhere/libswipl.so")
-    ended = vitruvius("generate", "--rooms", 1)
+    command = [sys.executable, "-m", "agent.cli", "generate", "--rooms", "1"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
     assert ended.returncode == 69
     assert "SWI-Prolog" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1

@@ -4,6 +4,7 @@ import importlib.util
 import json
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -16,11 +17,25 @@ from gymnasium.vector import AutoresetMode
 from agent.banks import benchmark
 from agent.evaluation.baselines import REFERENCES
 from agent.evaluation.commands import Evaluate
+from agent.evaluation.protocol import SENSORS
 from logic import HouseFileError, generate, save
-from sim import check_vector_env
+from sim import DEFAULT, check_vector_env
+from sim.config import PRESETS
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 LIBRARIES = {"stable_baselines": "stable_baselines3", "torchrl_ppo": "torchrl", "one_file": "torch"}
+
+
+STEPS = 600
+"""Of an episode here, so that it is soon over."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_episodes():
+    with pytest.MonkeyPatch.context() as patch:
+        for presets in (PRESETS, SENSORS):
+            patch.setitem(presets, "default", replace(DEFAULT, steps=STEPS))
+        yield
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -74,7 +89,7 @@ def test_an_example_learns_plays_and_writes_its_score(name, options, houses, tmp
     assert set(mode["policies"]) == {agent, "oracle"}
     assert mode["policies"]["oracle"]["figures"]["ratio"]["value"] == 1
     (run,) = mode["policies"][agent]["runs"]
-    assert run["steps"] == 2 * 1500
+    assert run["steps"] == 2 * STEPS
     if "avoid" in options:
         assert run["interventions"] > 0
         assert run["blocked"] < 100
@@ -101,7 +116,7 @@ def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bu
     task = example("task")
     free, avoiding = (task.Task(houses, environments=4, avoid=avoid).make_envs() for avoid in (False, True))
     assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
-    check_vector_env(avoiding, steps=1600, skip=["close"])
+    check_vector_env(avoiding, steps=STEPS + 100, skip=["close"])
     bumps = []
     for envs in (free, avoiding):
         envs.reset(seed=0)

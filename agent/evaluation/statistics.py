@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import trim_mean
 
 
 class Estimate(NamedTuple):
@@ -83,4 +82,6 @@ def bootstrap(
 
 
 def _interquartile_mean(flat: np.ndarray) -> np.ndarray:
+    from scipy.stats import trim_mean  # here: it takes longer to import than all else of this package
+
     return trim_mean(flat, 0.25, axis=-1)

@@ -21,7 +21,7 @@ import torch
 from benchmarks.simulator.c_loop import Loop, compiler, version
 from benchmarks.simulator.cores import confined, processors
 from logic import House, generate, save
-from sim import DEFAULT, Config, HouseVectorEnv
+from sim import DEFAULT, Config, HouseVectorEnv, Oracle
 from sim.continuous.layout import lines_listed as listed_at
 from sim.runtime import start
 
@@ -194,7 +194,15 @@ def test_more_processors(benchmark, cores):
 
 @study
 @pytest.mark.parametrize(
-    "what", ["one environment's kernel", "observations copied", "info", "reset of all", "rays in NumPy"]
+    "what",
+    [
+        "one environment's kernel",
+        "observations copied",
+        "info",
+        "reset of all",
+        "rays in NumPy",
+        "one oracle's episode",
+    ],
 )
 def test_parts(benchmark, what):
     """Parts of a step of 4096 environments, and what is done less often."""
@@ -206,8 +214,10 @@ def test_parts(benchmark, what):
         "info": envs.info,
         "reset of all": envs.reset,
         "rays in NumPy": lambda: cast(envs, eye, heading),
+        "one oracle's episode": lambda: Oracle(envs).play(),
     }[what]
-    benchmark.pedantic(work, rounds=ROUNDS, iterations=1 if "NumPy" in what else 50, warmup_rounds=1)
+    slow = what in {"rays in NumPy", "one oracle's episode"}
+    benchmark.pedantic(work, rounds=ROUNDS, iterations=1 if slow else 50, warmup_rounds=1)
     benchmark.extra_info.update(part=what)
 
 

@@ -1,11 +1,9 @@
 """Runs survive a kill at any moment, and overwrite no other run."""
 
 import json
-import signal
-import subprocess
-import sys
 import time
 from dataclasses import replace
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
@@ -19,13 +17,13 @@ from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.runs import run
-from logic import load, save
+from logic import save
 from logic.errors import RequestError
 from sim.arguments import BANK
+from tests import processes
 from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
-ROOT = Path(__file__).parents[2]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
 WITH_MAP = replace(CONFIG, map=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
@@ -76,40 +74,30 @@ def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):
     assert [path.name[:19] for path in (tmp_path / "run/tensorboard").iterdir()] == ["events.out.tfevents"]
 
 
-SLOW = """
-import sys
-from agent import runs
-from agent.cli import main
-runs.SAVE_EVERY = 0.0
-main(sys.argv[1:])
-"""
-
-
 def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
     """By SIGKILL, wherever it stood; and again. With all that a run may keep."""
     save(HOUSES, tmp_path / "houses.jsonl")
     arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
-    arguments += ["--num-envs", "8", "--num-steps", "16"]
-    arguments += ["--map"]
+    arguments += ["--num-envs", "8", "--num-steps", "16", "--map"]
 
-    def started(name: str, *more: str) -> subprocess.Popen[str]:
-        command = [sys.executable, "-c", SLOW, *arguments, "--out", str(tmp_path / name), *more]
-        return subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+    def started(name: str) -> BaseProcess:
+        # --resume begins where there is nothing yet
+        return processes.start(*arguments, "--out", str(tmp_path / name), "--resume")
 
     whole = started("whole")
-    _, said = whole.communicate(timeout=120)  # the others find its kernels on disk
-    assert whole.returncode == 0, said
-    killed, lines = started("killed", "--resume"), 0  # --resume begins where there is nothing yet
+    whole.join(120)  # the others find its kernels on disk
+    assert whole.exitcode == 0
+    killed, lines = started("killed"), 0
     for least in (4, 11):
-        while lines < least and killed.poll() is None:
+        while lines < least and killed.is_alive():
             time.sleep(0.02)
             file = tmp_path / "killed/metrics.jsonl"
             lines = len(file.read_text().splitlines()) if file.exists() else 0
-        killed.send_signal(signal.SIGKILL)
-        killed.wait()
-        killed = started("killed", "--resume")
-    _, said = killed.communicate(timeout=120)
-    assert killed.returncode == 0, said
+        killed.kill()
+        killed.join()
+        killed = started("killed")
+    killed.join(120)
+    assert killed.exitcode == 0
     assert metrics(tmp_path / "killed") == metrics(tmp_path / "whole")
     assert same(tmp_path / "killed", tmp_path / "whole")
 

@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 GENERATE = """
 import sys
 from importlib.metadata import entry_points
@@ -16,10 +14,10 @@ vitruvius.load()()
 """
 
 
-@pytest.mark.parametrize("library", ["torch", "taichi", "gymnasium", "matplotlib"])
-def test_making_a_house_imports_nothing_of_the_simulator_or_the_agent(tmp_path: Path, library: str) -> None:
-    """A module of that name, which the command and its solver process find first, ends them."""
-    (tmp_path / f"{library}.py").write_text(f"raise SystemExit('{library} is imported')")
+def test_making_a_house_imports_nothing_of_the_simulator_or_the_agent(tmp_path: Path) -> None:
+    """Modules of these names, which the command and its solver process find first, end them."""
+    for library in ("torch", "taichi", "gymnasium", "matplotlib"):
+        (tmp_path / f"{library}.py").write_text(f"raise SystemExit('{library} is imported')")
     path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
     command = [sys.executable, "-c", GENERATE]
     made = subprocess.run(

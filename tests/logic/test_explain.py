@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from agent.cli import main
-from logic import House, Unsatisfiable, generate
+from logic import House, Unsatisfiable
 from logic.errors import Reason
 from logic.grammar import SHIPPED
+from tests.logic import in_process
 from tests.logic.conflicts import CASES
 
 Case = tuple[Path, dict[str, Any], list[str], Unsatisfiable]
@@ -51,7 +52,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 def proof(folder: Path, asked: dict) -> Unsatisfiable:
     with pytest.raises(Unsatisfiable) as caught:
-        next(generate(**asked, grammar=folder))
+        next(in_process.generate(**asked, grammar=folder))
     return caught.value
 
 
@@ -95,7 +96,7 @@ def take_away(folder: Path, reason: Reason) -> None:
 
 def is_possible(grammar: Path, asked: dict) -> bool:
     try:
-        return isinstance(next(generate(**asked, grammar=grammar)), House)
+        return isinstance(next(in_process.generate(**asked, grammar=grammar)), House)
     except Unsatisfiable:
         return False
 
@@ -131,7 +132,7 @@ def test_a_conflict_that_only_a_grid_makes_is_named(tmp_path: Path) -> None:
         (folder / file).write_text(text.replace(old, new, 1))
     for cell in (0.0, 0.3):
         with pytest.raises(Unsatisfiable) as caught:
-            next(generate(rooms=1, types={"kitchen": 1}, grammar=folder, cell=cell))
+            next(in_process.generate(rooms=1, types={"kitchen": 1}, grammar=folder, cell=cell))
         assert caught.value.unfurnishable == ("kitchen",)
         text = "".join(reason.text for reason in caught.value.reasons)
         assert all(word in text for word in ("--type kitchen=1", "busy(S)", "joined(desk,K)", "0.5*Wall"))

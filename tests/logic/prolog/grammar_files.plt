@@ -21,6 +21,8 @@ written(Text, File) :- tmp_file_stream(File, Out, [extension(pl),encoding(utf8)]
 test(a_good_file_has_no_problem, Found == []) :- loaded(["passage(0.4)."], Found).
 test(its_clauses_are_the_grammars, P == 0.4) :-
     written("passage(0.4).", File), load_grammar([File], []), length_of(passage, P), unload_file(File), delete_file(File).
+test(a_dropped_grammar_leaves_no_clause, fail) :-
+    written("passage(0.4).", File), load_grammar([File], []), drop_grammar, delete_file(File), length_of(passage, _).
 test(clauses_may_stand_in_any_order_and_in_several_files, Found == []) :-
     loaded(["room_size(a,1,1).\npiece_size(b,1,1,_).\nroom_size(c,1,1).", "room_size(d,1,1).\npassage(0.4)."], Found).
 test(constraints_of_clpr_are_known_without_a_directive, Found == []) :- loaded(["room_size(a,W,1) :- { W >= 1, W =< 2 }."], Found).
