@@ -25,8 +25,25 @@ from logic.messages import clingo_error
 Part = tuple[str, Sequence[Symbol]]
 """A ``#program`` part of the rules and its arguments."""
 
+Nogood = Mapping[Symbol, bool]
+"""Atoms that do not all hold, or fail, as stated together in one layout."""
+
 EVERY = ("--models=0", "--project=show")
 """Arguments of a program that is to give every layout once."""
+
+LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
+"""Arguments of a program that is solved for thousands of houses, each a short search in a given order.
+
+By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so it
+would keep, and propagate, all that it ever learns. This keeps fewer, and more within a long search. The
+heuristic has nothing to choose: a cheap one.
+"""
+
+SEARCHES = 1000
+"""After as many, a program forgets all that it has learnt, since even so that grows slowly."""
+
+LEMMAS, NOTHING = 8, 0
+"""What clasp's option ``forget_on_step`` can say."""
 
 CORE = RULES / "core.lp"
 
@@ -71,7 +88,7 @@ class Program:
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks: list[str] = []
         self._control = clingo.Control(
-            [*arguments, *(f"-c{name}={value}" for name, value in constants.items())],
+            [*LASTING, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
             logger=lambda _, text: self.remarks.append(text),
             message_limit=1000,
         )
@@ -86,12 +103,17 @@ class Program:
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
-        self._counts, self._choices, self._weights = self._options(strict=most is None)
+        self._counts, self._single, self._choices, self._weights = self._options(strict=most is None)
+        self._searches = 0
         self._brancher = _Brancher(self._choices)
         self._control.register_propagator(self._brancher)
 
-    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Each variable's number of options; all their pick literals and weights, in the rules' own order."""
+    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The options of all variables, in the rules' own order.
+
+        For each variable: how many there are. For each option: whether its variable picks just one, its pick
+        literal, its weight.
+        """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
             variable, value, weight = symbol.arguments
@@ -106,8 +128,12 @@ class Program:
             for value, weight in sorted(values.items())
         ]
         counts = [len(values) for _, values in sorted(options.items())]
+        several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
         return (
             np.array(counts, int),
+            np.array([variable not in several for variable in sorted(options)], bool).repeat(
+                np.array(counts, int)
+            ),
             np.array([literal for literal, _ in picks], int),
             np.array([weight for _, weight in picks], float),
         )
@@ -125,20 +151,25 @@ class Program:
         rng: np.random.Generator,
         assumed: Iterable[Symbol] = (),
         without: Iterable[Symbol] = (),
-        guard: int | None = None,
+        nogoods: Iterable[Nogood] = (),
     ) -> list[Symbol] | None:
-        """Sample a layout with all assumed atoms, without any of the others and none that the guard excludes.
+        """Sample a layout with all assumed atoms, without any of the others, and outside the nogoods.
 
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout.
         """
+        self._forget_sometimes()
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
-        ranks = np.repeat(rng.permutation(len(self._counts)), self._counts)
-        assumptions = self._literals(assumed, without) + ([] if guard is None else [guard])
+        places = rng.permutation(len(self._counts))
+        ranks = np.repeat(places, self._counts)
+        order = np.lexsort((keys, ranks))
+        # Where a variable picks one value, the first that is taken settles its others.
+        ends = np.cumsum(self._counts[np.argsort(places)])[places]
+        then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
         with (
-            self._brancher.first(np.lexsort((keys, ranks))),
-            self._control.solve(assumptions=assumptions, yield_=True) as handle,
+            self._brancher.first(order, then, [self._excluded(nogood) for nogood in nogoods]),
+            self._control.solve(assumptions=self._literals(assumed, without), yield_=True) as handle,
         ):
             model = handle.model()
             if model is None:
@@ -166,61 +197,55 @@ class Program:
                     yield number, None
         yield number, True
 
+    def _forget_sometimes(self) -> None:
+        """Have the solver forget what it has learnt, once in many searches."""
+        self._searches += 1
+        turn = self._searches % SEARCHES
+        if turn == 0 or (turn == 1 and self._searches > 1):
+            solver = self._control.configuration.solver
+            assert isinstance(solver, clingo.Configuration)
+            setattr(solver, "forget_on_step", NOTHING if turn else LEMMAS)  # noqa: B010 (it takes any number)
+
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
-    def guard(self) -> int:
-        """A literal under which ``exclude`` holds, for the samples that name it, until ``forget``."""
-        with self._changing() as backend:
-            guard = backend.add_atom()
-            backend.add_external(guard, clingo.TruthValue.Free)
-        return guard
-
-    def exclude(self, guard: int, atoms: Mapping[Symbol, bool]) -> None:
-        """Exclude all layouts in which just these atoms hold, or fail, from samples under the guard."""
-        # An atom that can never hold fails in every layout.
-        literals = [
+    def _excluded(self, nogood: Nogood) -> list[int]:
+        """The literals of a nogood, one of which must fail. An atom that can never hold fails anyway."""
+        return [
             literal if holds else -literal
-            for atom, holds in atoms.items()
+            for atom, holds in nogood.items()
             if (literal := self._literal.get(atom)) is not None
         ]
-        with self._changing() as backend:
-            backend.add_rule([], [guard, *literals])
-
-    def forget(self, guard: int) -> None:
-        """End a guard and all that it excludes."""
-        self._brancher.renew()
-        self._control.release_external(guard)
-
-    def _changing(self) -> clingo.Backend:
-        """The program's backend: what it adds may change how the solver numbers its literals."""
-        self._brancher.renew()
-        return self._control.backend()
 
 
 class _Brancher(clingo.Propagator):
-    """Makes the solver branch on the picks in a given order, each to be taken where it still can be."""
+    """Makes the solver branch on the picks in a given order, each to be taken where it still can be.
+
+    Nogoods are clauses of one search, which end with it: as rules of the program they would stay behind.
+    """
 
     def __init__(self, picks: Iterable[int]) -> None:
         """Know the pick literals of a program."""
         self._picks = [int(pick) for pick in picks]
         self._solver_literals: list[int] | None = None
         self._order: np.ndarray | None = None
+        self._then: list[int] = []
+        self._nogoods: list[list[int]] = []
         self._queue: list[int] = []
         self._scanned = [0]
-
-    def renew(self) -> None:
-        """The program changes: look up the solver's literals again."""
-        self._solver_literals = None
+        self._clauses: list[list[int]] = []
 
     @contextmanager
-    def first(self, order: np.ndarray) -> Iterator[None]:
-        """Within this, solving finds the model that is first by the picks in this order."""
-        self._order = order
+    def first(self, order: np.ndarray, then: np.ndarray, nogoods: list[list[int]]) -> Iterator[None]:
+        """Within this, solving finds the first model outside the nogoods by the picks in this order.
+
+        ``then``: where in the order to go on after each pick that is taken.
+        """
+        self._order, self._then, self._nogoods = order, then.tolist(), nogoods
         try:
             yield
         finally:
-            self._order, self._queue = None, []
+            self._order, self._nogoods, self._queue = None, [], []
 
     def init(self, init: clingo.PropagateInit) -> None:
         """Begin a search."""
@@ -231,15 +256,24 @@ class _Brancher(clingo.Propagator):
         if self._order is not None:
             self._queue = [self._solver_literals[place] for place in self._order.tolist()]
             self._scanned = [0]
+        self._clauses = [[-init.solver_literal(literal) for literal in nogood] for nogood in self._nogoods]
+
+    def check(self, control: clingo.PropagateControl) -> None:
+        """A layout is found: it must be outside the nogoods."""
+        while self._clauses:
+            # Locked: else clasp may delete them, as if it had learnt them.
+            if not control.add_clause(self._clauses.pop(), tag=True, lock=True) or not control.propagate():
+                return
 
     def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
         """The next pick that is neither taken nor refused."""
-        queue, scanned, level = self._queue, self._scanned, assignment.decision_level
+        queue, then, scanned, level = self._queue, self._then, self._scanned, assignment.decision_level
         scanned.extend([0] * (level + 1 - len(scanned)))
         # What was decided when this level began, and so up to its place in the queue, still is.
         place = scanned[level]
-        while place < len(queue) and assignment.value(queue[place]) is not None:
-            place += 1
+        while place < len(queue) and (taken := assignment.value(queue[place])) is not None:
+            place = then[place] if taken else place + 1
+        found = place < len(queue)
         del scanned[level + 1 :]
-        scanned.append(place)
-        return queue[place] if place < len(queue) else fallback
+        scanned.append(then[place] if found else place)
+        return queue[place] if found else fallback

@@ -59,11 +59,16 @@ try_sample(Ease, Room, Constraints) -->
     room_sample(Law, Ease, Room),
     items_sample(Items, Type, Ease, Filling),
     { widest_core(Room),
-      filling_constraints(Filling, Type, Alongs, Filled),
-      append(Filled, Constraints, All),
       room_door(Room, Door) },
-    own_store(Door-Alongs, door_sample(Alongs, All, Door)),
+    (   { Filling == [], free_front(Room) }
+    ->  { phrase(door_constraints(Room), All), interval(Door, All, Low-High) },
+        ( { High - Low < 1.0e-10 } -> { Door = Low } ; interval_sample(Low, High, 1, Door) )   % as CLP(R) would
+    ;   { filling_constraints(Filling, Type, Alongs, Filled),
+          append(Filled, Constraints, All) },
+        own_store(Door-Alongs, door_sample(Alongs, All, Door)) ),
     places_sample(Room).
+
+free_front(Room) :- room_stretches(Room, [stretch(front_left,[],_),_,_,_,stretch(front_right,[],_)]).
 
 %   room_sample(+Law, +Ease, ?Room)//: the width and depth by their law.
 
@@ -144,7 +149,7 @@ places_sample(Room) --> { length_of(passage, P), room_chains(Room, Chains) }, al
 solution_sample(Room, Constraints, Proof, Answer) -->
     { room_items(Room, Items),
       system(Room, Items, Constraints, System) },
-    (   { conflict(Proof, System, Conflict) }
+    (   { lattice(whole), conflict(Proof, System, Conflict) }   % before all pairs of whole sizes are tried
     ->  { infeasible(Conflict, Answer) }
     ;   { room_width(Room, W), room_depth(Room, D) },
         own_store(Items-W-D, sizes_sample(Room, Items, Constraints, System))
@@ -152,6 +157,8 @@ solution_sample(Room, Constraints, Proof, Answer) -->
         own_store(Door, door_sample([], Constraints, Door)),
         { Answer = Room },
         places_sample(Room)
+    ;   { conflict(Proof, System, Conflict) }
+    ->  { infeasible(Conflict, Answer) }
     ;   { infeasible(System, Answer) } ).
 
 %   sizes_sample(?Room, ?Items, +Constraints, +System)// is semidet: every size in what the others leave. On a grid some
