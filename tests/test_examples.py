@@ -4,7 +4,6 @@ import importlib.util
 import json
 import re
 import sys
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,24 +16,17 @@ from gymnasium.vector import AutoresetMode
 from agent.banks import benchmark
 from agent.evaluation.baselines import REFERENCES
 from agent.evaluation.commands import Evaluate
-from agent.evaluation.protocol import SENSORS
 from logic import HouseFileError, generate, save
-from sim import DEFAULT, check_vector_env
-from sim.config import PRESETS
+from sim import check_vector_env
+from tests.agent.evaluation.cases import SHORT, short_episodes
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 LIBRARIES = {"stable_baselines": "stable_baselines3", "torchrl_ppo": "torchrl", "one_file": "torch"}
 
 
-STEPS = 600
-"""Of an episode here, so that it is soon over."""
-
-
 @pytest.fixture(scope="module", autouse=True)
-def short_episodes():
-    with pytest.MonkeyPatch.context() as patch:
-        for presets in (PRESETS, SENSORS):
-            patch.setitem(presets, "default", replace(DEFAULT, steps=STEPS))
+def short():
+    with short_episodes():
         yield
 
 
@@ -89,7 +81,7 @@ def test_an_example_learns_plays_and_writes_its_score(name, options, houses, tmp
     assert set(mode["policies"]) == {agent, "oracle"}
     assert mode["policies"]["oracle"]["figures"]["ratio"]["value"] == 1
     (run,) = mode["policies"][agent]["runs"]
-    assert run["steps"] == 2 * STEPS
+    assert run["steps"] == 2 * SHORT.steps
     if "avoid" in options:
         assert run["interventions"] > 0
         assert run["blocked"] < 100
@@ -116,7 +108,7 @@ def test_under_avoidance_worlds_keep_gymnasiums_promises_and_turn_before_they_bu
     task = example("task")
     free, avoiding = (task.Task(houses, environments=4, avoid=avoid).make_envs() for avoid in (False, True))
     assert avoiding.autoreset_mode is AutoresetMode.SAME_STEP
-    check_vector_env(avoiding, steps=STEPS + 100, skip=["close"])
+    check_vector_env(avoiding, steps=SHORT.steps + 100, skip=["close"])
     bumps = []
     for envs in (free, avoiding):
         envs.reset(seed=0)

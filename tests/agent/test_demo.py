@@ -1,7 +1,6 @@
 """The demo, small: its houses, its files, what its report says, its verdict."""
 
 import io
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,9 +12,8 @@ from agent.banks import geometry_hash
 from agent.checkpoint import load as load_checkpoint
 from agent.demo import FILES, banks, demo, gain
 from agent.evaluation.commands import Record
-from agent.evaluation.protocol import SENSORS
 from logic import House, Rect, RequestError, check, load
-from tests.agent.evaluation.cases import result, scores
+from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 
 
 @pytest.fixture(scope="module")
@@ -25,11 +23,10 @@ def made(tmp_path_factory):
     """
     out = tmp_path_factory.mktemp("demo") / "runs"
     console = Console(width=80, file=io.StringIO())
-    with pytest.MonkeyPatch.context() as patch:
+    with short_episodes(), pytest.MonkeyPatch.context() as patch:
         for name, value in {"ROOMS": (2,), "TRAINING": 6, "HELD_OUT": 2, "STEPS": 2000, "LINES": 0.0}.items():
             patch.setattr(module, name, value)
         patch.setattr(module, "Console", lambda: console)
-        patch.setitem(SENSORS, "default", replace(SENSORS["default"], steps=600))
         out.mkdir()
         (out / "report.md").write_text("of an older run")
         code = demo(out, seed=3)
@@ -77,7 +74,7 @@ def test_the_terminal_shows_whole_tables_in_80_columns(made):
 
 def test_the_film_shows_the_whole_episode(made):
     with Image.open(made[0] / "episode.gif") as image:
-        assert image.n_frames == 600 / 4 + 1  # pyright: ignore[reportAttributeAccessIssue]
+        assert image.n_frames == SHORT.steps / 4 + 1  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):

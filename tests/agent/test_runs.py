@@ -17,7 +17,7 @@ from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.runs import run
-from logic import save
+from logic import load, save
 from logic.errors import RequestError
 from sim.arguments import BANK
 from tests import processes

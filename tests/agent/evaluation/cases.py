@@ -1,9 +1,28 @@
-"""Results small enough to be worked out by hand."""
+"""Results small enough to be worked out by hand, and evaluations that are soon over."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from agent.evaluation.episodes import EpisodeScores
 from agent.evaluation.result import Result
+from sim.config import DEFAULT, PRESETS
+
+SHORT = replace(DEFAULT, steps=600)
+"""Of an episode in ``short_episodes``."""
+
+
+@contextmanager
+def short_episodes() -> Iterator[None]:
+    """Within this, agents are measured in such episodes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("agent.world.DEFAULT", SHORT)
+        patch.setattr("agent.evaluation.protocol.DEFAULT", SHORT)
+        patch.setitem(PRESETS, "default", SHORT)
+        yield
 
 
 def scores(targets, first=None, **more) -> EpisodeScores:

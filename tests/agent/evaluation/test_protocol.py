@@ -1,7 +1,6 @@
 """The protocol: all policies in the same houses, with the same starts and targets."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,25 +16,20 @@ from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import Setting, measure
 from agent.world import sensor
 from logic import RequestError, save
+from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
 
 
-STEPS = 600
-"""Of an episode here, so that it is soon over."""
-
-
 @pytest.fixture(scope="module", autouse=True)
-def short_episodes():
-    with pytest.MonkeyPatch.context() as patch:
-        for name, config in SENSORS.items():
-            patch.setitem(SENSORS, name, replace(config, steps=STEPS))
+def short():
+    with short_episodes():
         yield
 
 
 @pytest.fixture(scope="module")
-def measured(short_episodes):
+def measured(short):
     """The baselines alone, in four small houses."""
     return next(measure({}, HOUSES, ("secondary",), seed=3))
 
@@ -105,7 +99,7 @@ def test_agents_of_all_presets_are_measured_in_the_same_houses(tmp_path):
     for name in PRESETS:
         [each] = result.policies[name]
         assert (each.targets <= result.oracle).all()
-        assert each.steps == 2 * STEPS
+        assert each.steps == 2 * SHORT.steps
 
 
 def test_an_agent_of_the_papers_simulator_sees_by_the_papers_rays_and_meets_the_same_targets():
