@@ -1,6 +1,7 @@
 """From a request to a house: the two stages, and what goes between them."""
 
-from collections.abc import Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
@@ -8,12 +9,12 @@ from typing import Any
 import clingo
 import msgspec
 import numpy as np
-from clingo import Function, Number, Symbol
+from clingo import Function, Number
 
 from logic.errors import LimitReached
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
-from logic.layout import Program
+from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.proof import Prover
@@ -56,25 +57,25 @@ class Builder:
         """
         rng = np.random.default_rng([seed, index])
         self.require_known(request)
-        with Nogoods() as nogoods:
-            layout = self.layout(request, rng, nogoods)
-            while True:
-                try:
-                    plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
-                    return self._as_house(plan, layout, request, seed, index), layout
-                except Misfit as proof:
-                    inferences -= proof.inferences
-                    self._learn_misfit(proof, layout, request, nogoods)
-                    layout = self.layout(request, rng, nogoods)
-                except Infeasible as proof:
-                    inferences -= proof.inferences
-                    if inferences <= 0:
-                        raise LimitReached(f"house {index} reached its limit of inferences") from None
-                    for number, conflict in proof.conflicts.items():
-                        program, _ = self.programs.furniture_for(layout.rooms[number].type.name, request)
-                        nogoods.add(program, conflict.atoms)
-                    again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
-                    layout = again or self.layout(request, rng, nogoods)
+        nogoods = Nogoods()
+        layout = self.layout(request, rng, nogoods)
+        while True:
+            try:
+                plan = self.place(layout, rng, inferences, minimal=nogoods.count > 1)
+                return self._as_house(plan, layout, request, seed, index), layout
+            except Misfit as proof:
+                inferences -= proof.inferences
+                self._learn_misfit(proof, layout, request, nogoods)
+                layout = self.layout(request, rng, nogoods)
+            except Infeasible as proof:
+                inferences -= proof.inferences
+                if inferences <= 0:
+                    raise LimitReached(f"house {index} reached its limit of inferences") from None
+                for number, conflict in proof.conflicts.items():
+                    program, _ = self.programs.furniture_for(layout.rooms[number].type.name, request)
+                    nogoods.add(program, conflict.atoms)
+                again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
+                layout = again or self.layout(request, rng, nogoods)
 
     def layout(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods | None" = None) -> Layout:
         """Stage 1: sample a layout outside the nogoods; raises ``Unsatisfiable`` where none is left."""
@@ -97,7 +98,7 @@ class Builder:
         without = [
             atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
         ]
-        atoms = program.sample(rng, assumed, without, nogoods.guards.get(program))
+        atoms = program.sample(rng, assumed, without, nogoods.of[program])
         if atoms is None:
             raise self.prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
         of_room = {
@@ -130,7 +131,7 @@ class Builder:
                 continue
             type_ = rooms[number].type.name
             program, assumed = self.programs.furniture_for(type_, request)
-            furniture = program.sample(rng, assumed, guard=nogoods.guards.get(program))
+            furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
             if furniture is None:
                 nogoods.unfurnishable.add(type_)
                 return None
@@ -196,27 +197,16 @@ class Nogoods:
         """Begin with none."""
         self.unfurnishable: set[str] = set()
         """Types of room that cannot be furnished."""
-        self.orders: list[Mapping[Symbol, bool]] = []
+        self.orders: list[Nogood] = []
         """Orders of the rooms that do not fit between the fixed rooms, whatever the sizes."""
-        self.guards: dict[Program, int] = {}
+        self.of: dict[Program, list[Nogood]] = defaultdict(list)
         self.count = 0
         self.misfits = 0
 
-    def add(self, program: Program, atoms: Mapping[Symbol, bool]) -> None:
+    def add(self, program: Program, atoms: Nogood) -> None:
         """No layout of the program in which just these atoms hold, or fail, has a solution."""
         self.count += 1
-        if program not in self.guards:
-            self.guards[program] = program.guard()
-        program.exclude(self.guards[program], atoms)
-
-    def __enter__(self) -> "Nogoods":
-        """Begin the work on a house."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Forget all of them."""
-        for program, guard in self.guards.items():
-            program.forget(guard)
+        self.of[program].append(atoms)
 
 
 def _moved(rect: Any, x: float, y: float) -> Any:

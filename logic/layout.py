@@ -25,8 +25,18 @@ from logic.messages import clingo_error
 Part = tuple[str, Sequence[Symbol]]
 """A ``#program`` part of the rules and its arguments."""
 
+Nogood = Mapping[Symbol, bool]
+"""Atoms that do not all hold, or fail, as stated together in one layout."""
+
 EVERY = ("--models=0", "--project=show")
 """Arguments of a program that is to give every layout once."""
+
+LASTING = ("--heuristic=Berkmin", "--del-max=300")
+"""Arguments of a program that is solved for thousands of houses, each a short search in a given order.
+
+By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so clasp
+would keep, and propagate, all that it ever learns. The heuristic has nothing to choose: a cheap one.
+"""
 
 CORE = RULES / "core.lp"
 
@@ -71,7 +81,7 @@ class Program:
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
         self.remarks: list[str] = []
         self._control = clingo.Control(
-            [*arguments, *(f"-c{name}={value}" for name, value in constants.items())],
+            [*LASTING, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
             logger=lambda _, text: self.remarks.append(text),
             message_limit=1000,
         )
@@ -125,9 +135,9 @@ class Program:
         rng: np.random.Generator,
         assumed: Iterable[Symbol] = (),
         without: Iterable[Symbol] = (),
-        guard: int | None = None,
+        nogoods: Iterable[Nogood] = (),
     ) -> list[Symbol] | None:
-        """Sample a layout with all assumed atoms, without any of the others and none that the guard excludes.
+        """Sample a layout with all assumed atoms, without any of the others, and outside the nogoods.
 
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout.
@@ -135,10 +145,10 @@ class Program:
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         ranks = np.repeat(rng.permutation(len(self._counts)), self._counts)
-        assumptions = self._literals(assumed, without) + ([] if guard is None else [guard])
+        order = np.lexsort((keys, ranks))
         with (
-            self._brancher.first(np.lexsort((keys, ranks))),
-            self._control.solve(assumptions=assumptions, yield_=True) as handle,
+            self._brancher.first(order, [self._excluded(nogood) for nogood in nogoods]),
+            self._control.solve(assumptions=self._literals(assumed, without), yield_=True) as handle,
         ):
             model = handle.model()
             if model is None:
@@ -169,58 +179,39 @@ class Program:
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
-    def guard(self) -> int:
-        """A literal under which ``exclude`` holds, for the samples that name it, until ``forget``."""
-        with self._changing() as backend:
-            guard = backend.add_atom()
-            backend.add_external(guard, clingo.TruthValue.Free)
-        return guard
-
-    def exclude(self, guard: int, atoms: Mapping[Symbol, bool]) -> None:
-        """Exclude all layouts in which just these atoms hold, or fail, from samples under the guard."""
-        # An atom that can never hold fails in every layout.
-        literals = [
+    def _excluded(self, nogood: Nogood) -> list[int]:
+        """The literals of a nogood, one of which must fail. An atom that can never hold fails anyway."""
+        return [
             literal if holds else -literal
-            for atom, holds in atoms.items()
+            for atom, holds in nogood.items()
             if (literal := self._literal.get(atom)) is not None
         ]
-        with self._changing() as backend:
-            backend.add_rule([], [guard, *literals])
-
-    def forget(self, guard: int) -> None:
-        """End a guard and all that it excludes."""
-        self._brancher.renew()
-        self._control.release_external(guard)
-
-    def _changing(self) -> clingo.Backend:
-        """The program's backend: what it adds may change how the solver numbers its literals."""
-        self._brancher.renew()
-        return self._control.backend()
 
 
 class _Brancher(clingo.Propagator):
-    """Makes the solver branch on the picks in a given order, each to be taken where it still can be."""
+    """Makes the solver branch on the picks in a given order, each to be taken where it still can be.
+
+    Nogoods are clauses of one search, which end with it: as rules of the program they would stay behind.
+    """
 
     def __init__(self, picks: Iterable[int]) -> None:
         """Know the pick literals of a program."""
         self._picks = [int(pick) for pick in picks]
         self._solver_literals: list[int] | None = None
         self._order: np.ndarray | None = None
+        self._nogoods: list[list[int]] = []
         self._queue: list[int] = []
         self._scanned = [0]
-
-    def renew(self) -> None:
-        """The program changes: look up the solver's literals again."""
-        self._solver_literals = None
+        self._clauses: list[list[int]] = []
 
     @contextmanager
-    def first(self, order: np.ndarray) -> Iterator[None]:
-        """Within this, solving finds the model that is first by the picks in this order."""
-        self._order = order
+    def first(self, order: np.ndarray, nogoods: list[list[int]]) -> Iterator[None]:
+        """Within this, solving finds the first model outside the nogoods by the picks in this order."""
+        self._order, self._nogoods = order, nogoods
         try:
             yield
         finally:
-            self._order, self._queue = None, []
+            self._order, self._nogoods, self._queue = None, [], []
 
     def init(self, init: clingo.PropagateInit) -> None:
         """Begin a search."""
@@ -231,6 +222,14 @@ class _Brancher(clingo.Propagator):
         if self._order is not None:
             self._queue = [self._solver_literals[place] for place in self._order.tolist()]
             self._scanned = [0]
+        self._clauses = [[-init.solver_literal(literal) for literal in nogood] for nogood in self._nogoods]
+
+    def check(self, control: clingo.PropagateControl) -> None:
+        """A layout is found: it must be outside the nogoods."""
+        while self._clauses:
+            # Locked: else clasp may delete them, as if it had learnt them.
+            if not control.add_clause(self._clauses.pop(), tag=True, lock=True) or not control.propagate():
+                return
 
     def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
         """The next pick that is neither taken nor refused."""

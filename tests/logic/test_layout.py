@@ -65,19 +65,43 @@ def test_values_are_sampled_in_proportion_to_their_weights(tmp_path: Path) -> No
     assert chisquare([seen["red"], seen["blue"], seen["green"]], [500, 500, 1000]).pvalue > 1e-3
 
 
-def test_a_sampled_layout_depends_on_its_random_numbers_alone() -> None:
+@pytest.fixture(scope="module")
+def worn() -> Program:
+    """A program that was sampled for hundreds of houses, each with a nogood that ended with it."""
+    made = bedroom()
+    for seed in range(400):
+        first = made.sample(np.random.default_rng(seed))
+        assert first
+        assert made.sample(np.random.default_rng(seed), nogoods=[dict.fromkeys(first, True)]) != first
+    return made
+
+
+def bedroom() -> Program:
+    return Program(FAMILY.asp, {"this_room": "bedroom"}, [("room", [])], arguments=["--stats=2"])
+
+
+def size(made: Program) -> tuple[int, int, int]:
+    """The variables and constraints of the solver, and the nogoods that it has learnt and keeps."""
+    statistics = made._control.statistics
+    problem, learnt = statistics["problem"]["generator"], statistics["accu"]["solving"]["solvers"]["extra"]
+    return problem["vars"], problem["constraints"], learnt["lemmas"] - learnt["lemmas_deleted"]
+
+
+def test_a_sampled_layout_depends_on_its_random_numbers_alone(worn: Program) -> None:
     """Not on the solver's past: neither on earlier samples nor on the nogoods of other houses."""
-    fresh, _ = house(6)
-    used, _ = house(6)
-    first = used.sample(np.random.default_rng(0))
-    assert first
-    for seed in range(40):
-        guard = used.guard()
-        used.exclude(guard, dict.fromkeys(first, True))
-        assert used.sample(np.random.default_rng(seed), guard=guard)
-        used.forget(guard)
-    for seed in range(5):
-        assert used.sample(np.random.default_rng(seed)) == fresh.sample(np.random.default_rng(seed))
+    fresh = bedroom()
+    for seed in range(1000, 1040):
+        assert worn.sample(np.random.default_rng(seed)) == fresh.sample(np.random.default_rng(seed))
+
+
+def test_a_solver_is_as_small_after_hundreds_of_houses_as_after_one(worn: Program) -> None:
+    """Nogoods end with their house, and learnt ones are deleted: else each house is slower than the last."""
+    fresh = bedroom()
+    fresh.sample(np.random.default_rng(0))
+    (variables, constraints, _), (worn_variables, worn_constraints, learnt) = size(fresh), size(worn)
+    assert worn_variables <= variables
+    assert worn_constraints <= constraints
+    assert learnt < 1000  # of about 1,600
 
 
 def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> None:
@@ -92,13 +116,11 @@ def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> No
     """)
     made = Program([file], {}, [("coins", [])])
     one, both = [[Function("heads", [Number(c)]) for c in range(1, n + 1)] for n in (1, 2)]
-    guard = made.guard()
-    made.exclude(guard, {one[0]: True, both[1]: False})
+    nogoods = [{one[0]: True, both[1]: False}]
     for seed in range(8):
-        assert made.sample(np.random.default_rng(seed), guard=guard) == both
-    made.exclude(guard, {both[1]: True, Function("never"): False})
-    assert made.sample(np.random.default_rng(0), guard=guard) is None
-    made.forget(guard)
+        assert made.sample(np.random.default_rng(seed), nogoods=nogoods) == both
+    nogoods.append({both[1]: True, Function("never"): False})
+    assert made.sample(np.random.default_rng(0), nogoods=nogoods) is None
     assert {str(made.sample(np.random.default_rng(seed))) for seed in range(20)} == {str(one), str(both)}
 
 
