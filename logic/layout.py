@@ -34,7 +34,7 @@ EVERY = ("--models=0", "--project=show")
 LASTING = ("--heuristic=Berkmin", "--del-max=300")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
-By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so clasp
+By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so it
 would keep, and propagate, all that it ever learns. The heuristic has nothing to choose: a cheap one.
 """
 
