@@ -96,12 +96,16 @@ class Program:
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
-        self._counts, self._choices, self._weights = self._options(strict=most is None)
+        self._counts, self._single, self._choices, self._weights = self._options(strict=most is None)
         self._brancher = _Brancher(self._choices)
         self._control.register_propagator(self._brancher)
 
-    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Each variable's number of options; all their pick literals and weights, in the rules' own order."""
+    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The options of all variables, in the rules' own order.
+
+        For each variable: how many there are. For each option: whether its variable picks just one, its pick
+        literal, its weight.
+        """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
             variable, value, weight = symbol.arguments
@@ -116,8 +120,10 @@ class Program:
             for value, weight in sorted(values.items())
         ]
         counts = [len(values) for _, values in sorted(options.items())]
+        several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
         return (
             np.array(counts, int),
+            np.array([variable not in several for variable in sorted(options)], bool).repeat(counts),
             np.array([literal for literal, _ in picks], int),
             np.array([weight for _, weight in picks], float),
         )
@@ -144,10 +150,14 @@ class Program:
         """
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
-        ranks = np.repeat(rng.permutation(len(self._counts)), self._counts)
+        places = rng.permutation(len(self._counts))
+        ranks = np.repeat(places, self._counts)
         order = np.lexsort((keys, ranks))
+        # Where a variable picks one value, the first that is taken settles its others.
+        ends = np.cumsum(self._counts[np.argsort(places)])[places]
+        then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
         with (
-            self._brancher.first(order, [self._excluded(nogood) for nogood in nogoods]),
+            self._brancher.first(order, then, [self._excluded(nogood) for nogood in nogoods]),
             self._control.solve(assumptions=self._literals(assumed, without), yield_=True) as handle,
         ):
             model = handle.model()
@@ -199,15 +209,19 @@ class _Brancher(clingo.Propagator):
         self._picks = [int(pick) for pick in picks]
         self._solver_literals: list[int] | None = None
         self._order: np.ndarray | None = None
+        self._then: list[int] = []
         self._nogoods: list[list[int]] = []
         self._queue: list[int] = []
         self._scanned = [0]
         self._clauses: list[list[int]] = []
 
     @contextmanager
-    def first(self, order: np.ndarray, nogoods: list[list[int]]) -> Iterator[None]:
-        """Within this, solving finds the first model outside the nogoods by the picks in this order."""
-        self._order, self._nogoods = order, nogoods
+    def first(self, order: np.ndarray, then: np.ndarray, nogoods: list[list[int]]) -> Iterator[None]:
+        """Within this, solving finds the first model outside the nogoods by the picks in this order.
+
+        ``then``: where in the order to go on after each pick that is taken.
+        """
+        self._order, self._then, self._nogoods = order, then.tolist(), nogoods
         try:
             yield
         finally:
@@ -233,12 +247,13 @@ class _Brancher(clingo.Propagator):
 
     def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
         """The next pick that is neither taken nor refused."""
-        queue, scanned, level = self._queue, self._scanned, assignment.decision_level
+        queue, then, scanned, level = self._queue, self._then, self._scanned, assignment.decision_level
         scanned.extend([0] * (level + 1 - len(scanned)))
         # What was decided when this level began, and so up to its place in the queue, still is.
         place = scanned[level]
-        while place < len(queue) and assignment.value(queue[place]) is not None:
-            place += 1
+        while place < len(queue) and (taken := assignment.value(queue[place])) is not None:
+            place = then[place] if taken else place + 1
+        found = place < len(queue)
         del scanned[level + 1 :]
-        scanned.append(place)
-        return queue[place] if place < len(queue) else fallback
+        scanned.append(then[place] if found else place)
+        return queue[place] if found else fallback

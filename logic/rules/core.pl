@@ -29,6 +29,9 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     plan.pl            from the rooms' frames to the house's plan
 */
 
+% Arithmetic is compiled in all that core.pl loads, CLP(R) too, and not in a grammar's files: the flag ends with the file.
+:- set_prolog_flag(optimise, true).
+
 :- use_module(library(apply)).
 :- use_module(library(http/json)).
 :- use_module(library(lists)).

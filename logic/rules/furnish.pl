@@ -144,7 +144,7 @@ places_sample(Room) --> { length_of(passage, P), room_chains(Room, Chains) }, al
 solution_sample(Room, Constraints, Proof, Answer) -->
     { room_items(Room, Items),
       system(Room, Items, Constraints, System) },
-    (   { conflict(Proof, System, Conflict) }
+    (   { lattice(whole), conflict(Proof, System, Conflict) }   % before all pairs of whole sizes are tried
     ->  { infeasible(Conflict, Answer) }
     ;   { room_width(Room, W), room_depth(Room, D) },
         own_store(Items-W-D, sizes_sample(Room, Items, Constraints, System))
@@ -152,6 +152,8 @@ solution_sample(Room, Constraints, Proof, Answer) -->
         own_store(Door, door_sample([], Constraints, Door)),
         { Answer = Room },
         places_sample(Room)
+    ;   { conflict(Proof, System, Conflict) }
+    ->  { infeasible(Conflict, Answer) }
     ;   { infeasible(System, Answer) } ).
 
 %   sizes_sample(?Room, ?Items, +Constraints, +System)// is semidet: every size in what the others leave. On a grid some
