@@ -7,6 +7,7 @@ STUDIES = {
     "generator": ("benchmarks.generator.run:Generator", "Solve time against rooms, on any grammar."),
     "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
+    "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),
     "agents": ("benchmarks.agents.run:Agents", "Train every preset and its changes, and measure all."),

@@ -47,7 +47,7 @@ packed_constraints([block(_,L,Bounds,_)|Blocks], Gap, After) -->
 
 upper([], _) --> [].
 upper([Bound-Why|Bounds], S) -->
-    ( { Bound = at_most(E) } -> [(S =< E)-Why] ; [] ),
+    ( { Bound = at_least(_) } -> [] ; { arg(1, Bound, E) }, [(S =< E)-Why] ),
     upper(Bounds, S).
 
 %!  chain_sample(?Blocks, +Gap)// is semidet.

@@ -59,11 +59,16 @@ try_sample(Ease, Room, Constraints) -->
     room_sample(Law, Ease, Room),
     items_sample(Items, Type, Ease, Filling),
     { widest_core(Room),
-      filling_constraints(Filling, Type, Alongs, Filled),
-      append(Filled, Constraints, All),
       room_door(Room, Door) },
-    own_store(Door-Alongs, door_sample(Alongs, All, Door)),
+    (   { Filling == [], free_front(Room) }
+    ->  { phrase(door_constraints(Room), All), interval(Door, All, Low-High) },
+        ( { High - Low < 1.0e-10 } -> { Door = Low } ; interval_sample(Low, High, 1, Door) )   % as CLP(R) would
+    ;   { filling_constraints(Filling, Type, Alongs, Filled),
+          append(Filled, Constraints, All) },
+        own_store(Door-Alongs, door_sample(Alongs, All, Door)) ),
     places_sample(Room).
+
+free_front(Room) :- room_stretches(Room, [stretch(front_left,[],_),_,_,_,stretch(front_right,[],_)]).
 
 %   room_sample(+Law, +Ease, ?Room)//: the width and depth by their law.
 

@@ -1,4 +1,4 @@
-:- module(island, [island/4, island_constraints//2, island_chains/3, island_items/2]).
+:- module(island, [island/4, island_constraints//2, all_seats_constraints//1, island_chains/3, island_items/2]).
 
 /** <module> What stands in the middle of a room: islands in one row, a passage from each other and from the core's edge */
 

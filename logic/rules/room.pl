@@ -1,4 +1,4 @@
-:- module(room, [layout_room/3, room_constraints//1, room_items/2, widest_core/1, room_chains/2]).
+:- module(room, [layout_room/3, room_constraints//1, door_constraints//1, room_items/2, widest_core/1, room_chains/2]).
 
 /** <module> One room as a linear system
 
@@ -11,6 +11,7 @@ along the stretches of wall outside it (links.pl, stretch.pl) and in its middle 
 :- use_module(library(apply_macros)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
+:- use_module(chain).
 :- use_module(island).
 :- use_module(lengths).
 :- use_module(links).
@@ -59,6 +60,21 @@ all_stretches_constraints([], _) --> [].
 all_stretches_constraints([Stretch|Stretches], Room) -->
     stretch_constraints(Stretch, Room),
     all_stretches_constraints(Stretches, Room).
+
+%!  door_constraints(+Room)// describes what is left of them where every size is known but the door's place, the core is the
+%   widest, and no furniture stands at the front wall: no start in a row depends on the door, see packed_constraints//3.
+
+door_constraints(Room) -->
+    { room_stretches(Room, Stretches), room_islands(Room, Islands), room_chains(Room, Chains), length_of(passage, P) },
+    core_constraints(Room, Stretches),
+    all_packed_constraints(Chains, P),
+    all_seats_constraints(Islands).
+
+all_packed_constraints([], _) --> [].
+all_packed_constraints([Chain|Chains], P) -->
+    { before_all(Before) },
+    packed_constraints(Chain, P, Before),
+    all_packed_constraints(Chains, P).
 
 core_constraints(Room, Stretches) -->
     { room_width(Room, W), room_depth(Room, D), room_door(Room, Door), room_core(Room, core(X1,X2,Y1,Y2)),

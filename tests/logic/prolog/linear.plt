@@ -26,6 +26,14 @@ test(a_false_constraint_between_numbers_is_a_conflict_alone, Whys == [[b]]) :-
 test(a_system_with_a_solution_has_no_conflict, fail) :- minimal_conflict([(0 =< X)-[a], (X =< 2)-[b]], _).
 test(a_system_with_a_solution_has_no_quick_conflict, fail) :- quick_conflict([(0 =< X)-[a], (X =< 2)-[b]], _).
 test(searching_for_a_conflict_posts_nothing, X == free) :- minimal_conflict([(1 =< X)-[a], (X =< 0)-[b]], _), X = free.
+test(the_interval_of_one_unknown_is_that_of_the_solver_bit_for_bit) :-
+    forall(( between(1, 50, I), A is I/7, B is A+0.45, C is 9.3+I/11 ),
+           ( Rows = [(A+0.762 =< X)-[a], (B =< X+0.1)-[b], (X+0.762+0.45 =< C)-[c], (A =< B)-[d]],
+             interval(X, Rows, Low-High),
+             findall(L-H, ( posted(Rows), inf(X, L), sup(X, H) ), [L0-H0]),
+             Low =:= L0, High =:= H0 )).
+test(an_empty_interval_fails, fail) :- interval(X, [(3 =< X)-[a], (X =< 2)-[b]], _).
+test(an_interval_under_a_false_constraint_fails, fail) :- interval(X, [(0 =< X)-[a], (X =< 2)-[b], (3 =< 2)-[c]], _).
 test(a_known_position_takes_its_place, X =:= 3.0) :- posted([(X = 1.0+2.0)-[a], (X =< 3.0)-[b]]).
 test(a_known_position_out_of_place_fails, fail) :- posted([(X = 1.0+2.0)-[a], (X =< 2.9)-[b]]).
 test(numbers_are_equal_within_the_solvers_tolerance) :- posted([(0.3 = 0.1+0.2)-[], (0.1+0.2 =< 0.3)-[]]).
