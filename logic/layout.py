@@ -31,11 +31,12 @@ Nogood = Mapping[Symbol, bool]
 EVERY = ("--models=0", "--project=show")
 """Arguments of a program that is to give every layout once."""
 
-LASTING = ("--heuristic=Berkmin", "--del-max=300")
+LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
 By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so it
-would keep, and propagate, all that it ever learns. The heuristic has nothing to choose: a cheap one.
+would keep, and propagate, all that it ever learns. This keeps a few hundred, and more within a long search.
+The heuristic has nothing to choose: a cheap one.
 """
 
 CORE = RULES / "core.lp"
