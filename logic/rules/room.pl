@@ -61,8 +61,10 @@ all_stretches_constraints([Stretch|Stretches], Room) -->
     stretch_constraints(Stretch, Room),
     all_stretches_constraints(Stretches, Room).
 
-%!  door_constraints(+Room)// describes what is left of them where every size is known but the door's place, the core is the
-%   widest, and no furniture stands at the front wall: no start in a row depends on the door, see packed_constraints//3.
+%!  door_constraints(+Room)// describes what is left of them where only the door's place is unknown.
+%
+%   The core is the widest, and no furniture stands at the front wall: so no row depends on the door, and of its starts
+%   only the earliest count, see packed_constraints//3.
 
 door_constraints(Room) -->
     { room_stretches(Room, Stretches), room_islands(Room, Islands), room_chains(Room, Chains), length_of(passage, P) },
