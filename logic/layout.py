@@ -124,7 +124,9 @@ class Program:
         several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
         return (
             np.array(counts, int),
-            np.array([variable not in several for variable in sorted(options)], bool).repeat(counts),
+            np.array([variable not in several for variable in sorted(options)], bool).repeat(
+                np.array(counts, int)
+            ),
             np.array([literal for literal, _ in picks], int),
             np.array([weight for _, weight in picks], float),
         )
