@@ -35,9 +35,15 @@ LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,1
 """Arguments of a program that is solved for thousands of houses, each a short search in a given order.
 
 By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so it
-would keep, and propagate, all that it ever learns. This keeps a few hundred, and more within a long search.
-The heuristic has nothing to choose: a cheap one.
+would keep, and propagate, all that it ever learns. This keeps fewer, and more within a long search. The
+heuristic has nothing to choose: a cheap one.
 """
+
+SEARCHES = 1000
+"""After as many, a program forgets all that it has learnt, since even so that grows slowly."""
+
+LEMMAS, NOTHING = 8, 0
+"""What clasp's option ``forget_on_step`` can say."""
 
 CORE = RULES / "core.lp"
 
@@ -98,6 +104,7 @@ class Program:
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._counts, self._single, self._choices, self._weights = self._options(strict=most is None)
+        self._searches = 0
         self._brancher = _Brancher(self._choices)
         self._control.register_propagator(self._brancher)
 
@@ -151,6 +158,7 @@ class Program:
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout.
         """
+        self._forget_sometimes()
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         places = rng.permutation(len(self._counts))
@@ -188,6 +196,15 @@ class Program:
                     shown = passed
                     yield number, None
         yield number, True
+
+    def _forget_sometimes(self) -> None:
+        """Have the solver forget what it has learnt, once in many searches."""
+        self._searches += 1
+        turn = self._searches % SEARCHES
+        if turn == 0 or (turn == 1 and self._searches > 1):
+            solver = self._control.configuration.solver
+            assert isinstance(solver, clingo.Configuration)
+            setattr(solver, "forget_on_step", NOTHING if turn else LEMMAS)  # noqa: B010 (it takes any number)
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]

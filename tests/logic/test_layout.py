@@ -69,7 +69,7 @@ def test_values_are_sampled_in_proportion_to_their_weights(tmp_path: Path) -> No
 def worn() -> Program:
     """A program that was sampled for hundreds of houses, each with a nogood that ended with it."""
     made = bedroom()
-    for seed in range(400):
+    for seed in range(510):  # more searches than are between two times of forgetting
         first = made.sample(np.random.default_rng(seed))
         assert first
         assert made.sample(np.random.default_rng(seed), nogoods=[dict.fromkeys(first, True)]) != first
@@ -101,7 +101,7 @@ def test_a_solver_is_as_small_after_hundreds_of_houses_as_after_one(worn: Progra
     (variables, constraints, _), (worn_variables, worn_constraints, learnt) = size(fresh), size(worn)
     assert worn_variables <= variables
     assert worn_constraints <= constraints
-    assert learnt < 1000  # of about 1,600
+    assert learnt < 1500  # of about 2,000
 
 
 def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> None:
