@@ -132,12 +132,12 @@ def test_a_limit_keeps_the_houses_before_it(tmp_path: Path) -> None:
     """Houses differ in their work: a bound between the least and the most ends the series on its way."""
     file = tmp_path / "houses.jsonl"
     ended = vitruvius(
-        "generate", "--rooms", 8, "--start", 3, "--count", 60, "--inferences", 70_000, "--out", file
+        "generate", "--rooms", 8, "--start", 10, "--count", 60, "--inferences", 53_000, "--out", file
     )
     assert ended.returncode == 4
     kept = load(file)
     assert 0 < len(kept) < 60
-    assert json.loads(file.read_text().splitlines()[-1])["stopped"].startswith(f"at house {3 + len(kept)}: ")
+    assert json.loads(file.read_text().splitlines()[-1])["stopped"].startswith(f"at house {10 + len(kept)}: ")
 
 
 def test_ctrl_c_keeps_the_houses_and_ends_within_a_second(tmp_path: Path) -> None:
