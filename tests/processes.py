@@ -1,7 +1,8 @@
-"""The command in processes forked from one that has imported torch: that takes longer than a small run."""
+"""Processes forked from one that has imported torch: that takes longer than a small run."""
 
 import os
 import sys
+from collections.abc import Callable
 from multiprocessing import get_context
 from multiprocessing.process import BaseProcess
 
@@ -14,29 +15,34 @@ SERVER.set_forkserver_preload(
 )
 
 
-def start(*arguments: str, **environment: str) -> BaseProcess:
-    """``vitruvius`` at work in a process of this environment; a run is saved after every report."""
-    process = SERVER.Process(target=_vitruvius, args=(arguments, environment))
+def vitruvius(*arguments: str) -> None:
+    """The command; a run is saved after every report."""
+    from agent import cli, runs
+
+    runs.SAVE_EVERY = 0.0
+    sys.argv = ["vitruvius", *arguments]
+    cli.main()
+
+
+def start(*arguments: str, job: Callable[..., None] = vitruvius, **environment: str) -> BaseProcess:
+    """A job at work in a process of this environment."""
+    process = SERVER.Process(target=_work, args=(job, arguments, environment))
     process.start()
     return process
 
 
-def as_two_ranks(*arguments: str) -> list[int | None]:
+def as_two_ranks(*arguments: str, job: Callable[..., None] = vitruvius) -> list[int | None]:
     """Two processes in the environment that ``torchrun`` gives them, to their ends: their exit codes."""
     store = TCPStore("localhost", 0, is_master=True, wait_for_workers=False)
     shared = {"WORLD_SIZE": "2", "LOCAL_WORLD_SIZE": "2", "MASTER_ADDR": "localhost"}
     shared |= {"MASTER_PORT": str(store.port), "TORCHELASTIC_USE_AGENT_STORE": "True"}
-    ranks = [start(*arguments, **shared, RANK=rank, LOCAL_RANK=rank) for rank in "01"]
+    ranks = [start(*arguments, job=job, **shared, RANK=rank, LOCAL_RANK=rank) for rank in "01"]
     for process in ranks:
         process.join(300)
     return [process.exitcode for process in ranks]
 
 
-def _vitruvius(arguments: tuple[str, ...], environment: dict[str, str]) -> None:
-    from agent import cli, runs
-
+def _work(job: Callable[..., None], arguments: tuple[str, ...], environment: dict[str, str]) -> None:
     os.environ.update(environment)
     torch.set_num_threads(1)
-    runs.SAVE_EVERY = 0.0
-    sys.argv = ["vitruvius", *arguments]
-    cli.main()
+    job(*arguments)

@@ -1,6 +1,5 @@
-"""What each rank of ``test_ranks.py`` does, and the single process: ``python -m tests.ranks FILE``."""
+"""What each rank of ``test_ranks.py`` does, and the single process."""
 
-import sys
 import weakref
 
 import torch
@@ -49,7 +48,3 @@ def main(file: str) -> None:
             record = {"gradients": gradients, "weights": everyones, "steps": steps, "targets": targets}
     if record:
         torch.save({**record, "left": group is None or group() is None}, file)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1])

@@ -21,19 +21,12 @@ TORCHRUN = [sys.executable, "-m", "torch.distributed.run", "--nproc-per-node=2",
 TORCHRUN += ["--rdzv-backend=c10d", "--rdzv-endpoint=localhost:0"]
 
 
-def by_torchrun(*command: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*TORCHRUN, *command], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
-    )
-
-
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory):
     """What one process learnt from eight environments, and what two learnt from four each, with gloo."""
     folder = tmp_path_factory.mktemp("ranks")
     learn(str(folder / "one"))
-    ended = by_torchrun("-m", "tests.ranks", str(folder / "two"))
-    assert ended.returncode == 0, ended.stderr[-2000:]
+    assert processes.as_two_ranks(str(folder / "two"), job=learn) == [0, 0]
     return [torch.load(folder / name, weights_only=True) for name in ("one", "two")]
 
 
@@ -66,7 +59,14 @@ def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     out = tmp_path / "run"
     train = ["train", str(tmp_path / "houses.jsonl"), "--out", str(out), "--map"]
     train += ["--num-envs", "8", "--num-steps", "16"]
-    ended = by_torchrun("-m", "agent.cli", *train, "--steps", "500")
+    ended = subprocess.run(
+        [*TORCHRUN, "-m", "agent.cli", *train, "--steps", "500"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert ended.stderr.count("vitruvius evaluate") == 1  # one of them reports
     assert json.loads((out / "config.json").read_text())["ranks"] == 2
