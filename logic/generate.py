@@ -188,9 +188,11 @@ def _houses(
     warn = rules not in _warned and Path(opening["grammar"]).parent != SHIPPED
     _warned.add(rules)
     number = min(workers, len(indices))
-    team = [_idle.take(key) or _Worker(opening | {"warn": warn and not turn}) for turn in range(number)]
+    team: list[_Worker] = []
     reusable = False
     try:
+        for turn in range(number):
+            team.append(_idle.take(key) or _Worker(opening | {"warn": warn and not turn}))
         for worker in team:
             if worker.unanswered:
                 for text in worker.loaded()["warnings"]:
@@ -335,3 +337,4 @@ class _Worker:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.communicate()
+        self._answers.close()

@@ -1,5 +1,6 @@
 """From rules to houses: what is promised of every house, and of every request that has none."""
 
+import gc
 import json
 import os
 import shutil
@@ -23,6 +24,7 @@ from logic import (
     lint,
     load,
 )
+from logic.generate import MOST_IDLE
 from logic.grammar import SHIPPED
 from tests.logic import in_process
 
@@ -318,3 +320,18 @@ def alive(process: int) -> bool:
     except ProcessLookupError:
         return False
     return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z" if Path("/proc").exists() else True
+
+
+def test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers() -> None:
+    """Not even until the next collection of garbage."""
+    gc.disable()
+    try:
+        opened = []
+        for cell in (0.3, 0.31, 0.32, 0.33, 0.34):
+            next(generate(rooms=1, cell=cell))
+            opened.append(len(os.listdir("/dev/fd")))
+        assert lint() == []
+        opened.append(len(os.listdir("/dev/fd")))
+    finally:
+        gc.enable()
+    assert len(set(opened[MOST_IDLE - 1 :])) == 1, opened
