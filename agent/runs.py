@@ -18,7 +18,9 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from math import inf
 from pathlib import Path
+from threading import Event
 from time import perf_counter
 from typing import Any
 
@@ -38,6 +40,7 @@ from logic import House
 from logic.errors import RequestError
 from logic.files import write_whole
 from logic.spelling import keywords
+from logic.stopping import Terminated, at_sigterm
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
@@ -113,7 +116,8 @@ def run(
     lines.
 
     Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
-    number any more; the last good checkpoint is kept then.
+    number any more; the last good checkpoint is kept then. Raises ``Terminated`` once the run is saved after
+    a SIGTERM.
     """
     with ranks.joined(config.device):
         folder = Folder(Path(path))
@@ -147,24 +151,27 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
 def _learn(
     learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Learn to the end, and save the run every half a minute."""
+    """Learn to the end, or to the report after a SIGTERM; save the run then and every half a minute."""
     config, houses = learner.config, bank_hash(learner.envs.houses)
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
     made = Checkpoint(learner.network, config, 0, name, houses, command)
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
         write_whole(folder.config, _described(made, learner).encode())
-    saved = perf_counter()
-    with progress("training", every if not ranks.rank() else None) as tell:
+    saved, terminated = perf_counter(), Event()
+    with progress("training", every if not ranks.rank() else None) as tell, at_sigterm(terminated.set):
         try:
             for now in learner.train():
                 history.append(now)
                 tell(now.fraction, f"{now.steps / 1e6:.2f} M steps, {now.targets:.1f} targets per 1500 steps")
                 if writer:
                     writer.write(now)
-                if ranks.first(perf_counter() - saved) > SAVE_EVERY:
+                age = ranks.first(inf if terminated.is_set() else perf_counter() - saved)
+                if age > SAVE_EVERY:
                     _keep(learner, replace(made, steps=now.steps), folder)
                     saved = perf_counter()
+                if age == inf:
+                    raise Terminated
         except Diverged as error:
             kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None

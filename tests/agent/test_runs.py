@@ -1,6 +1,8 @@
 """Runs survive a kill at any moment, and overwrite no other run."""
 
 import json
+import os
+import signal
 import time
 from dataclasses import replace
 from multiprocessing.process import BaseProcess
@@ -19,6 +21,7 @@ from agent.pqn import PQN
 from agent.runs import run
 from logic import load, save
 from logic.errors import RequestError
+from logic.stopping import Terminated
 from sim.arguments import BANK
 from tests import processes
 from tests.sample_houses import random_house
@@ -119,6 +122,25 @@ def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monke
     run(HOUSES, config, tmp_path / "stopped", resume=True)
     assert metrics(tmp_path / "stopped") == metrics(tmp_path / "whole")
     assert same(tmp_path / "stopped", tmp_path / "whole")
+
+
+def test_a_run_that_is_terminated_is_saved_at_the_next_report(tmp_path, monkeypatch):
+    reports, iterate = [], PQN.iterate
+
+    def terminated(learner: PQN):
+        reports.append(iterate(learner))
+        if len(reports) == 3:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return reports[-1]
+
+    monkeypatch.setattr(PQN, "iterate", terminated)
+    monkeypatch.setattr(runs, "SAVE_EVERY", 1e9)
+    with pytest.raises(Terminated):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    assert checkpoint.load(tmp_path / "run/agent.safetensors").steps == 384
+    made, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [now.steps for now in history] == list(range(128, 1537, 128))
+    assert made.steps == 1536
 
 
 def test_a_run_goes_on_with_more_steps(tmp_path):
