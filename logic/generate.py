@@ -55,7 +55,7 @@ from logic.worker import main
 
 main()
 """
-"""What a solver process runs. It imports this very package by its file, and all else first from PYTHONPATH and
+"""What a solver process runs. It imports this very package by its file, all else first from PYTHONPATH and
 where packages are installed: no file in the current folder or beside a script takes the place of a module.
 """
 
