@@ -14,7 +14,6 @@ import gzip
 import io
 import json
 import platform
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
@@ -24,6 +23,7 @@ from threading import Event
 from time import perf_counter
 from typing import Any
 
+import msgspec
 import torch
 
 from agent import checkpoint, ranks
@@ -37,13 +37,16 @@ from agent.pqn import PQN
 from agent.progress import progress
 from agent.world import make_envs, simulator
 from logic import House
-from logic.errors import RequestError
+from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 from logic.spelling import keywords
 from logic.stopping import Terminated, at_sigterm
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
+
+MOST_STATE, MOST_LINE = 1 << 33, 1 << 16
+"""What is read of a run's state, unpacked, and of a report."""
 
 
 @dataclass(frozen=True)
@@ -200,20 +203,31 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     """Restore the state that was saved last; the reports up to there."""
     try:
         with gzip.open(folder.state) as file:
-            states = torch.load(io.BytesIO(file.read()), weights_only=True)
-    except (OSError, EOFError, zlib.error, RuntimeError) as error:
-        raise CheckpointError(f"{folder.state}: cannot be read: {error}") from None
-    if len(states) != ranks.size():
-        raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
-    learner.restore(states[ranks.rank()])
+            content = file.read(MOST_STATE + 1)
+        if len(content) > MOST_STATE:
+            raise ValueError(f"it holds more than {MOST_STATE >> 30} GiB")
+        states = torch.load(io.BytesIO(content), weights_only=True)
+        if len(states) != ranks.size():
+            raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
+        learner.restore(states[ranks.rank()])
+    except VitruviusError:
+        raise
+    except Exception as error:  # what is damaged raises many kinds
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise CheckpointError(f"{folder.state}: cannot be read: {reason}") from None
     history = []
-    for line in folder.metrics.read_text().splitlines():
-        try:
-            now = Progress(**json.loads(line))
-        except (ValueError, TypeError):
-            break  # a kill may tear the last line
-        if now.steps <= learner.steps:
-            history.append(now)
+    with folder.metrics.open("rb") as lines:
+        for line in iter(lambda: lines.readline(MOST_LINE), b""):
+            try:
+                now = msgspec.json.decode(line, type=Progress)
+            except ValueError:
+                continue  # a kill may tear the last line
+            if now.steps <= learner.steps:
+                history.append(now)
+    if not history:
+        raise CheckpointError(
+            f"{folder.metrics}: holds no report up to step {learner.steps:,}, at which the run was kept"
+        )
     return history
 
 
