@@ -20,6 +20,9 @@ FORMAT = "vitruvius-agent-3"
 RELEASED = Path(__file__).parent / "released"
 """Where the agents lie that come with the project."""
 
+MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
+"""What is read of a checkpoint, and of its header: our networks have less than 1 MiB, their headers 4 KiB."""
+
 KINDS: dict[str, type[TrainConfig]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig)}
 
 
@@ -70,7 +73,7 @@ def load(path: str | Path) -> Checkpoint:
         hint = f": did you mean {run}?" if (run := Path(path) / "agent.safetensors").exists() else ""
         raise CheckpointError(f"{path}: is a folder, and no agent{hint}")
     try:
-        Path(path).open("rb").close()  # safetensors says less of why it cannot
+        _require_sizes(Path(path))
         with safetensors.safe_open(path, framework="pt") as file:
             record = file.metadata() or {}
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
@@ -86,11 +89,27 @@ def load(path: str | Path) -> Checkpoint:
         config = config_of(record["algorithm"], json.loads(record["config"]))
         network = network_of(config)
         network.load_state_dict(tensors)
+        if not all(value.isfinite().all() for value in network.state_dict().values()):
+            raise ValueError("some weights are no finite numbers")
         provenance = {name: record[name] for name in ("name", "houses", "command")}
         return Checkpoint(network.eval(), config, int(record["steps"]), **provenance)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
+
+
+def _require_sizes(path: Path) -> None:
+    """Raise ``CheckpointError`` for more than is read, ``OSError`` that says more than safetensors's."""
+    if not path.is_file():
+        raise CheckpointError(f"{path}: is no regular file")
+    with path.open("rb") as file:
+        header = int.from_bytes(file.read(8), "little")
+    if path.stat().st_size > MOST_BYTES:
+        raise CheckpointError(f"{path}: has more than {MOST_BYTES >> 20} MiB: no checkpoint has")
+    if MOST_HEADER < header < path.stat().st_size:
+        raise CheckpointError(
+            f"{path}: its header has more than {MOST_HEADER >> 20} MiB: no checkpoint's has"
+        )
 
 
 def _released(path: str | Path) -> Path:

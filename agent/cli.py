@@ -17,6 +17,7 @@ from benchmarks import STUDIES
 from logic.commands import say
 from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.spelling import closest, unknown
+from logic.stopping import at_sigterm, terminate
 
 COMMANDS = {
     "generate": ("logic.commands:Generate", "Make houses from rules."),
@@ -110,16 +111,17 @@ def _run(arguments: list[str]) -> int:
 
 def _exit_code(arguments: list[str]) -> int:
     try:
-        return _run(arguments)
+        with at_sigterm(terminate):
+            return _run(arguments)
     except VitruviusError as error:
         if error.exit_code == VitruviusError.exit_code:
             say(f"error, a fault of ours, please report it: {error}")
         else:
             say(f"error: {error}")
         return error.exit_code
-    except KeyboardInterrupt:
-        say("interrupted")
-        return 130
+    except KeyboardInterrupt as end:
+        say(str(end) or "interrupted")
+        return getattr(end, "exit_code", 130)
     except OSError as error:
         if not isinstance(error, BrokenPipeError):
             say(f"error: {error.filename or 'a file'}: {error.strerror}")

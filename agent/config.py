@@ -5,6 +5,7 @@ The names of the fields are those of CleanRL and Stable-Baselines3; their docstr
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from math import inf
 from typing import Annotated, ClassVar, Literal, get_args
 
 import tyro
@@ -13,6 +14,9 @@ from logic.errors import RequestError
 
 TargetMode = Literal["main", "secondary", "mixed"]
 """Where targets lie: in the main room, in secondary rooms, or in both."""
+
+MOST_HALF_LIVES = 64
+"""Half-lives of a memory: those of the presets are four."""
 
 TARGET_MODES: tuple[TargetMode, ...] = get_args(TargetMode)
 
@@ -118,8 +122,10 @@ class QLearningConfig(TrainConfig):
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
         super().__post_init__()
-        if not all(half_life > 0 for half_life in self.half_lives):
-            raise RequestError(f"half_lives must be above 0, not {self.half_lives}")
+        if len(self.half_lives) > MOST_HALF_LIVES:
+            raise RequestError(f"half_lives are at most {MOST_HALF_LIVES}, not {len(self.half_lives)}")
+        if not all(0 < half_life < inf for half_life in self.half_lives):
+            raise RequestError(f"half_lives must be above 0 and finite, not {self.half_lives}")
 
 
 @dataclass(frozen=True)

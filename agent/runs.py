@@ -14,14 +14,16 @@ import gzip
 import io
 import json
 import platform
-import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from math import inf
 from pathlib import Path
+from threading import Event
 from time import perf_counter
 from typing import Any
 
+import msgspec
 import torch
 
 from agent import checkpoint, ranks
@@ -35,12 +37,16 @@ from agent.pqn import PQN
 from agent.progress import progress
 from agent.world import make_envs, simulator
 from logic import House
-from logic.errors import RequestError
+from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 from logic.spelling import keywords
+from logic.stopping import Terminated, at_sigterm
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
+
+MOST_STATE, MOST_LINE = 1 << 33, 1 << 16
+"""What is read of a run's state, unpacked, and of a report."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +119,8 @@ def run(
     lines.
 
     Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
-    number any more; the last good checkpoint is kept then.
+    number any more; the last good checkpoint is kept then. Raises ``Terminated`` once the run is saved after
+    a SIGTERM.
     """
     with ranks.joined(config.device):
         folder = Folder(Path(path))
@@ -147,24 +154,27 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
 def _learn(
     learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Learn to the end, and save the run every half a minute."""
+    """Learn to the end, or to the report after a SIGTERM; save the run then and every half a minute."""
     config, houses = learner.config, bank_hash(learner.envs.houses)
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
     made = Checkpoint(learner.network, config, 0, name, houses, command)
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
         write_whole(folder.config, _described(made, learner).encode())
-    saved = perf_counter()
-    with progress("training", every if not ranks.rank() else None) as tell:
+    saved, terminated = perf_counter(), Event()
+    with progress("training", every if not ranks.rank() else None) as tell, at_sigterm(terminated.set):
         try:
             for now in learner.train():
                 history.append(now)
                 tell(now.fraction, f"{now.steps / 1e6:.2f} M steps, {now.targets:.1f} targets per 1500 steps")
                 if writer:
                     writer.write(now)
-                if ranks.first(perf_counter() - saved) > SAVE_EVERY:
+                age = ranks.first(inf if terminated.is_set() else perf_counter() - saved)
+                if age > SAVE_EVERY:
                     _keep(learner, replace(made, steps=now.steps), folder)
                     saved = perf_counter()
+                if age == inf:
+                    raise Terminated
         except Diverged as error:
             kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
@@ -193,20 +203,31 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     """Restore the state that was saved last; the reports up to there."""
     try:
         with gzip.open(folder.state) as file:
-            states = torch.load(io.BytesIO(file.read()), weights_only=True)
-    except (OSError, EOFError, zlib.error, RuntimeError) as error:
-        raise CheckpointError(f"{folder.state}: cannot be read: {error}") from None
-    if len(states) != ranks.size():
-        raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
-    learner.restore(states[ranks.rank()])
+            content = file.read(MOST_STATE + 1)
+        if len(content) > MOST_STATE:
+            raise ValueError(f"it holds more than {MOST_STATE >> 30} GiB")
+        states = torch.load(io.BytesIO(content), weights_only=True)
+        if len(states) != ranks.size():
+            raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
+        learner.restore(states[ranks.rank()])
+    except VitruviusError:
+        raise
+    except Exception as error:  # what is damaged raises many kinds
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise CheckpointError(f"{folder.state}: cannot be read: {reason}") from None
     history = []
-    for line in folder.metrics.read_text().splitlines():
-        try:
-            now = Progress(**json.loads(line))
-        except (ValueError, TypeError):
-            break  # a kill may tear the last line
-        if now.steps <= learner.steps:
-            history.append(now)
+    with folder.metrics.open("rb") as lines:
+        for line in iter(lambda: lines.readline(MOST_LINE), b""):
+            try:
+                now = msgspec.json.decode(line, type=Progress)
+            except ValueError:
+                continue  # a kill may tear the last line
+            if now.steps <= learner.steps:
+                history.append(now)
+    if not history:
+        raise CheckpointError(
+            f"{folder.metrics}: holds no report up to step {learner.steps:,}, at which the run was kept"
+        )
     return history
 
 

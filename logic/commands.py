@@ -3,6 +3,7 @@
 What a command needs is imported in its ``run``, so that help comes at once.
 """
 
+import errno
 import json
 import os
 import re
@@ -22,6 +23,9 @@ from logic.errors import RequestError, VitruviusError
 from logic.house import House
 
 Repeated = tyro.conf.UseAppendAction
+
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+"""Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +81,8 @@ class Generate:
     """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
 
     def run(self) -> int:
-        """Write the houses; where a limit or Ctrl-C ends the work, those made so far, and a note of why."""
-        from logic import generate, save
+        """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
+        from logic import generate
 
         _say_warnings()
         if self.count_layouts:
@@ -106,13 +110,32 @@ class Generate:
                     print(json.dumps(house.to_dict()), flush=True)
         except (VitruviusError, KeyboardInterrupt) as end:
             if houses and self.out:
-                save(houses, self.out, stopped=f"at house {self.start + len(houses)}: {end or 'interrupted'}")
-                say(f"{self.out}: holds the {len(houses)} made before")
+                self._save(houses, self.out, str(end) or "interrupted")
             raise
         if self.out:
-            save(houses, self.out)
+            self._save(houses, self.out)
             say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
         return 0
+
+    def _save(self, houses: list[House], out: Path, stopped: str = "") -> None:
+        """Write the houses and why there are no more; where the disk is full, as many as it takes."""
+        from logic import save
+
+        kept, full = len(houses), None
+        while True:
+            try:
+                save(houses[:kept], out, stopped and f"at house {self.start + kept}: {stopped}")
+                break
+            except OSError as error:
+                kept = kept * 9 // 10
+                if error.errno not in FULL or not kept:
+                    raise full or error from None
+                full = full or error
+                stopped = os.strerror(error.errno)
+        if stopped:
+            say(f"{out}: holds the first {kept} of {len(houses)} made")
+        if full:
+            raise full
 
     def _kept(self) -> House | None:
         """The house whose rooms are kept. Raises ``RequestError`` for one, or a room, that is not there."""

@@ -1,6 +1,7 @@
 """House files: JSON Lines, a house a line, plain or gzipped; also one house in a ``.json`` file."""
 
 import gzip
+import json
 import os
 import secrets
 import stat
@@ -135,11 +136,19 @@ def _holds_one(path: Path) -> bool:
     return path.name.removesuffix(".gz").endswith(".json")
 
 
+def _require_once(pairs: list[tuple[str, Any]]) -> None:
+    """Raise ``ValueError`` for a key that an object has twice: other programs read the other value."""
+    keys = [key for key, _ in pairs]
+    if len(set(keys)) < len(keys):
+        raise ValueError(f"{max(keys, key=keys.count)!r} stands twice in an object")
+
+
 def _parsed(line: bytes, place: str) -> House:
     if len(line) > MOST_LINE:
         raise HouseFileError(f"{place}: a house of more than {MOST_LINE >> 20} MiB")
     try:
         record: dict[str, Any] = msgspec.json.decode(line)
+        json.loads(line, object_pairs_hook=_require_once)
         return House.from_dict(record)
     except (msgspec.DecodeError, ValueError, OverflowError, RecursionError) as error:
         hint = " (the file is cut short)" if "truncated" in str(error) else ""

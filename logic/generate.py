@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,22 @@ MOST_IDLE = 2
 
 ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Rule files are UTF-8 whatever the user's language."""
+
+START = """
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+
+sys.path += sys.argv[2:]
+spec = spec_from_file_location("logic", sys.argv[1])
+sys.modules["logic"] = module_from_spec(spec)
+spec.loader.exec_module(sys.modules["logic"])
+from logic.worker import main
+
+main()
+"""
+"""What a solver process runs. It imports this very package by its file, all else first from PYTHONPATH and
+where packages are installed: no file in the current folder or beside a script takes the place of a module.
+"""
 
 
 @keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
@@ -188,9 +204,11 @@ def _houses(
     warn = rules not in _warned and Path(opening["grammar"]).parent != SHIPPED
     _warned.add(rules)
     number = min(workers, len(indices))
-    team = [_idle.take(key) or _Worker(opening | {"warn": warn and not turn}) for turn in range(number)]
+    team: list[_Worker] = []
     reusable = False
     try:
+        for turn in range(number):
+            team.append(_idle.take(key) or _Worker(opening | {"warn": warn and not turn}))
         for worker in team:
             if worker.unanswered:
                 for text in worker.loaded()["warnings"]:
@@ -262,18 +280,24 @@ _warned: set[str] = set()
 """Hashes of the rules whose warnings this process has given: once is enough."""
 
 
+def _named(path: Iterable[str]) -> list[str]:
+    """Where modules are looked for, but for the current folder."""
+    return [folder for folder in path if folder and os.path.abspath(folder) != os.getcwd()]
+
+
 class _Worker:
     """A solver process and the two ends of its pipes."""
 
     def __init__(self, opening: dict[str, Any]) -> None:
         self._grammar = opening["grammar"]
+        package, path = Path(__file__).with_name("__init__.py"), os.environ.get("PYTHONPATH", "")
         # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "logic.worker"],
+            [sys.executable, "-P", "-c", START, str(package), *_named(sys.path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,
-            env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(_named(path.split(os.pathsep)))},
         )
         assert self._process.stdin
         assert self._process.stdout
@@ -335,3 +359,4 @@ class _Worker:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.communicate()
+        self._answers.close()

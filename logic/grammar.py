@@ -10,6 +10,9 @@ from logic.spelling import unknown
 SHIPPED = Path(__file__).parent / "grammars"
 RULES = Path(__file__).parent / "rules"
 
+MOST_BYTES = 1 << 24
+"""What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
+
 
 @dataclass(frozen=True)
 class Grammar:
@@ -30,7 +33,8 @@ def shipped() -> list[str]:
 def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
-    Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files.
+    Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
+    that cannot be read or hold more than ``MOST_BYTES``.
     """
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if not directory.is_dir():
@@ -49,8 +53,16 @@ def find(grammar: str | Path) -> Grammar:
 
 def _hash(files: tuple[Path, ...]) -> str:
     """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
-    digest = hashlib.sha256()
+    digest, left = hashlib.sha256(), MOST_BYTES
     for file in (*files, *sorted(RULES.glob("*.[lp][lp]"))):
-        content = file.read_bytes()
+        try:
+            with file.open("rb") as rules:
+                content = rules.read(left + 1)
+        except OSError as error:
+            raise GrammarError(f"cannot be read: {error.strerror}", file) from None
+        left -= len(content)
+        if left < 0:
+            most = f"{MOST_BYTES >> 20} MiB"
+            raise GrammarError(f"with this file the grammar holds more than {most}: it is not read", file)
         digest.update(f"{file.name} {len(content)}\n".encode() + content)
     return digest.hexdigest()

@@ -8,6 +8,7 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.audit import audit, unreadable
+from logic.circles import circles
 from logic.errors import GrammarError
 from logic.explain import Relaxed
 from logic.grammar import Grammar
@@ -19,11 +20,15 @@ from logic.spelling import closest
 from logic.stages import misplaced
 from logic.statements import Statement, error_at, read
 from logic.terms import Lengths, length_facts
-from logic.units import unlikely
+from logic.units import impossible, unlikely
 from logic.vocabulary import Words, misspelt, places, words
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
+
+
+NAME = "[a-z][A-Za-z0-9_]*"
+"""Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
 
 
 class LoadedGrammar:
@@ -64,6 +69,7 @@ class LoadedGrammar:
         yield from refused.values()
         yield from audit(each for each in statements if id(each.node) not in refused)
         yield from misplaced(self._words, refused)
+        yield from circles(statements)
 
     def _errors(self) -> Iterator[GrammarError]:
         sized = self.placer.sized()
@@ -74,12 +80,8 @@ class LoadedGrammar:
         except GrammarError as error:
             yield from [error, *strange]
             return
-        wrong = [*self._wrong(probe), *strange]
+        wrong = [*self._wrong(probe), *strange, *self._misnamed(probe)]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
-        for type_ in self.types:
-            if not re.fullmatch("[a-z][A-Za-z0-9_]*", str(type_)):
-                why = f"{type_}: a type is named by a word that begins in lower case, as in bedroom"
-                wrong.append(self._at(Function("type", [type_]), why))
         if not self.types:
             wrong.append(GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory))
         yield from wrong
@@ -91,6 +93,8 @@ class LoadedGrammar:
         self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
         yield from errors
         yield from {str(error): error for error in map(self._absent, absent)}.values()
+        if not errors and not absent:
+            yield from impossible(self._extremes, self.placer.origins)
         names = {
             "room_size": set(self.furniture),
             "piece_size": {p for ps in self.furniture.values() for p in ps},
@@ -138,6 +142,17 @@ class LoadedGrammar:
             first = self._at(facts[0], "")
             place = f"{Path(str(first.file)).name}:{first.line}:{first.column}"
             yield self._at(facts[1], f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them")
+
+    def _misnamed(self, probe: Program) -> Iterator[GrammarError]:
+        """Types and pieces whose names are no plain words."""
+        pieces = [fact for name in ("may", "beside", "around") for fact in probe.atoms(name, 4)]
+        for facts, place, what in (
+            (probe.atoms("type", 1), 0, "type is named by a word that begins in lower case, as in bedroom"),
+            (pieces, 1, "piece is named by a word that begins in lower case, as in bed"),
+        ):
+            for fact in sorted(facts):
+                if not re.fullmatch(NAME, str(fact.arguments[place])):
+                    yield self._at(fact, f"{fact.arguments[place]}: a {what}")
 
     def _at(self, fact: Symbol, why: str) -> GrammarError:
         """An error at the fact's place in the files."""

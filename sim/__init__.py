@@ -3,7 +3,15 @@
 ``gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=4096, houses="houses.jsonl")``
 """
 
+# ruff: noqa: E402 - that logic is ours is checked before it is imported
+from importlib.util import find_spec
+from pathlib import Path
+
 import gymnasium
+
+_logic = find_spec("logic")
+if _logic and Path(_logic.origin or "").parent.parent != Path(__file__).parent.parent:
+    raise ImportError(f"{_logic.origin}: hides the package logic of Vitruvius: give it another name")
 
 from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env

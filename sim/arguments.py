@@ -5,6 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from logic import House, load
 from logic.spelling import unknown
 from sim.backend import METHODS, Backend
@@ -62,9 +64,11 @@ def configuration(preset: str | Config, max_episode_steps: int | None) -> Config
         require("preset", preset, PRESETS)
         preset = PRESETS[preset]
     if max_episode_steps is not None:
-        if max_episode_steps < 1:
-            raise ValueError(f"max_episode_steps is {max_episode_steps}: at least one step")
-        preset = replace(preset, steps=max_episode_steps)
+        if isinstance(max_episode_steps, bool) or not isinstance(max_episode_steps, int | np.integer):
+            raise ValueError(f"max_episode_steps must be a whole number, not {max_episode_steps!r}")
+        if not 1 <= max_episode_steps < 2**31:
+            raise ValueError(f"max_episode_steps is {max_episode_steps}: from 1 to {2**31 - 1:,}")
+        preset = replace(preset, steps=int(max_episode_steps))
     return preset
 
 

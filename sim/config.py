@@ -9,6 +9,9 @@ FOOT = 0.3048
 PIXEL = FOOT / 8.5
 """The paper's lengths are in pixels, 8.5 to a foot."""
 
+MOST_RAYS = 1024
+"""Memory of environments and networks grows with their rays: 360, a degree apart, look all around."""
+
 
 @dataclass(frozen=True)
 class Config:
@@ -72,8 +75,9 @@ class Config:
         lengths = (*self.body, self.step, self.range, self.target)
         if not all(0 < length < float("inf") for length in lengths):
             raise ValueError("body, step, range and target must be positive lengths in metres")
-        if self.rays < 1 or self.steps < 1:
-            raise ValueError(f"{self.rays} rays and {self.steps} steps: at least one of each")
+        if not (1 <= self.rays <= MOST_RAYS and 1 <= self.steps < 2**31):
+            found = f"{self.rays} rays and {self.steps} steps"
+            raise ValueError(f"{found}: 1 to {MOST_RAYS:,} rays and 1 to {2**31 - 1:,} steps")
         if self.ray_spacing < 1 or 45 % self.ray_spacing:
             raise ValueError(f"ray_spacing is {self.ray_spacing} degrees: it must divide 45")
         if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from gymnasium.error import ResetNeeded
+from gymnasium.error import Error, ResetNeeded
 
 from logic.spelling import unknown
 from sim.kernels import KEEP, SAMPLE
@@ -56,6 +56,22 @@ def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOpt
         reals[:, 2:] = _floats("target", options["target"], (count, 2))
     wholes[~mask, 0] = KEEP
     return ResetOptions(mask, wholes, reals)
+
+
+def read_seeds(seed: Any, count: int) -> np.ndarray:
+    """Seeds (E,) uint64 of environments: ``seed + i`` of a number, or those of a sequence.
+
+    Raises ``ValueError`` for another number of them and, as Gymnasium does, ``Error`` for what is no seed.
+    """
+    seeds = [seed] if isinstance(seed, int | float | np.number) else list(seed)
+    for one in seeds:
+        if isinstance(one, bool) or not isinstance(one, int | np.integer) or not 0 <= one < 2**64:
+            raise Error(f"a seed is a whole number from 0 to 2**64 - 1, not {one!r}")
+    if seeds and not np.iterable(seed):
+        seeds = [(int(seed) + i) % 2**64 for i in range(count)]
+    if len(seeds) != count:
+        raise ValueError(f"{len(seeds)} seeds for {count} environments")
+    return np.array(seeds, np.uint64)
 
 
 def house_numbers(value: Any, world: World) -> np.ndarray:

@@ -17,7 +17,7 @@ from sim.config import Config
 from sim.episodes import HOUSE
 from sim.geometry import Geometry
 from sim.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
-from sim.options import read_options
+from sim.options import read_options, read_seeds
 from sim.outputs import Outputs
 from sim.runtime import start
 from sim.tasks import Targets
@@ -200,13 +200,9 @@ class HouseVectorEnv(VectorEnv):
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
-            if isinstance(seed, int | np.integer):
-                seed = range(int(seed), int(seed) + self.num_envs)
-            if len(seed) != self.num_envs:
-                raise ValueError(f"{len(seed)} seeds for {self.num_envs} environments")
-            words = np.array([int(one) % 2**64 for one in seed], np.uint64)
-            super().reset(seed=int(seed[0]))
-            self.world.seed(words, asked.mask)
+            seeds = read_seeds(seed, self.num_envs)
+            super().reset(seed=int(seeds[0]))
+            self.world.seed(seeds, asked.mask)
         self.world.reset(asked.wholes, asked.reals)
         flags = self._outputs.flags()
         flags[:, asked.mask] = False

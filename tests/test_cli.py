@@ -1,8 +1,10 @@
 """The command: every way to end, by its exit code and one line of text."""
 
 import contextlib
+import errno
 import io
 import json
+import os
 import re
 import signal
 import subprocess
@@ -154,7 +156,50 @@ def test_ctrl_c_keeps_the_houses_and_ends_within_a_second(tmp_path: Path) -> Non
     assert process.returncode == 130
     assert time.monotonic() - began < 3  # A second of ours, and room for a busy machine.
     assert "Traceback" not in said
-    assert load(file)
+    assert (
+        json.loads(file.read_text().splitlines()[-1])["stopped"] == f"at house {len(load(file))}: interrupted"
+    )
+
+
+def test_sigterm_keeps_the_houses_and_says_why(tmp_path: Path) -> None:
+    file = tmp_path / "houses.jsonl"
+    command = [sys.executable, "-m", "agent.cli", "generate", "--rooms", "9", "--count", "100000"]
+    process = subprocess.Popen([*command, "--out", str(file)], stderr=subprocess.PIPE, text=True)
+    try:
+        time.sleep(2)
+        process.terminate()
+        _, said = process.communicate(timeout=10)
+    finally:
+        process.kill()  # nothing, if it has ended as it should
+    assert process.returncode == 128 + signal.SIGTERM
+    assert said.endswith("\nterminated\n")
+    kept = load(file)
+    last = json.loads(file.read_text().splitlines()[-1])
+    assert last == {"stopped": f"at house {len(kept)}: terminated"}
+
+
+def test_a_full_disk_keeps_what_fits_and_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file, fsync = tmp_path / "houses.jsonl", os.fsync
+
+    def full(number: int) -> None:
+        if os.fstat(number).st_size > room:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        fsync(number)
+
+    monkeypatch.setattr(os, "fsync", full)
+    room = 20_000
+    ended = vitruvius("generate", "--rooms", 6, "--count", 12, "--out", file)
+    assert ended.returncode == 5
+    assert ended.stderr.splitlines()[-1] == f"error: {file}: No space left on device"
+    kept = len(load(file))
+    assert 3 < kept < 12
+    assert f"holds the first {kept} of 12 made" in ended.stderr
+    last = json.loads(file.read_text().splitlines()[-1])
+    assert last == {"stopped": f"at house {kept}: No space left on device"}
+    room = 0
+    ended = vitruvius("generate", "--rooms", 1, "--out", tmp_path / "other.jsonl")
+    assert ended.stderr == f"error: {tmp_path / 'other.jsonl'}: No space left on device\n"
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_the_command_line_imports_no_library_of_a_command() -> None:

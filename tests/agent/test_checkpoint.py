@@ -1,7 +1,9 @@
 """Checkpoints come back as they were, and anything else is refused in one line."""
 
 import json
+import os
 import pickle
+import time
 from dataclasses import asdict
 
 import pytest
@@ -97,6 +99,37 @@ def test_a_network_of_another_shape_is_refused(tmp_path):
     assert "another shape" in refusal(spoiled(path, other))
     assert "another shape" in refusal(spoiled(path, {"look.weight": torch.ones(1)}))
     assert "another shape" in refusal(spoiled(path, config=json.dumps({"half_lives": [1]})))
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_weights_that_are_no_numbers_are_refused(tmp_path, value):
+    path = tmp_path / "agent.safetensors"
+    weights = network_of(CONFIG).state_dict()
+    weights["look.weight"][0, 0] = value
+    assert "some weights are no finite numbers" in refusal(spoiled(path, weights))
+
+
+@pytest.mark.parametrize(
+    ("config", "words"),
+    [
+        ({"half_lives": 90_000 * [1.0]}, "half_lives are at most 64, not 90000"),
+        ({"half_lives": 3_000_000 * [1.0]}, "its header has more than 1 MiB"),
+        ({"sim": ["rays=1000000000"]}, "1 to 1,024 rays"),
+    ],
+)
+def test_a_checkpoint_that_asks_for_a_huge_network_is_refused_before_it_is_made(tmp_path, config, words):
+    path = spoiled(tmp_path / "agent.safetensors", config=json.dumps(config))
+    begin = time.process_time()
+    assert words in refusal(path)
+    assert time.process_time() - begin < 1
+
+
+def test_what_is_too_large_or_no_file_is_refused_unread(tmp_path):
+    path = made(tmp_path / "agent.safetensors")
+    os.truncate(path, 5 << 30)  # of zeros, which take no disk
+    assert "has more than 256 MiB" in refusal(path)
+    os.mkfifo(tmp_path / "pipe.safetensors")
+    assert "is no regular file" in refusal(tmp_path / "pipe.safetensors")
 
 
 def test_a_config_of_another_version_or_algorithm_is_refused(tmp_path):

@@ -1,6 +1,11 @@
 """Runs survive a kill at any moment, and overwrite no other run."""
 
+import gzip
+import io
 import json
+import os
+import pickle
+import signal
 import time
 from dataclasses import replace
 from multiprocessing.process import BaseProcess
@@ -19,6 +24,7 @@ from agent.pqn import PQN
 from agent.runs import run
 from logic import load, save
 from logic.errors import RequestError
+from logic.stopping import Terminated
 from sim.arguments import BANK
 from tests import processes
 from tests.sample_houses import random_house
@@ -121,6 +127,25 @@ def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monke
     assert same(tmp_path / "stopped", tmp_path / "whole")
 
 
+def test_a_run_that_is_terminated_is_saved_at_the_next_report(tmp_path, monkeypatch):
+    reports, iterate = [], PQN.iterate
+
+    def terminated(learner: PQN):
+        reports.append(iterate(learner))
+        if len(reports) == 3:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return reports[-1]
+
+    monkeypatch.setattr(PQN, "iterate", terminated)
+    monkeypatch.setattr(runs, "SAVE_EVERY", 1e9)
+    with pytest.raises(Terminated):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    assert checkpoint.load(tmp_path / "run/agent.safetensors").steps == 384
+    made, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [now.steps for now in history] == list(range(128, 1537, 128))
+    assert made.steps == 1536
+
+
 def test_a_run_goes_on_with_more_steps(tmp_path):
     run(HOUSES, CONFIG, tmp_path / "run")
     made, history = run(HOUSES, replace(CONFIG, steps=2500), tmp_path / "run", resume=True)
@@ -158,6 +183,50 @@ def test_a_damaged_state_is_refused_in_one_line(tmp_path):
         with pytest.raises(checkpoint.CheckpointError, match=r"state.pt.gz: cannot be read") as caught:
             run(HOUSES, CONFIG, tmp_path / "run", resume=True)
         assert "\n" not in str(caught.value)
+
+
+def test_a_state_of_another_content_is_refused_in_one_line(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    state = tmp_path / "run/state.pt.gz"
+    (good,) = torch.load(io.BytesIO(gzip.decompress(state.read_bytes())), weights_only=True)
+    strange = [
+        7,
+        [7],
+        {},
+        [{}],
+        [good | {"network": {}}],
+        [good | {"envs": {}}],
+        [good | {"clock": {"a": 1}}],
+    ]
+    for value in [*strange, [good | {"generator": torch.zeros(3)}], [good | {"config": []}]]:
+        content = io.BytesIO()
+        torch.save(value, content)
+        state.write_bytes(gzip.compress(content.getvalue()))
+        with pytest.raises((checkpoint.CheckpointError, RequestError)) as caught:
+            run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+        assert "\n" not in str(caught.value)
+    state.write_bytes(gzip.compress(pickle.dumps(print)))
+    with pytest.raises(checkpoint.CheckpointError, match="cannot be read"):
+        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+
+
+def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refused(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    file = tmp_path / "run/metrics.jsonl"
+    lines = file.read_bytes().splitlines(keepends=True)
+    strange = [
+        b"\xff\xfe\n",
+        b"[]\n",
+        b'{"steps": "many"}\n',
+        lines[0].replace(b'"steps": 128', b'"steps": null'),
+    ]
+    file.write_bytes(b"".join([*strange, *lines, bytes(100_000)]))
+    _, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [now.steps for now in history] == list(range(128, 1537, 128))
+    assert file.read_bytes().splitlines(keepends=True) == lines
+    file.write_bytes(strange[0])
+    with pytest.raises(checkpoint.CheckpointError, match=r"metrics.jsonl: holds no report up to step 1,536"):
+        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
 
 
 def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypatch):

@@ -171,8 +171,23 @@ LINE = json.dumps(HOUSE.to_dict()).encode()
         (b"\xff\xfe" + LINE, ":1: not a house: "),
         (b"\x00" * 100, ":1: not a house: "),
         (b'{"a": ' + b"[" * 200_000, ":1: not a house: "),
+        (LINE.replace(b'"R1": ', b'"R0": {}, "R1": '), ":1: not a house: 'R0' stands twice in an object"),
+        (LINE.replace(b'"x": ', b'"x": 9, "x": ', 1), ":1: not a house: 'x' stands twice"),
     ],
-    ids=["empty", "blank", "truncated", "list", "NaN", "infinite", "1e9", "bytes", "zeros", "deep"],
+    ids=[
+        "empty",
+        "blank",
+        "truncated",
+        "list",
+        "NaN",
+        "infinite",
+        "1e9",
+        "bytes",
+        "zeros",
+        "deep",
+        "room-twice",
+        "x-twice",
+    ],
 )
 def test_a_wrong_file_is_refused_by_line_in_one_line(tmp_path: Path, content: bytes, words: str) -> None:
     path = tmp_path / "houses.jsonl"

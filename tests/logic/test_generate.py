@@ -1,5 +1,6 @@
 """From rules to houses: what is promised of every house, and of every request that has none."""
 
+import gc
 import json
 import os
 import shutil
@@ -23,6 +24,7 @@ from logic import (
     lint,
     load,
 )
+from logic.generate import MOST_IDLE
 from logic.grammar import SHIPPED
 from tests.logic import in_process
 
@@ -318,3 +320,50 @@ def alive(process: int) -> bool:
     except ProcessLookupError:
         return False
     return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z" if Path("/proc").exists() else True
+
+
+@pytest.mark.parametrize("where", [".", "beside"])
+def test_a_solver_imports_nothing_from_the_current_folder_or_beside_the_program(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    folder = tmp_path / where
+    (folder / "logic").mkdir(parents=True)
+    for name in ("clingo", "msgspec", "numpy", "pyswip", "queue", "token", "types", "logic/__init__"):
+        (folder / f"{name}.py").write_text(f"open({str(tmp_path / 'trace')!r}, 'a').write({name!r})\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [str(folder), *sys.path])
+    assert lint() == []
+    assert check(next(generate(rooms=1, cell=0.35))) == []
+    assert not (tmp_path / "trace").exists()
+
+
+@pytest.mark.parametrize(
+    ("theirs", "ours"), [("logic.py", "sim"), ("logic.py", "agent"), ("sim/__init__.py", "agent")]
+)
+def test_a_user_s_module_that_hides_one_of_ours_is_named(tmp_path: Path, theirs: str, ours: str) -> None:
+    file = tmp_path / theirs
+    file.parent.mkdir(exist_ok=True)
+    file.touch()
+    (tmp_path / "script.py").write_text(f"import {ours}\n")
+    ended = subprocess.run(
+        [sys.executable, tmp_path / "script.py"], capture_output=True, text=True, check=False
+    )
+    hidden = Path(theirs).parts[0].removesuffix(".py")
+    assert ended.stderr.endswith(
+        f"ImportError: {file}: hides the package {hidden} of Vitruvius: give it another name\n"
+    )
+
+
+def test_requests_leave_no_descriptor_open_but_those_of_waiting_solvers() -> None:
+    """Not even until the next collection of garbage."""
+    gc.disable()
+    try:
+        opened = []
+        for cell in (0.3, 0.31, 0.32, 0.33, 0.34):
+            next(generate(rooms=1, cell=cell))
+            opened.append(len(os.listdir("/dev/fd")))
+        assert lint() == []
+        opened.append(len(os.listdir("/dev/fd")))
+    finally:
+        gc.enable()
+    assert len(set(opened[MOST_IDLE - 1 :])) == 1, opened

@@ -1,7 +1,9 @@
 """The shipped grammars: their houses keep their promises, and no rule of theirs is dead."""
 
+import os
 import re
 import shutil
+import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,8 +11,8 @@ from typing import Any
 import pytest
 from clingo.ast import ASTType, parse_files
 
-from logic import House, VitruviusError, check, generate
-from logic.grammar import SHIPPED, shipped
+from logic import GrammarError, House, VitruviusError, check, generate
+from logic.grammar import SHIPPED, find, shipped
 from logic.promises import Promises
 from tests.logic import in_process
 
@@ -24,6 +26,20 @@ def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) ->
     for house in generate(rooms=rooms, grammar=grammar, seed=rooms, count=8, workers=2):
         assert check(house) == []
         assert len(house.rooms) == rooms
+
+
+@pytest.mark.parametrize("name", ["rooms.lp", "sizes.pl"])
+def test_little_is_read_of_a_rule_file_of_many_gigabytes(tmp_path: Path, name: str) -> None:
+    folder = Path(shutil.copytree(BASE, tmp_path / "mine"))
+    os.truncate(folder / name, 5 << 30)  # of zeros, which take no disk
+    tracemalloc.start()
+    try:
+        with pytest.raises(GrammarError, match="holds more than 16 MiB: it is not read") as caught:
+            find(folder)
+        assert tracemalloc.get_traced_memory()[1] < 64 << 20
+    finally:
+        tracemalloc.stop()
+    assert caught.value.file == folder / name
 
 
 def test_the_clinic_grammar_has_room_types_that_family_lacks() -> None:

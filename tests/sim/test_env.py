@@ -218,9 +218,11 @@ def test_wrong_options_are_refused_and_change_nothing(envs, usual, message):
 def test_wrong_seeds_are_refused_and_change_nothing(envs, usual):
     with unharmed(envs, usual, ValueError, "2 seeds for 5 environments"):
         envs.reset(seed=[1, 2])
-    envs.reset(seed=0)
-    with unharmed(envs, usual, gymnasium.error.Error, "-1"):
-        envs.reset(seed=-1)
+    for wrong in (-1, 2**64, 1.5, True, [0, 1, 2, 3, 4.5], [0, 1, 2, 3, -4], [0, 1, 2, 3, "4"]):
+        envs.reset(seed=0)
+        last = wrong[-1] if isinstance(wrong, list) else wrong
+        with unharmed(envs, usual, gymnasium.error.Error, f"to 2**64 - 1, not {last!r}"):
+            envs.reset(seed=wrong)
 
 
 CRAMPED = sample_houses.drawn("a+\n..", cell=0.5)
@@ -353,6 +355,8 @@ WRONG_ARGUMENTS = {
     "there is no preset papers: did you mean paper": {"preset": "papers"},
     "num_envs is 0": {"num_envs": 0},
     "max_episode_steps is 0": {"max_episode_steps": 0},
+    "max_episode_steps is 2147483648: from 1 to 2,147,483,647": {"max_episode_steps": 2**31},
+    "max_episode_steps must be a whole number, not 1.5": {"max_episode_steps": 1.5},
     "unknown render_mode 'human'": {"render_mode": "human"},
     "there is no device tpu: did you mean cpu": {"device": "tpu"},
     "device 'cuda' cannot be had": {"device": "cuda"},
@@ -371,7 +375,9 @@ def test_wrong_arguments_are_refused(message):
     [
         ("must divide 45", {"ray_spacing": 2}),
         ("positive lengths", {"step": 0.0}),
-        ("at least one", {"rays": 0}),
+        ("0 rays and 1500 steps: 1 to 1,024 rays", {"rays": 0}),
+        ("1 to 1,024 rays", {"rays": 10**9}),
+        ("1 to 2,147,483,647 steps", {"steps": 2**31}),
         ("unknown collision", {"collision": "none"}),
     ],
 )

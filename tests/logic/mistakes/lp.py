@@ -582,4 +582,51 @@ MISTAKES = (
         says="never binds: :- on(bed,K,middle,_).",
         severity="warning",
     ),
+    # - names that are no words
+    Mistake(
+        "a piece that is a number",
+        "furniture.lp",
+        old="",
+        new="may(bedroom,7,1,2). stands(7,back).",
+        says="7: a piece is named by a word that begins in lower case, as in bed",
+    ),
+    Mistake(
+        "a companion that is a number",
+        "furniture.lp",
+        old="",
+        new="beside(bed,9,0,2).",
+        says="9: a piece is named by a word that begins in lower case, as in bed",
+    ),
+    # - rules that depend on their own negation
+    Mistake(
+        "two rules that each hold where the other does not",
+        "rooms.lp",
+        old="",
+        new="small :- not large. large :- not small. #program house. :- small, rooms > 3.",
+        says="small/0 depends on its own negation through large/0: a choice is made by option/3, a condition",
+    ),
+    Mistake(
+        "a rule that holds where it does not",
+        "rooms.lp",
+        old="",
+        new="#program house.\nodd :- not odd, room(0,hall).",
+        at="odd",
+        says="odd/0 depends on its own negation: a choice is made by option/3, a condition is a constraint",
+    ),
+    Mistake(
+        "a rule that may hold where it holds",
+        "rooms.lp",
+        old="",
+        new="#program house.\nfree :- not not free. :- free, room(0,hall).",
+        at="free",
+        says="free/0 depends on its own negation",
+    ),
+    Mistake(
+        "a circle through a count",
+        "rooms.lp",
+        old="",
+        new="#program house.\nlarge :- #count { 1 : small } 0. small :- not large. :- large, room(0,hall).",
+        at="large",
+        says="large/0 depends on its own negation through small/0",
+    ),
 )

@@ -440,4 +440,18 @@ door_width(0.762).          % the paper's 2.5 feet
         says="not expressible in this topology: corridors",
         at="corridor",
     ),
+    Mistake(
+        "a length beyond all houses",
+        "sizes.pl",
+        old="passage(0.42).",
+        new="passage(1.0e300).",
+        says="passage: 1e+300 m, more than the 1000 m of a house",
+    ),
+    Mistake(
+        "a size beyond all houses",
+        "sizes.pl",
+        old="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7",
+        new="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7e9",
+        says="bathroom: 3.7e+09 m, more than the 1000 m of a house",
+    ),
 )
