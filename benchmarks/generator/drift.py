@@ -1,10 +1,14 @@
 """``vitruvius bench drift``: whether a solver process stays quick and small over thousands of houses."""
 
+import contextlib
 import csv
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from io import BytesIO
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
+from statistics import quantiles
 from time import process_time
 from typing import Any
 
@@ -17,6 +21,8 @@ from logic.request import Request
 MEMORY = Path("/proc/self/statm")
 PAGE = 4096
 LIMIT = 10**9
+PAIRS, HOUSES = 40, 50
+"""How often, and with how many houses, the process is timed beside a fresh one."""
 
 
 @dataclass(frozen=True)
@@ -58,36 +64,77 @@ class Drift:
     """Put the picture into docs too."""
 
     def run(self) -> None:
-        """Measure, write each row as it is known, draw, print how much slower the last houses are."""
+        """Measure, write each row as it is known, draw; at the end, time it beside a fresh process."""
         if not 1 <= self.every <= self.houses // 2 or self.rooms < 1:
             raise RequestError("--rooms needs 1 or more; --houses twice --every or more, --every 1 or more")
         self.out.mkdir(parents=True, exist_ok=True)
-        measured: list[Stretch] = []
+        measured, worn = list[Stretch](), Worn(self.grammar, self.rooms)
         with (self.out / "drift.csv").open("w", newline="") as file:
             table = csv.DictWriter(file, list(Stretch.__annotations__))
             table.writeheader()
-            for row in stretches(self.grammar, self.rooms, self.houses, self.every):
+            for row in stretches(worn, self.houses, self.every):
                 measured.append(row)
                 table.writerow({name: round(value, 3) for name, value in asdict(row).items()})
                 file.flush()
                 print(f"{row.houses:,} houses: {row.both_ms:.2f} ms each, {row.memory_mb:.1f} MB", flush=True)
         write({"drift.png": picture(measured, f"{self.grammar}, {self.rooms} rooms")}, self.out, self.publish)
-        some = -(-len(measured) // 4)
-        first, last = (sum(row.both_ms for row in rows) for rows in (measured[:some], measured[-some:]))
         growth = measured[-1].memory_mb - measured[0].memory_mb
-        print(f"last quarter / first: {last / first:.2f} of the time, {growth:+.1f} MB")
+        low, middle, high = quantiles(worn.beside_fresh(self.every), n=4)
+        print(
+            f"CPU time of the same houses beside a process that has made {self.every:,}, {PAIRS} pairs: "
+            f"{middle:.2f} [{low:.2f}, {high:.2f}], median and quartiles; memory {growth:+.1f} MB"
+        )
 
 
-def stretches(grammar: str, rooms: int, houses: int, every: int) -> Iterator[Stretch]:
-    """The curve, in steps of this many houses; a hundred houses are made before any is timed."""
-    builder, request = TimedBuilder(find(grammar)), Request(rooms)
-    for index in range(100):
-        builder.house(request, 1, index, LIMIT)
+class Worn:
+    """A process that makes houses of one request."""
+
+    def __init__(self, grammar: str, rooms: int) -> None:
+        """A hundred houses are made before any is timed."""
+        self.grammar, self.builder, self.request = grammar, TimedBuilder(find(grammar)), Request(rooms)
+        self.make(1, range(100))
+
+    def make(self, seed: int, indices: range) -> float:
+        """Make houses; the CPU seconds that it took."""
+        began = process_time()
+        for index in indices:
+            self.builder.house(self.request, seed, index, LIMIT)
+        return process_time() - began
+
+    def beside_fresh(self, made: int) -> list[float]:
+        """Its time over that of a process that has made this many, for the same houses, again and again."""
+        mine, its = get_context("spawn").Pipe()
+        fresh = get_context("spawn").Process(target=_serve, args=(its, self.grammar, self.request.rooms))
+        fresh.start()
+        try:
+            mine.send((3, range(made)))
+            mine.recv()
+            ratios = []
+            for pair in range(PAIRS):
+                job = (4, range(pair * HOUSES, (pair + 1) * HOUSES))
+                first = self.make(*job) if pair % 2 else 0.0
+                mine.send(job)
+                other = mine.recv()
+                ratios.append((first or self.make(*job)) / other)
+            return ratios
+        finally:
+            mine.close()
+            fresh.join()
+
+
+def _serve(pipe: Connection, grammar: str, rooms: int) -> None:
+    fresh = Worn(grammar, rooms)
+    with contextlib.suppress(EOFError):
+        while True:
+            pipe.send(fresh.make(*pipe.recv()))
+
+
+def stretches(worn: Worn, houses: int, every: int) -> Iterator[Stretch]:
+    """The curve, in steps of this many houses."""
+    builder = worn.builder
     for begin in range(0, houses - every + 1, every):
-        builder.placing, began = 0.0, process_time()
-        for index in range(begin, begin + every):
-            builder.house(request, 0, index, LIMIT)
-        whole = process_time() - began
+        builder.placing = 0.0
+        whole = worn.make(0, range(begin, begin + every))
         memory = int(MEMORY.read_text().split()[1]) * PAGE / 1e6 if MEMORY.exists() else 0.0
         scale = 1e3 / every
         yield Stretch(begin + every, scale * (whole - builder.placing), scale * builder.placing, memory)
