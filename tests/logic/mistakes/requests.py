@@ -55,6 +55,7 @@ MISTAKES = (
     Command("generate --rooms 3 --seconds inf", ("seconds must be above 0 and below a million",)),
     Command("train --steps 0", ("steps must be above 0, not 0",)),
     Command("train --sim nose=0.1", ("--sim nose=0.1", "there is no field nose", "did you mean noise?")),
+    Command("train --sim noise=0.1 --sim noise=0.2", ("--sim noise=0.2", "give each field once")),
     Command("train --sim noise=much", ("--sim noise=much", "Expected `float`")),
     Command("train --sim ray_spacing=2", ("--sim ray_spacing=2", "it must divide 45")),
     Command("train --targets mian", ("there is no task mian", "did you mean main?")),
