@@ -81,6 +81,7 @@ MISTAKES = (
     Command("generate --rooms 3 --keep-rooms R0", ("give it by --keep FILE",)),
     Command("generate --rooms 3 --keep houses.jsonl --cell 0.3", ("leave out cell or keep",)),
     Command("generate --rooms 3 --keep houses.jsonl --count-layouts", ("leave out --keep",)),
+    Command("generate --rooms 3 --count-layouts --out houses.jsonl", ("leave out --out",)),
     # studies
     Command("bench generator --rounds 0", ("--rounds 1 or more",)),
     Command("bench generator --part house --publish", ("leave out --part",)),
