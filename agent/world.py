@@ -27,8 +27,12 @@ def simulator(config: TrainConfig) -> Config:
     """
     known = [field.name for field in fields(Config)]
     values = asdict(PRESETS[config.world])
+    given = set[str]()
     for text in config.sim:
         name, _, value = text.partition("=")
+        if name in given:
+            raise RequestError(f"--sim {text}: give each field once")
+        given.add(name)
         if name not in known or not value:
             wrong = "" if name in known else f": {unknown('field', name, known)}"
             raise RequestError(f"--sim {text}: give a field and its value, as in --sim noise=0.05{wrong}")

@@ -48,6 +48,10 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     own files alone, for the original does not keep their words: where a front faces, and the least area
     of the main room.
     """
+    if not isinstance(house, House):
+        raise TypeError(
+            f"check() takes one House, not {type(house).__name__}: logic.load(file) gives a list of them"
+        )
     promises = promises or promises_of(house)
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
     if cell:

@@ -164,6 +164,8 @@ class Generate:
 
         if self.keep:
             raise RequestError("--count-layouts counts those of whole houses: leave out --keep")
+        if self.out:
+            raise RequestError("--count-layouts makes no houses: leave out --out")
         begun, exact = time.monotonic(), True
         with _bar(TextColumn("{task.description}")) as bar:
             task = bar.add_task("")
@@ -315,8 +317,13 @@ class Check:
 
         from logic import check, load
         from logic.check import promises_of
+        from logic.spelling import unknown
 
         houses = load(self.file)
+        pieces = sorted({each.type for house in houses for room in house.rooms for each in room.pieces})
+        for name in self.clear_front:
+            if name not in pieces:
+                say(f"--clear-front {name}: {unknown('piece', name, pieces)}")
         nonconforming = 0
         for index, house in enumerate(_progress(houses, len(houses), "houses")):
             promises = promises_of(house)

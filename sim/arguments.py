@@ -1,6 +1,6 @@
 """An environment's arguments, read and checked: its houses, its backend and its configuration."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,8 @@ def house_list(houses: Houses) -> list[House]:
         houses = list(generate(**houses))
     elif isinstance(houses, str | Path):
         houses = load(houses)
+    if not isinstance(houses, Iterable):
+        raise ValueError(f"houses must be a path, a request or a list of House, not {type(houses).__name__}")
     houses = list(houses)
     if not houses:
         raise ValueError("no house to simulate: the bank is empty")

@@ -41,7 +41,8 @@ def places(
 
     spaces, boxes = list(task.spaces(house)), [room.box for room in house.rooms]
     if not spaces:
-        raise ValueError(f"it has no room for the targets of {task}")
+        types = ", ".join(sorted({room.type for room in house.rooms}))
+        raise ValueError(f"it has no room for the targets of {task}: there are {types}")
     half = config.target / 2
     clear = reached & ~_touched(geometry.solids, half, lattice)
     main = clear & _within(geometry.floor, half, lattice) & ~_touched(geometry.rooms, half, lattice)

@@ -54,6 +54,10 @@ def test_generate_check_and_draw(tmp_path: Path) -> None:
     assert made.returncode == 0
     assert [len(house.rooms) for house in load(file)] == [3] * 4
     assert vitruvius("check", file).returncode == 0
+    assert (
+        "there is no piece bedd: did you mean bed?"
+        in vitruvius("check", file, "--clear-front", "bedd").stderr
+    )
     drawn = vitruvius("draw", file, "--out", tmp_path / "plans", "--format", "svg")
     assert drawn.returncode == 0
     assert len(list((tmp_path / "plans").glob("*.svg"))) == 5

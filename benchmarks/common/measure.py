@@ -45,8 +45,9 @@ def study(
         import_module(module)
     name = script.stem.removeprefix("test_")
     file = out / f"{name}.json"
+    before = _written(file)
     stopped = measured(script, file, settings, parts)
-    if file.exists():
+    if _written(file) != before:
         report = json.loads(file.read_text())
         files = {f"{name}.png": plot(report)} if series_of(report) else {}
         files |= {f"{name}.md": marked(page(report), report).encode()} if page else {}
@@ -56,6 +57,11 @@ def study(
         print(", ".join(str(out / each) for each in (file.name, f"{name}.csv", *files)))
     if stopped:
         raise stopped
+
+
+def _written(file: Path) -> int | None:
+    """When it was written, in nanoseconds; an earlier report stays until there is something to replace it."""
+    return file.stat().st_mtime_ns if file.exists() else None
 
 
 def marked(page: str, report: dict[str, Any]) -> str:
@@ -72,7 +78,6 @@ def measured(
     anything did. Its own tables go to the terminal.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.unlink(missing_ok=True)
     command = [sys.executable, "-m", "pytest", "-q", str(script), f"--report={file.resolve()}"]
     command += ["-p", "benchmarks.common.record", "-k", " or ".join(f"test_{part}" for part in parts)]
     command += ["--benchmark-columns=median,iqr,rounds", f"--rootdir={ROOT}", "-p", "no:cacheprovider"]

@@ -8,6 +8,7 @@ from typing import Literal
 from benchmarks.common.measure import study
 from benchmarks.generator.page import generator_page
 from logic.errors import RequestError
+from logic.grammar import find
 
 Part = Literal["loading", "house", "layout", "place", "workers", "rejection", "decide", "sample"]
 
@@ -42,9 +43,9 @@ class Generator:
             raise RequestError("--rooms needs one number or more, each 1 or more; --rounds 1 or more")
         if self.publish and self.part:
             raise RequestError("--publish: the page in docs shows all parts: leave out --part")
-        place, rooms = Path(self.grammar), " ".join(map(str, sorted(set(self.rooms))))
+        rooms = " ".join(map(str, sorted(set(self.rooms))))
         settings = {
-            "VITRUVIUS_GRAMMAR": str(place.resolve()) if place.is_dir() else self.grammar,
+            "VITRUVIUS_GRAMMAR": str(find(self.grammar).directory.resolve()),
             "VITRUVIUS_ROOMS": rooms,
             "VITRUVIUS_ROUNDS": str(self.rounds),
         }

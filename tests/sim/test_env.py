@@ -354,6 +354,7 @@ WRONG_ARGUMENTS = {
     "there is no task all: there are main, secondary, mixed": {"targets": "all"},
     "there is no preset papers: did you mean paper": {"preset": "papers"},
     "num_envs is 0": {"num_envs": 0},
+    "a path, a request or a list of House, not House": {"houses": HOUSES[0]},
     "max_episode_steps is 0": {"max_episode_steps": 0},
     "max_episode_steps is 2147483648: from 1 to 2,147,483,647": {"max_episode_steps": 2**31},
     "max_episode_steps must be a whole number, not 1.5": {"max_episode_steps": 1.5},

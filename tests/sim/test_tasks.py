@@ -106,7 +106,8 @@ def test_a_room_is_reached_once_and_that_ends_the_episode(mode):
 
 def test_a_house_without_such_a_room_is_refused():
     with pytest.raises(
-        ValueError, match=r"house 0 of 7: it has no room for the targets of Reach\(room='sauna'\)"
+        ValueError,
+        match=r"house 0 of 7: it has no room for the targets of Reach\(room='sauna'\): there are bedroom",
     ):
         HouseVectorEnv(HOUSES, targets=Reach("sauna"))
 

@@ -48,6 +48,11 @@ def test_what_was_measured_before_ctrl_c_stays_and_its_page_says_that_it_is_part
     assert (out / "tiny.md").read_text() == "# Tiny\n\n**Partial: 2 of 3 measurements.**\n2 measured\n"
     assert (out / "tiny.png").stat().st_size
 
+    script.write_text("raise KeyboardInterrupt")
+    with pytest.raises(KeyboardInterrupt):
+        study(script, out, page)
+    assert json.loads((out / "tiny.json").read_text()) == report  # nothing was measured in its place
+
 
 def test_the_time_left_follows_sizes_of_the_same_measurement_and_else_the_mean() -> None:
     seconds, work = {"house": 3.0, "loading": 1.0}, {"house": 3.0, "loading": 5.0}

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.generator.page import generator_page
 from benchmarks.generator.run import Generator
-from logic import RequestError
+from logic import GrammarError, RequestError
 from tests.benchmarks.reports import report
 
 
@@ -46,3 +46,9 @@ def test_a_part_of_the_study_makes_a_page_of_its_sections_alone() -> None:
 def test_a_part_of_the_study_is_not_published(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="leave out --part"):
         Generator(part=("house",), publish=True, out=tmp_path).run()
+
+
+def test_a_misspelt_grammar_is_refused_before_anything_is_measured(tmp_path: Path) -> None:
+    with pytest.raises(GrammarError, match="did you mean family"):
+        Generator(grammar="famly", out=tmp_path / "out").run()
+    assert not (tmp_path / "out").exists()

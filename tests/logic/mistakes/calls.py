@@ -10,7 +10,18 @@ from agent import checkpoint
 from agent.evaluation.protocol import measure
 from agent.runs import run
 from agent.world import make_envs
-from logic import GrammarError, House, HouseFileError, Rect, RequestError, count_layouts, generate, load, save
+from logic import (
+    GrammarError,
+    House,
+    HouseFileError,
+    Rect,
+    RequestError,
+    check,
+    count_layouts,
+    generate,
+    load,
+    save,
+)
 from sim import HouseEnv, HouseVectorEnv
 
 HOUSE = House(Rect(0, 0, 4, 4), ())
@@ -35,6 +46,7 @@ MISTAKES = (
     Call(generate, {"rooms": 4, "n": 9}, ("no argument n: did you mean count?",)),
     Call(generate, {"rooms": 4, "theme": 9}, ("no argument theme: it has rooms, types",)),
     Call(count_layouts, {"rooms": 4, "seed": 1}, ("count_layouts() has no argument seed",)),
+    Call(check, {"house": [HOUSE]}, ("check() takes one House, not list",)),
     Call(HouseVectorEnv, {"config": "paper"}, ("no argument config: did you mean preset?",)),
     Call(HouseEnv, {"config": "paper"}, ("no argument config: did you mean preset?",)),
     Call(gymnasium.make, {"id": ENVIRONMENT, "config": "paper"}, ("config: did you mean preset?",)),

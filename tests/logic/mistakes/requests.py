@@ -55,6 +55,7 @@ MISTAKES = (
     Command("generate --rooms 3 --seconds inf", ("seconds must be above 0 and below a million",)),
     Command("train --steps 0", ("steps must be above 0, not 0",)),
     Command("train --sim nose=0.1", ("--sim nose=0.1", "there is no field nose", "did you mean noise?")),
+    Command("train --sim noise=0.1 --sim noise=0.2", ("--sim noise=0.2", "give each field once")),
     Command("train --sim noise=much", ("--sim noise=much", "Expected `float`")),
     Command("train --sim ray_spacing=2", ("--sim ray_spacing=2", "it must divide 45")),
     Command("train --targets mian", ("there is no task mian", "did you mean main?")),
@@ -80,6 +81,7 @@ MISTAKES = (
     Command("generate --rooms 3 --keep-rooms R0", ("give it by --keep FILE",)),
     Command("generate --rooms 3 --keep houses.jsonl --cell 0.3", ("leave out cell or keep",)),
     Command("generate --rooms 3 --keep houses.jsonl --count-layouts", ("leave out --keep",)),
+    Command("generate --rooms 3 --count-layouts --out houses.jsonl", ("leave out --out",)),
     # studies
     Command("bench generator --rounds 0", ("--rounds 1 or more",)),
     Command("bench generator --part house --publish", ("leave out --part",)),
