@@ -138,11 +138,12 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
     # The values of a choice may be there to be picked, and no more.
     values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
     elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
+    spoken = {each for each in elsewhere if len(each) > 1}  # Letters are parameters of the core's programs.
     others = {*elsewhere, *own.stated, *own.defined}
     for name, uses in own.constants.items():
         if name in own.defined or name in elsewhere:
             continue
-        if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & elsewhere:
+        if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
             continue  # A value in a table of the grammar's own, such as zone(kitchen,loud).
         if len(uses) == 1:
             yield error_at(uses[0].node, f"{name} stands nowhere else{_meant(name, others - {name})}")
@@ -155,7 +156,7 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
 
 def capitalised(own: Words) -> Iterator[GrammarError]:
     """Variables that stand once in a rule and are called as a constant is: ``room(R,Hall)`` is any room."""
-    names = {*core_words().constants, *own.constants}
+    names = own.constants.keys()
     for statement in own.rules:
         variables = re.findall(r"\b[A-Z][a-z]\w+", str(statement.node))
         for variable in variables:

@@ -37,6 +37,8 @@ group(bedroom,night). group(bathroom,wet). group(kitchen,day). group(hall,day).
 :- room(R,T), room(R+1,U), group(T,G), group(U,G), rooms < 4.
 zone(bedroom,quiet). zone(kitchen,loud).
 :- room(R,T), zone(T,quiet), side(R,south).
+wing(north,a). wing(east,b). wing(south,a). wing(west,c).
+:- side(R,S), side(Q,T), wing(S,W), wing(T,W), room(R,bathroom), room(Q,kitchen).
 cost(bedroom,2). cost(hall,3). cost(kitchen,1).
 :- #sum{ C,R : room(R,T), cost(T,C) } > 40.
 opposite(S,T) :- clockwise(S,N), clockwise(N,T).
@@ -61,6 +63,7 @@ option(head(K),(left;right),1) :- K = 1..2.
 :- pick(head(K),S), on(bed,K,T,N), T != S, T != back.
 small(toilet;sink;shower).
 :- on(P,_,S,_), on(Q,_,S,_), small(P), small(Q), P < Q.
+:- on(Piece,1,back,1), this_room = bathroom.
 :- may(T,bed,_,M), T = this_room, on(bed,M,left,_).
 """
 
