@@ -101,6 +101,7 @@ size(piece_size(_,L,D,_), Size) :- member(Size, [L,D]).
 
 bad_goal(Goal, _, "a goal that is not known until it is run") :- var(Goal), !.
 bad_goal(Goal, _, "no goal: a clause holds CLP(R) constraints, arithmetic and comparison") :- \+ callable(Goal), !.
+bad_goal([_|_], _, "a list is no goal: constraints stand in braces, { }") :- !.
 bad_goal(Goal, Heads, Fault) :-
     functor(Goal, Name, Arity),
     \+ memberchk(Name/Arity, Heads), \+ role(Name/Arity), \+ pure(Name/Arity),
