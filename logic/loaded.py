@@ -21,7 +21,7 @@ from logic.stages import misplaced
 from logic.statements import Statement, error_at, read
 from logic.terms import Lengths, length_facts
 from logic.units import impossible, unlikely
-from logic.vocabulary import Words, misspelt, places, words
+from logic.vocabulary import Words, capitalised, misspelt, places, words
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
@@ -38,7 +38,7 @@ class LoadedGrammar:
         """Load the files, for houses on a grid of such cells (m) if not 0.
 
         ``errors`` is what is wrong with them: the rest stands only where it is empty. ``warnings`` are about
-        lengths that are no likely number of metres.
+        lengths that are no likely number of metres, and about variables that are likely to be constants.
         """
         self._grammar = grammar
         self.placer = Placer(grammar, cell)
@@ -48,7 +48,7 @@ class LoadedGrammar:
         self._words = Words()
         self.errors = list(self._readable()) or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
-        self.warnings = [] if self.errors else list(unlikely(self._extremes, self.placer.origins))
+        self.warnings = [] if self.errors else [*self._unlikely()]
         self.programs = Programs(grammar, self.furniture, self.lengths)
         if not self.errors:
             self.errors = list(self.programs.remarks())
@@ -105,6 +105,11 @@ class LoadedGrammar:
                 meant = closest(name, names[predicate])
                 hint = f". Did you mean {meant}?" if meant else ""
                 yield unknown(name, f"{predicate}: {name} is no {kind}{hint}", file, line, column)
+
+    def _unlikely(self) -> Iterator[GrammarError]:
+        """What is hardly meant."""
+        yield from unlikely(self._extremes, self.placer.origins)
+        yield from capitalised(self._words)
 
     def _absent(self, clause: Symbol) -> GrammarError:
         """An error for a clause that no ``.pl`` file states: at the fact that calls for it."""

@@ -22,6 +22,12 @@ REMARKS = {
 """What clingo remarks on, and what follows from it."""
 
 SYNTAX = {
+    r"^\s*(//|/\*|#(\s|$))": "a comment begins with %",
+    r"\\\+|(?<!\w)!(?!=)": "not is a word, as in not side(R,north)",
+    r"->|\bthen\b": "write the consequence first, head :- body, or what must not be, :- body",
+    r"(?<!#)\b(count|sum|min|max)\s*\{": "a # stands before the name, as in #count{ R : room(R,hall) }",
+    r"\{[^}:]*\|": "a condition follows a colon, as in #count{ R : room(R,hall) }",
+    r"\band\b|&": "and is a comma",
     r"=<": "at most is <= in .lp files",
     r"\d\.\d": "numbers are whole in .lp files: lengths belong in .pl files",
     r"(?<![\w#])[A-Z]\w*\(": "predicates begin in lower case, variables in upper case",
@@ -49,13 +55,20 @@ def placed_error(remark: str) -> GrammarError:
     if unsafe := _UNSAFE.search(found["text"]):
         name = re.sub("^#Anon.*", "_", unsafe["name"])
         rule = excerpt(file, (line, column), (last, end))
-        text = f"{name} is unsafe: no literal without not gives it values, as in room({name},_): {rule}"
+        why = f"no literal without not gives it values, as in room({name},_)"
+        if rule.startswith("#") and "{" in rule and ":" not in rule:
+            why = "its terms come first, as in #count{ R : room(R,hall) }"
+        elif not rule.startswith("#") and ":-" not in rule:
+            why = "a fact has no variables, and a name begins in lower case"
+        text = f"{name} is unsafe: {why}: {rule}"
         return GrammarError(text, file, int(unsafe["line"]), int(unsafe["column"]))
     written = excerpt(file, (line, 1), (last, None))
     hints = [hint for start, hint in REMARKS.items() if text.startswith(start)]
-    if text.startswith("syntax error"):
+    if text.startswith(("syntax error", "lexer error")):
         hints = [hint for pattern, hint in SYNTAX.items() if re.search(pattern, written)]
-        hints = hints or ["is a comma missing before it, or a period after the statement above?"]
+    if text.startswith("syntax error"):
+        end = "EOF" in text and "the last statement has no period at its end"
+        hints = hints or [end or "is a comma missing before it, or a period after the statement above?"]
     return GrammarError(": ".join([text, *hints[:1], written]), file, line, column)
 
 

@@ -18,9 +18,7 @@ from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
 from logic.inexpressible import inexpressible
 from logic.prolog_syntax import explained
-
-NAMES = ("door_width", "door_clearance", "passage", "room_gap")
-"""The lengths that every grammar states, each as a fact of this name."""
+from logic.vocabulary import LENGTHS, core_words
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ class Placer:
             t: [f"piece({p},{str(p in turned).lower()})" for p in each] for t, each in furniture.items()
         }
         wanted = ",".join(f"furniture({type_},[{','.join(each)}])" for type_, each in pieces.items())
-        report = self._json(f"grammar_lengths([{wanted}],[{','.join(NAMES)}],Json)")
+        report = self._json(f"grammar_lengths([{wanted}],[{','.join(LENGTHS)}],Json)")
         wrong: dict[tuple[Any, ...], None] = {}  # A piece's clause may be wrong in the same way in each room.
         absent: list[Symbol] = []
 
@@ -215,6 +213,8 @@ class Placer:
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:
     """An error for a name in a ``.pl`` file that nothing knows: of a predicate, a room type or a piece."""
+    if name in {each for each, _ in core_words().documented}:
+        text = f"{name} belongs in a .lp file: see docs/rules.md"
     # A misspelt name is that before it is a word that asks for too much: door_widht is door_width.
     return GrammarError(text if ": did you mean" in text else inexpressible(name) or text, file, line, column)
 

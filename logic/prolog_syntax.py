@@ -10,6 +10,7 @@ _OTHER_LANGUAGES = {
     "&&": "write a comma",
     "||": "a size has one range: state its bounds",
     "if": "write :-",
+    "in": "a range is two bounds, as in { W >= 2.4, W =< 3.7 }",
     "{": "write :- before the braces",
 }
 
@@ -41,6 +42,10 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
         yield opened[-1], f"{code[opened[-1]]} is not closed"
     if what == "end_of_file":
         yield end, "a full stop is missing"
+    if found := re.match(r"\s*(#[a-z]\w*)", code[begin:]):
+        yield begin + found.start(1), f"{found[1]} belongs in a .lp file"
+    if found := re.search(r"\d(\.\d+)?\.\.", code[begin : offset + 2]):
+        yield begin + found.start(), "a range is two bounds, as in { W >= 2.4, W =< 3.7 }"
     if found := re.match(r"\s*(#|//)", code[begin:]):
         yield begin + found.start(1), "a comment begins with %"
     if found := re.search(r"([<>])\s+=$", read):

@@ -20,7 +20,7 @@ def closest(name: str, names: Iterable[str]) -> str | None:
         return difflib.SequenceMatcher(None, name, other).ratio(), -abs(len(other) - len(name))
 
     best = max(sorted(names), key=likeness, default=None)
-    return best if best is not None and likeness(best)[0] >= 0.6 else None
+    return best if best is not None and likeness(best)[0] >= 0.65 else None
 
 
 def unknown(what: str, name: object, names: Iterable[str]) -> str:

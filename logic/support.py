@@ -8,6 +8,7 @@ Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming",
 """
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import clingo
@@ -129,7 +130,11 @@ class Support:
         if body:  # a fact is as short as its name
             explained.add(atom)
         options = self._options(atom.arguments[0]) if atom.match("pick", 2) else ()
-        return [Derivation(str(atom), self.rules[instance.rule], self.means(atom), options, tuple(body))]
+        means = "" if options else self.means(atom)
+        if options and (variable := atom.arguments[0]) not in explained:
+            explained.add(variable)
+            means = _remark(next((each.rule for each in body if each.atom.startswith("option(")), None))
+        return [Derivation(str(atom), self.rules[instance.rule], means, options, tuple(body))]
 
     def _options(self, variable: Symbol) -> tuple[str, ...]:
         """What a variable may pick, with weights where they differ."""
@@ -157,6 +162,14 @@ class Support:
         """What the reference says about this predicate, as in ``side(Number,Side): that room stands ..``."""
         entry = self._entries.get((atom.name, len(atom.arguments)))
         return f"{entry.name}({','.join(entry.arguments)}): {entry.text}" if entry else ""
+
+
+def _remark(rule: Reason | None) -> str:
+    """The comment in the line above a rule, as it says what a choice means."""
+    if rule is None or not rule.file or not rule.line:
+        return ""
+    above = ["", *Path(rule.file).read_text(encoding="utf-8").split("\n")][rule.line - 1]
+    return above.removeprefix("% ") if above.startswith("% ") and not above.startswith("% -") else ""
 
 
 def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:

@@ -17,6 +17,9 @@ from logic.statements import Statement, error_at, read
 
 Signature = tuple[str, int]
 
+LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
+"""The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
+
 
 class Use(NamedTuple):
     """A word in a statement: its node."""
@@ -35,6 +38,7 @@ class Words:
     stated: set[str] = field(default_factory=set)
     """The constants that stand in heads."""
     defined: dict[str, Use] = field(default_factory=dict)
+    rules: list[Statement] = field(default_factory=list)
     opened: dict[Signature, Use] = field(default_factory=dict)
     """What ``#defined`` names: of the core, what a grammar may state."""
     documented: set[Signature] = field(default_factory=set)
@@ -47,6 +51,7 @@ def words(statements: Iterable[Statement]) -> Words:
     for statement in statements:
         node = statement.node
         if node.ast_type == ASTType.Rule:
+            found.rules.append(statement)
             _read(node.head, statement, found, found.derived)
             for literal in node.body:
                 _read(literal, statement, found, found.used)
@@ -133,10 +138,13 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
     # The values of a choice may be there to be picked, and no more.
     values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
     elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
+    spoken = {each for each in elsewhere if len(each) > 1}  # Letters are parameters of the core's programs.
     others = {*elsewhere, *own.stated, *own.defined}
     for name, uses in own.constants.items():
         if name in own.defined or name in elsewhere:
             continue
+        if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
+            continue  # A value in a table of the grammar's own, such as zone(kitchen,loud).
         if len(uses) == 1:
             yield error_at(uses[0].node, f"{name} stands nowhere else{_meant(name, others - {name})}")
         elif name not in own.stated:
@@ -144,6 +152,28 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
     for name, use in own.defined.items():
         if name not in own.constants:
             yield error_at(use.node, f"#const {name} is not used{_meant(name, core.defined)}")
+
+
+def capitalised(own: Words) -> Iterator[GrammarError]:
+    """Variables that stand once in a rule and are called as a constant is: ``room(R,Hall)`` is any room."""
+    names = own.constants.keys()
+    for statement in own.rules:
+        variables = re.findall(r"\b[A-Z][a-z]\w+", str(statement.node))
+        for variable in variables:
+            name = variable[0].lower() + variable[1:]
+            if name in names and variables.count(variable) == 1:
+                yield statement.error(f"{variable} stands for anything here: did you mean {name}?")
+
+
+def _beside(name: str, own: Words, known: set[Signature]) -> set[str] | None:
+    """What stands in the same argument of a grammar's own predicate as a name; None if it stands in none."""
+    for signature, uses in own.derived.items():
+        columns = [] if signature in known else zip(*(use.node.arguments for use in uses), strict=True)
+        for arguments in columns:
+            values = set(re.findall(r"\"[^\"]*\"|[\w']+", " ".join(map(str, arguments))))
+            if name in values:
+                return values - {name}
+    return None
 
 
 def places(fact: Symbol, own: Words) -> list[Use]:
@@ -163,6 +193,10 @@ def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signatur
     name, arity = signature
     if sentence := inexpressible(name):
         return error_at(use.node, sentence)
+    if name in core_words().defined:
+        return error_at(use.node, f"{name} is a constant: write {name} = {use.node.arguments[0]}")
+    if name in {"room_size", "piece_size", *LENGTHS}:
+        return error_at(use.node, f"{name} belongs in a .pl file: see docs/rules.md#lengths-in-pl-files")
     same = [other for other in known if other[0] == name]
     hint = (
         f": did you mean {name}/{same[0][1]}?" if same else _meant(name, [other for other, _ in known], known)

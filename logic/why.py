@@ -208,6 +208,8 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
         rule = _stated(option.rule) if option.rule else "see above"
         body, said = option.body, f"picked out of {_series(node.options)}; {rule}"
     yield f"{indent}{node.atom:<{46 - len(indent)}} {said}"
+    if node.options and node.means:
+        yield f"{indent}  {node.means}"
     for each in body:
         if each.rule is None or each.body or Path(each.rule.file or "").parent != RULES:
             yield from _tree(each, depth + 1)

@@ -36,7 +36,7 @@ for(Head, term(_,_,clause(H,_,_,_,_,_))) :- \+ H \= Head.
 
 general(empty,        "allows no size").
 general(several,      "has more than one solution: state one").
-general(raised,       "raises an error").
+general(raised,       "cannot be solved: a size is a number, or a variable with bounds in braces").
 general(nonlinear,    "has a constraint that is nonlinear, and CLP(R) decides linear ones").
 general(unbounded,    "is not bounded on both sides").
 general(not_positive, "allows a size that is not positive").

@@ -54,7 +54,7 @@ problem(directive(Goal), _, _, P, P, Text) :-
     \+ harmless(Goal),
     (   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
     ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
-    ;   format(string(Text), "a directive runs code when the file is read: ~p. A grammar holds clauses alone", [Goal]) ).
+    ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file holds clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).
 problem(clause(Head,_,_,_,_,_), _, _, P, P, "a clause without a name") :- \+ callable(Head), !.
 problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text)) :-
     functor(Head, Name, Arity),
@@ -85,6 +85,9 @@ lone(Name, _, _, Others, Text) :-
     member(Other, Others), dwim_match(Name, Other), !,
     format(string(Text), "~w stands nowhere else in its clause: did you mean ~w?", [Name, Other]).
 lone(Name, Variable, Head, _, Text) :-
+    arg(1, Head, Type), Type == Variable, !, downcase_atom(Name, Low),
+    format(string(Text), "~w stands nowhere else in its clause: a name begins in lower case: did you mean ~w?", [Name, Low]).
+lone(Name, Variable, Head, _, Text) :-
     size(Head, Size), Size == Variable, !,
     format(string(Text), "~w stands nowhere else in its clause, so it has no bounds: state ~w >= ... and ~w =< ...",
            [Name, Name, Name]).
@@ -98,6 +101,7 @@ size(piece_size(_,L,D,_), Size) :- member(Size, [L,D]).
 
 bad_goal(Goal, _, "a goal that is not known until it is run") :- var(Goal), !.
 bad_goal(Goal, _, "no goal: a clause holds CLP(R) constraints, arithmetic and comparison") :- \+ callable(Goal), !.
+bad_goal([_|_], _, "a list is no goal: constraints stand in braces, { }") :- !.
 bad_goal(Goal, Heads, Fault) :-
     functor(Goal, Name, Arity),
     \+ memberchk(Name/Arity, Heads), \+ role(Name/Arity), \+ pure(Name/Arity),
@@ -135,5 +139,5 @@ parted_number(Source, Head, term_position(_,_,_,_,Ps), Hint) :-
     nextto(A, B, Arguments), integer(A), integer(B),
     nth1(N, Arguments, A), nth1(N, Ps, From-_),
     M is N + 1, nth1(M, Ps, _-To),
-    decimal_comma(Source, From-To, Text),
+    decimal_comma(Source, From-To, Text), \+ sub_string(Text, _, _, _, ", "),
     string_concat(": ", Text, Hint).

@@ -32,6 +32,50 @@ def test_generate_refuses_what_lint_calls_an_error(old: str, new: str, tmp_path:
     assert caught.value.message == lint(folder)[0].text
 
 
+RULES = """
+group(bedroom,night). group(bathroom,wet). group(kitchen,day). group(hall,day).
+:- room(R,T), room(R+1,U), group(T,G), group(U,G), rooms < 4.
+zone(bedroom,quiet). zone(kitchen,loud).
+:- room(R,T), zone(T,quiet), side(R,south).
+wing(north,a). wing(east,b). wing(south,a). wing(west,c).
+:- side(R,S), side(Q,T), wing(S,W), wing(T,W), room(R,bathroom), room(Q,kitchen).
+cost(bedroom,2). cost(hall,3). cost(kitchen,1).
+:- #sum{ C,R : room(R,T), cost(T,C) } > 40.
+opposite(S,T) :- clockwise(S,N), clockwise(N,T).
+:- opposite(S,T), side(R,S), side(Q,T), room(R,bathroom), room(Q,bathroom).
+#const most = 2.
+:- #count{ R : room(R,hall) } > most, not room(_,T) : basic(T).
+first_half(0..rooms/2).
+:- first_half(R), room(R,bathroom), |R-Q| = 1, room(Q,bathroom).
+chain(R,R+1) :- room(R,hall), room(R+1,hall).
+chain(R,Q) :- chain(R,P), chain(P,Q).
+:- chain(R,R+3).
+last_room(M) :- M = #max{ R : room(R,_) }.
+:- last_room(M), room(M,hall).
+option(number,1..rooms,1).
+:- pick(number,N), { room(_,bedroom) } > N.
+-dark(R) :- side(R,south).
+:- -dark(R), room((R+1)\\rooms,kitchen), not not room(R,hall).
+allowed(0,bedroom). allowed(1..9,(bedroom;kitchen;bathroom;hall)).
+:- room(R,T), not allowed(R,T), R < 2.
+#program room.
+option(head(K),(left;right),1) :- K = 1..2.
+:- pick(head(K),S), on(bed,K,T,N), T != S, T != back.
+small(toilet;sink;shower).
+:- on(P,_,S,_), on(Q,_,S,_), small(P), small(Q), P < Q.
+:- on(Piece,1,back,1), this_room = bathroom.
+:- may(T,bed,_,M), T = this_room, on(bed,M,left,_).
+"""
+
+
+def test_rules_of_many_kinds_draw_no_finding(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "family", folder)
+    with (folder / "rooms.lp").open("a") as rules:
+        rules.write(RULES)
+    assert lint(folder) == []
+
+
 @pytest.mark.parametrize("grammar", shipped())
 def test_the_shipped_grammars_are_clean(grammar: str) -> None:
     assert lint(grammar) == []

@@ -502,6 +502,12 @@ def test_the_answer_reads_as_sections_with_files_and_lines(family: Explained) ->
     assert re.search(r"\n +may\(\w+,\w+,\d,\d\) +furniture.lp:\d+: may\(", text)
 
 
+def test_a_choice_is_explained_once_by_the_comment_above_it(family: Explained) -> None:
+    text = str(family.why(f"R{len(family.house.rooms) - 1}"))
+    assert "pick(bars," in text
+    assert text.count("the rooms in a row, cut by three bars into the four sides.") == 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

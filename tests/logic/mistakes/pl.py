@@ -397,6 +397,42 @@ door_width(0.762).          % the paper's 2.5 feet
     bathroom(
         "a predicate in upper case", new="Room_size(bathroom, 3, 3).", says="begins in lower case: room_size"
     ),
+    bathroom("a constant of .lp files", new="#const most = 3.", says="#const belongs in a .lp file"),
+    bathroom("a fact of .lp files", new=f"type(attic).\n{BATHROOM}", says="type belongs in a .lp file"),
+    bathroom(
+        "a rule of .lp files",
+        new=f":- room(0,hall).\n{BATHROOM}",
+        says="a rule that begins with :- belongs in a .lp file",
+    ),
+    bathroom(
+        "bounds in square brackets",
+        new="room_size(bathroom, W, D) :- [W >= 2.4, W =< 3.7, D = 3].",
+        says="a list is no goal: constraints stand in braces",
+        at="[W",
+    ),
+    bathroom(
+        "a range as a list",
+        new="room_size(bathroom, [2.4,3.7], 3.0).",
+        says="cannot be solved: a size is a number, or a variable with bounds in braces",
+    ),
+    bathroom(
+        "a size that is text",
+        new='room_size(bathroom, "3", 3.0).',
+        says="cannot be solved: a size is a number, or a variable with bounds in braces",
+    ),
+    bounds("a range by two points", "W = 2.4..3.7, D = 3", "a range is two bounds", at="2.4.."),
+    bounds("a range by in", "W in 2..4, D = 3", "a range is two bounds", at="in 2"),
+    bathroom(
+        "a type in upper case",
+        new=BATHROOM.replace("bathroom", "Bathroom"),
+        says="a name begins in lower case: did you mean bathroom?",
+        at="Bathroom",
+    ),
+    bathroom(
+        "a whole number too many",
+        new="room_size(bathroom, 3, 3, 3).",
+        says="nothing uses room_size/4: did you mean room_size/3?",
+    ),
     bathroom("a comment of another language", new="# small", says="a comment begins with %"),
     bathroom(
         "a quote that does not end",
