@@ -13,7 +13,7 @@ from agent.build import network_of
 from agent.config import PRESETS, DQNConfig, PaperConfig, PQNConfig, TrainConfig
 from logic.errors import VitruviusError
 from logic.files import write_whole
-from logic.spelling import unknown
+from logic.spelling import printable, unknown
 
 FORMAT = "vitruvius-agent-3"
 
@@ -91,7 +91,7 @@ def load(path: str | Path) -> Checkpoint:
         network.load_state_dict(tensors)
         if not all(value.isfinite().all() for value in network.state_dict().values()):
             raise ValueError("some weights are no finite numbers")
-        provenance = {name: record[name] for name in ("name", "houses", "command")}
+        provenance = {name: printable(record[name]) for name in ("name", "houses", "command")}
         return Checkpoint(network.eval(), config, int(record["steps"]), **provenance)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]

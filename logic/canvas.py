@@ -8,6 +8,8 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
+from logic.spelling import printable
+
 Box = tuple[float, float, float, float]
 """(left, top, right, bottom), CSS pixels."""
 Point = tuple[float, float]
@@ -104,7 +106,7 @@ def png(cells: Iterable[tuple[Point, Drawing]], width: int, height: int) -> Imag
 
 def text_width(text: str, size: float) -> float:
     """Width of a text, CSS pixels."""
-    return _font(64).getlength(text) * size / 64
+    return _font(64).getlength(printable(text)) * size / 64
 
 
 def _element(shape: Shape) -> str:
@@ -123,7 +125,7 @@ def _element(shape: Shape) -> str:
         case Text((x, y), text, size, fill, anchor, halo):
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
-            return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{escape(text)}</text>"
+            return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{escape(printable(text))}</text>"
 
 
 def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
@@ -150,7 +152,7 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
             rim = length(size / 8) if halo else 0
             pen.text(
                 place,
-                text,
+                printable(text),
                 fill,
                 _font(length(size)),
                 {"start": "ls", "middle": "ms", "end": "rs"}[anchor],

@@ -21,6 +21,7 @@ from rich.progress import Progress, ProgressColumn, TextColumn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house import House
+from logic.spelling import printable
 
 Repeated = tyro.conf.UseAppendAction
 
@@ -248,7 +249,7 @@ class Explain:
         try:
             next(houses)
         except Unsatisfiable as proof:
-            print(json.dumps(to_record(proof)) if self.json else proof)
+            print(json.dumps(to_record(proof)) if self.json else printable(str(proof), "\n"))
             return 0
         print(json.dumps({"satisfiable": True}) if self.json else "There are such houses: vitruvius generate")
         return 1
@@ -270,7 +271,7 @@ class Explain:
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {file} has houses 0 to {len(houses) - 1}")
         answer = explain_house(houses[self.house], self.why, grammar=self.grammar, seconds=self.seconds)
-        print(json.dumps(to_builtins(answer)) if self.json else answer)
+        print(json.dumps(to_builtins(answer)) if self.json else printable(str(answer), "\n"))
         return 0
 
 
@@ -292,7 +293,7 @@ class Lint:
 
         found = lint(self.grammar)
         for finding in found:
-            print(json.dumps(to_builtins(finding)) if self.json else finding)
+            print(json.dumps(to_builtins(finding)) if self.json else printable(str(finding)))
         errors = sum(finding.severity == "error" for finding in found)
         say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
         return 1 if errors else 0
@@ -334,7 +335,7 @@ class Check:
                 print(json.dumps({"house": index, "violations": violations}))
             else:
                 for violation in violations:
-                    print(f"{self.file}: house {index}: {violation}")
+                    print(printable(f"{self.file}: house {index}: {violation}"))
         say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
         return 1 if nonconforming else 0
 
@@ -419,4 +420,4 @@ def _say_warnings() -> None:
 
 def say(text: str) -> None:
     """A line for the user, on stderr: the standard output is for houses and answers."""
-    print(text, file=sys.stderr, flush=True)
+    print(printable(text, "\n"), file=sys.stderr, flush=True)

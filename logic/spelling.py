@@ -50,3 +50,15 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return call
 
     return decorated
+
+
+def printable(text: str, keep: str = "") -> str:
+    """A text that others wrote, its control characters escaped but for those that are kept: names may hold
+    what moves a terminal's cursor, and what XML cannot.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        letter if letter.isprintable() or letter in keep else letter.encode("unicode_escape").decode()
+        for letter in text
+    )

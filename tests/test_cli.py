@@ -83,6 +83,25 @@ def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path
     assert plans == ["contact-sheet.svg", "house-0.svg", "house-1.svg"]
 
 
+def test_control_characters_in_names_are_escaped_on_the_terminal_and_in_pictures(tmp_path: Path) -> None:
+    """Else a file's names move the cursor, change colours, or make an SVG that is no XML."""
+    (house,) = load(ROOT / "tests" / "fixtures" / "example1.json")
+    name = "a\x1b[31m\x07\x00\n\u202eb"
+    room = msgspec.structs.replace(house.rooms[0], type=name, x=-9.0)
+    file = tmp_path / "houses.jsonl"
+    save([msgspec.structs.replace(house, rooms=(room, *house.rooms[1:]))], file)
+    said = vitruvius("check", file)
+    assert r"a\x1b[31m\x07\x00\n\u202eb" in said.stdout
+    drawn = [
+        vitruvius("draw", file, "--out", tmp_path / "plans", "--format", each) for each in ("svg", "png")
+    ]
+    assert [ended.returncode for ended in drawn] == [0, 0]
+    pictures = [path.read_text() for path in (tmp_path / "plans").glob("*.svg")]
+    assert any(r"a\x1b[31m" in picture for picture in pictures)
+    for text in (said.stdout, said.stderr, *pictures):
+        assert not set(text) & set(name) - set("ab[31m\n")
+
+
 def test_on_a_terminal_houses_still_go_to_the_standard_output(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

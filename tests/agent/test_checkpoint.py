@@ -124,6 +124,10 @@ def test_a_checkpoint_that_asks_for_a_huge_network_is_refused_before_it_is_made(
     assert time.process_time() - begin < 1
 
 
+def test_control_characters_of_a_name_are_escaped(tmp_path):
+    assert load(spoiled(tmp_path / "agent.safetensors", name="a\x1b[2Jb")).name == r"a\x1b[2Jb"
+
+
 def test_what_is_too_large_or_no_file_is_refused_unread(tmp_path):
     path = made(tmp_path / "agent.safetensors")
     os.truncate(path, 5 << 30)  # of zeros, which take no disk
