@@ -10,26 +10,17 @@ import safetensors
 import safetensors.torch
 
 from agent.build import network_of
-from agent.config import PRESETS, DQNConfig, PaperConfig, PQNConfig, TrainConfig
-from logic.errors import VitruviusError
+from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.released import CheckpointError, located
 from logic.files import write_whole
-from logic.spelling import printable, unknown
+from logic.spelling import printable
 
 FORMAT = "vitruvius-agent-3"
-
-RELEASED = Path(__file__).parent / "released"
-"""Where the agents lie that come with the project."""
 
 MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
 """What is read of a checkpoint, and of its header: our networks have less than 1 MiB, their headers 4 KiB."""
 
 KINDS: dict[str, type[TrainConfig]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig)}
-
-
-class CheckpointError(VitruviusError):
-    """A checkpoint is absent, is no checkpoint, or holds a network of another shape."""
-
-    exit_code = 5
 
 
 @dataclass(frozen=True)
@@ -67,13 +58,12 @@ def load(path: str | Path) -> Checkpoint:
 
     Raises ``CheckpointError``.
     """
-    if not Path(path).exists():
-        path = _released(path)
-    if Path(path).is_dir():
-        hint = f": did you mean {run}?" if (run := Path(path) / "agent.safetensors").exists() else ""
+    path = located(path)
+    if path.is_dir():
+        hint = f": did you mean {run}?" if (run := path / "agent.safetensors").exists() else ""
         raise CheckpointError(f"{path}: is a folder, and no agent{hint}")
     try:
-        _require_sizes(Path(path))
+        _require_sizes(path)
         with safetensors.safe_open(path, framework="pt") as file:
             record = file.metadata() or {}
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
@@ -110,27 +100,6 @@ def _require_sizes(path: Path) -> None:
         raise CheckpointError(
             f"{path}: its header has more than {MOST_HEADER >> 20} MiB: no checkpoint's has"
         )
-
-
-def _released(path: str | Path) -> Path:
-    """The file of a released agent, by its name. Raises ``CheckpointError`` that says what was meant."""
-    name = str(path)
-    if name in released():
-        return RELEASED / f"{name}.safetensors"
-    if name in PRESETS:
-        out = f"runs/{name}"
-        raise CheckpointError(
-            f"{name}: is a preset of train, and no agent. Train one: "
-            f"vitruvius train --preset {name} --out {out}; then it is {out}/agent.safetensors"
-        )
-    if Path(path).suffix or "/" in name:
-        raise CheckpointError(f"{path}: there is no such file. Make one with: vitruvius train")
-    raise CheckpointError(f"{path}: there is no such file, and {unknown('agent', name, released())}")
-
-
-def released() -> list[str]:
-    """Names of the agents that come with the project, trained as their files say."""
-    return sorted(path.stem for path in RELEASED.glob("*.safetensors"))
 
 
 def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:

@@ -20,12 +20,21 @@ from logic.spelling import closest, unknown
 from logic.stopping import at_sigterm, terminate
 
 COMMANDS = {
-    "generate": ("logic.commands:Generate", "Make houses from rules."),
-    "explain": ("logic.commands:Explain", "Why no house satisfies a request, or why a house is as it is."),
+    "generate": ("logic.commands.generate:Generate", "Make houses from rules."),
+    "explain": (
+        "logic.commands.rules:Explain",
+        "Why no house satisfies a request, or why a house is as it is.",
+    ),
     "rules": ("logic.reference:Rules", "Print the reference of the rule language, with recipes."),
-    "lint": ("logic.commands:Lint", "Find the mistakes in rule files that clingo and Prolog pass over."),
-    "check": ("logic.commands:Check", "Check houses by plain geometry, apart from the rules that made them."),
-    "draw": ("logic.commands:Draw", "Draw plans of houses and a contact sheet."),
+    "lint": (
+        "logic.commands.rules:Lint",
+        "Find the mistakes in rule files that clingo and Prolog pass over.",
+    ),
+    "check": (
+        "logic.commands.houses:Check",
+        "Check houses by plain geometry, apart from the rules that made them.",
+    ),
+    "draw": ("logic.commands.houses:Draw", "Draw plans of houses and a contact sheet."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),

@@ -28,13 +28,14 @@ import torch
 
 from agent import checkpoint, ranks
 from agent.banks import bank_hash
-from agent.checkpoint import Checkpoint, CheckpointError
+from agent.checkpoint import Checkpoint
 from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
 from agent.dqn import DQN
 from agent.learner import Diverged, Learner, Progress
 from agent.paper import Paper
 from agent.pqn import PQN
 from agent.progress import progress
+from agent.released import CheckpointError
 from agent.world import make_envs, simulator
 from logic import House
 from logic.errors import RequestError, VitruviusError

@@ -10,9 +10,9 @@ from pathlib import Path
 import msgspec
 
 from logic.errors import GrammarError, HouseFileError, Reason, RequestError
-from logic.generate import answered
 from logic.grammar import RULES, find
 from logic.house import House
+from logic.solver import answered
 from logic.spelling import closest
 
 INFERENCES = 100_000_000

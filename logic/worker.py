@@ -1,4 +1,4 @@
-"""A solver process, started by ``logic.generate``: JSON lines in and out over pipes.
+"""A solver process, started by ``logic.solver``: JSON lines in and out over pipes.
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 with limited memory, and the parent owns deadlines and Ctrl-C. The first line names the grammar; each

@@ -21,7 +21,7 @@ from agent.cli import COMMANDS, EXTRAS, main, parse
 from agent.config import PRESETS
 from benchmarks import STUDIES
 from logic import House, Rect, load, save
-from logic.commands import Check, Draw
+from logic.commands.houses import Check, Draw
 
 ROOT = Path(__file__).parents[1]
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import tyro
 
 from agent.config import TARGET_MODES, differences
+from agent.released import located
 from logic.commands import say
 from logic.errors import RequestError
 
@@ -54,6 +55,8 @@ class Evaluate:
 
     def run(self) -> int:
         """Print the tables, or the JSON."""
+        for path in self.agents:
+            located(path)
         import torch
         from rich.console import Console
 
@@ -163,6 +166,7 @@ class Record:
 
     def run(self) -> int:
         """Write the film."""
+        located(self.agent)
         from agent import checkpoint
         from agent.evaluation.film import record
         from agent.progress import progress

@@ -22,6 +22,7 @@ from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.tables import Table
 from agent.policies import Policy
+from agent.released import released
 from agent.world import make_envs
 from benchmarks.agents.account import PHASES, Account, follow
 from benchmarks.agents.kept import code, fingerprint
@@ -57,7 +58,7 @@ class Phases:
         houses = load(self.houses) if self.houses else benchmark()
         envs = make_envs(houses, len(houses), self.targets)
         makers: dict[str, tuple[str, Callable[[], Policy]]] = {}
-        for path in self.agents or tuple(map(Path, checkpoint.released())):
+        for path in self.agents or tuple(map(Path, released())):
             found = checkpoint.load(path)
             make = partial(policy_of, found.network, found.config, envs, self.seed)
             makers[found.name] = fingerprint(found), make

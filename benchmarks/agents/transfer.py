@@ -23,6 +23,7 @@ from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import Table
 from agent.planner import Planner
 from agent.planner.occupancy import BITS
+from agent.released import released
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns
 from benchmarks.common.pages import ROOT
@@ -81,7 +82,7 @@ class Transfer:
     def run(self) -> None:
         """Measure what is not measured yet; print the tables."""
         torch.set_num_threads(1)
-        paths = self.agents or tuple(map(Path, checkpoint.released()))
+        paths = self.agents or tuple(map(Path, released()))
         agents: dict[str, list[Checkpoint]] = {}
         for path in paths:
             found = checkpoint.load(path)

@@ -11,10 +11,11 @@ import safetensors.torch
 import torch
 
 from agent.build import network_of
-from agent.checkpoint import FORMAT, Checkpoint, CheckpointError, load, released, save
+from agent.checkpoint import FORMAT, Checkpoint, load, save
 from agent.config import PRESETS, DQNConfig, PQNConfig, TrainConfig
 from agent.network import QNetwork
 from agent.planner import FEATURES
+from agent.released import CheckpointError, released
 
 CONFIG = PQNConfig(steps=1000, seed=3)
 

@@ -26,6 +26,7 @@ from agent.dqn import DQN
 from agent.paper import Paper
 from agent.policies import Explorer
 from agent.pqn import PQN
+from agent.released import released
 from agent.world import make_envs, shield
 from logic import generate
 from sim import HouseVectorEnv
@@ -80,7 +81,7 @@ def play(envs: HouseVectorEnv, policy: Any, look: Callable[[], tuple[torch.Tenso
 def played(preset: str) -> dict[str, Any]:
     """What a preset's policy does: of its released agent, or of its first weights."""
     torch.set_num_threads(1)
-    if preset in checkpoint.released():
+    if preset in released():
         agent = checkpoint.load(preset)
         network, config = agent.network, agent.config
     else:

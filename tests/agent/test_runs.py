@@ -21,6 +21,7 @@ from agent.config import PRESETS, DQNConfig, PQNConfig
 from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
+from agent.released import CheckpointError
 from agent.runs import run
 from logic import load, save
 from logic.errors import RequestError
@@ -180,7 +181,7 @@ def test_a_damaged_state_is_refused_in_one_line(tmp_path):
     state = tmp_path / "run/state.pt.gz"
     for content in (b"", b"nothing", state.read_bytes()[:-500]):
         state.write_bytes(content)
-        with pytest.raises(checkpoint.CheckpointError, match=r"state.pt.gz: cannot be read") as caught:
+        with pytest.raises(CheckpointError, match=r"state.pt.gz: cannot be read") as caught:
             run(HOUSES, CONFIG, tmp_path / "run", resume=True)
         assert "\n" not in str(caught.value)
 
@@ -202,11 +203,11 @@ def test_a_state_of_another_content_is_refused_in_one_line(tmp_path):
         content = io.BytesIO()
         torch.save(value, content)
         state.write_bytes(gzip.compress(content.getvalue()))
-        with pytest.raises((checkpoint.CheckpointError, RequestError)) as caught:
+        with pytest.raises((CheckpointError, RequestError)) as caught:
             run(HOUSES, CONFIG, tmp_path / "run", resume=True)
         assert "\n" not in str(caught.value)
     state.write_bytes(gzip.compress(pickle.dumps(print)))
-    with pytest.raises(checkpoint.CheckpointError, match="cannot be read"):
+    with pytest.raises(CheckpointError, match="cannot be read"):
         run(HOUSES, CONFIG, tmp_path / "run", resume=True)
 
 
@@ -225,7 +226,7 @@ def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refus
     assert [now.steps for now in history] == list(range(128, 1537, 128))
     assert file.read_bytes().splitlines(keepends=True) == lines
     file.write_bytes(strange[0])
-    with pytest.raises(checkpoint.CheckpointError, match=r"metrics.jsonl: holds no report up to step 1,536"):
+    with pytest.raises(CheckpointError, match=r"metrics.jsonl: holds no report up to step 1,536"):
         run(HOUSES, CONFIG, tmp_path / "run", resume=True)
 
 

@@ -24,8 +24,8 @@ from logic import (
     lint,
     load,
 )
-from logic.generate import MOST_IDLE
 from logic.grammar import SHIPPED
+from logic.solver import MOST_IDLE
 from tests.logic import in_process
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "family-4-rooms.json"

@@ -8,6 +8,7 @@ import gymnasium
 
 from agent import checkpoint
 from agent.evaluation.protocol import measure
+from agent.released import CheckpointError
 from agent.runs import run
 from agent.world import make_envs
 from logic import (
@@ -76,5 +77,5 @@ MISTAKES = (
     Call(load, {"path": "housse.jsonl"}, ("did you mean houses.jsonl?",), HouseFileError),
     Call(save, {"houses": [HOUSE], "path": "x.txt"}, (".txt is not written",), RequestError),
     Call(save, {"houses": [], "path": "x.jsonl"}, ("no house to write",), RequestError),
-    Call(checkpoint.load, {"path": "dqn"}, ("is a preset of train",), checkpoint.CheckpointError),
+    Call(checkpoint.load, {"path": "dqn"}, ("is a preset of train",), CheckpointError),
 )

@@ -1,0 +1,39 @@
+"""The agents that come with the project, found by name without torch: a wrong name is told at once."""
+
+from pathlib import Path
+
+from agent.config import PRESETS
+from logic.errors import VitruviusError
+from logic.spelling import unknown
+
+
+class CheckpointError(VitruviusError):
+    """A checkpoint is absent, is no checkpoint, or holds a network of another shape."""
+
+    exit_code = 5
+
+
+def released() -> list[str]:
+    """Names of the agents that come with the project, trained as their files say."""
+    return sorted(path.stem for path in Path(__file__).parent.glob("*.safetensors"))
+
+
+def located(path: str | Path) -> Path:
+    """Where a checkpoint lies: a path, or the name of a released agent.
+
+    Raises ``CheckpointError`` that says what was meant.
+    """
+    name = str(path)
+    if Path(path).exists():
+        return Path(path)
+    if name in released():
+        return Path(__file__).with_name(f"{name}.safetensors")
+    if name in PRESETS:
+        out = f"runs/{name}"
+        raise CheckpointError(
+            f"{name}: is a preset of train, and no agent. Train one: "
+            f"vitruvius train --preset {name} --out {out}; then it is {out}/agent.safetensors"
+        )
+    if Path(path).suffix or "/" in name:
+        raise CheckpointError(f"{path}: there is no such file. Make one with: vitruvius train")
+    raise CheckpointError(f"{path}: there is no such file, and {unknown('agent', name, released())}")

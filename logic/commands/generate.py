@@ -1,0 +1,197 @@
+"""``vitruvius generate``: its options, and what it writes."""
+
+import errno
+import json
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.progress import TextColumn
+
+from logic.commands import Repeated, counts, progress, progress_bar, say, say_warnings
+from logic.errors import RequestError, VitruviusError
+from logic.house import House
+
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+"""Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Make houses from rules."""
+
+    rooms: int
+    """Number of secondary rooms, 1 to 128."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
+
+    keep: Path | None = None
+    """House file: a house of it keeps its rooms, and the rest is generated around them."""
+
+    keep_house: int = 0
+    """Which house of that file, from 0."""
+
+    keep_rooms: tuple[str, ...] = ()
+    """Which of its rooms, as in --keep-rooms R0 R2; without it, all."""
+
+    grammar: str = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seed: int = 0
+    """With the index of a house, all that its random choices depend on."""
+
+    count: int = 1
+    """How many houses."""
+
+    start: int = 0
+    """Index of the first house: any slice of a series can be made by itself."""
+
+    workers: int = 1
+    """Solver processes. They change the time, never the houses."""
+
+    inferences: int = 100_000_000
+    """Most Prolog inferences for a house."""
+
+    seconds: float = 60.0
+    """Most seconds for a house."""
+
+    count_layouts: bool = False
+    """Make no houses, but count the layouts from which they are sampled."""
+
+    out: Path | None = None
+    """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
+
+    def run(self) -> int:
+        """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
+        from logic import generate
+
+        say_warnings()
+        if self.count_layouts:
+            return self._count()
+        _require_writable(self.out, self.count)
+        houses: list[House] = []
+        request = generate(
+            rooms=self.rooms,
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            cell=self.cell,
+            keep=self._kept(),
+            grammar=self.grammar,
+            seed=self.seed,
+            count=self.count,
+            start=self.start,
+            workers=self.workers,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
+        try:
+            for house in progress(request, self.count, "houses"):
+                houses.append(house)
+                if self.out is None:
+                    print(json.dumps(house.to_dict()), flush=True)
+        except (VitruviusError, KeyboardInterrupt) as end:
+            if houses and self.out:
+                self._save(houses, self.out, str(end) or "interrupted")
+            raise
+        if self.out:
+            self._save(houses, self.out)
+            say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
+        return 0
+
+    def _save(self, houses: list[House], out: Path, stopped: str = "") -> None:
+        """Write the houses and why there are no more; where the disk is full, as many as it takes."""
+        from logic import save
+
+        kept, full = len(houses), None
+        while True:
+            try:
+                save(houses[:kept], out, stopped and f"at house {self.start + kept}: {stopped}")
+                break
+            except OSError as error:
+                kept = kept * 9 // 10
+                if error.errno not in FULL or not kept:
+                    raise full or error from None
+                full = full or error
+                stopped = os.strerror(error.errno)
+        if stopped:
+            say(f"{out}: holds the first {kept} of {len(houses)} made")
+        if full:
+            raise full
+
+    def _kept(self) -> House | None:
+        """The house whose rooms are kept. Raises ``RequestError`` for one, or a room, that is not there."""
+        from logic import load
+
+        if self.keep is None:
+            if self.keep_house or self.keep_rooms:
+                raise RequestError(
+                    "--keep-house and --keep-rooms are of a house file: give it by --keep FILE"
+                )
+            return None
+        houses = load(self.keep)
+        if not 0 <= self.keep_house < len(houses):
+            raise RequestError(
+                f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}"
+            )
+        house = houses[self.keep_house]
+        try:
+            return house.only(*self.keep_rooms) if self.keep_rooms else house
+        except ValueError as error:
+            raise RequestError(f"--keep-rooms: {error}") from None
+
+    def _count(self) -> int:
+        """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
+        from logic import count_layouts
+
+        if self.keep:
+            raise RequestError("--count-layouts counts those of whole houses: leave out --keep")
+        if self.out:
+            raise RequestError("--count-layouts makes no houses: leave out --out")
+        begun, exact = time.monotonic(), True
+        with progress_bar(TextColumn("{task.description}")) as bar:
+            task = bar.add_task("")
+
+            def report(name: str, number: int) -> None:
+                passed = time.monotonic() - begun
+                bar.update(task, description=f"{name}: {number:,} layouts after {passed:.0f} s")
+
+            for name, number, whole in count_layouts(
+                self.rooms,
+                types=counts("--type", self.type),
+                furniture=counts("--piece", self.piece),
+                grammar=self.grammar,
+                seconds=self.seconds,
+                report=report,
+            ):
+                print(
+                    f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}", flush=True
+                )
+                begun, exact = time.monotonic(), exact and whole
+                bar.update(task, description="")
+        return 0 if exact else 4
+
+
+def _require_writable(out: Path | None, count: int) -> None:
+    """Say before the work, not after it, that its place cannot take it."""
+    from logic.files import HOUSE_FILES, require_ending
+
+    if out is None:
+        return
+    if out.is_dir():
+        raise RequestError(f"--out {out}: is a folder: name a file in it, as in {out / 'houses.jsonl'}")
+    require_ending(out, HOUSE_FILES)
+    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
+        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
+    folder = next(parent for parent in out.absolute().parents if parent.exists())
+    if not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise RequestError(f"--out {out}: {folder} cannot be written to")

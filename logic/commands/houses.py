@@ -1,0 +1,78 @@
+"""``vitruvius check`` and ``draw``: what is done with a file of houses."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from logic.commands import Repeated, progress, say
+from logic.spelling import printable
+
+
+@dataclass(frozen=True)
+class Check:
+    """Check houses by plain geometry, apart from the rules that made them. Houses count from 0."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    json: bool = False
+    """Print the violations of each house as a line of JSON."""
+
+    clear_front: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="PIECE")] = ()
+    """A piece type that is used from its front: 0.42 m must be free there. Repeat for several types."""
+
+    def run(self) -> int:
+        """Print a line for each violation; 1 if there is any."""
+        from msgspec.structs import replace
+
+        from logic import check, load
+        from logic.check import promises_of
+        from logic.spelling import unknown
+
+        houses = load(self.file)
+        pieces = sorted({each.type for house in houses for room in house.rooms for each in room.pieces})
+        for name in self.clear_front:
+            if name not in pieces:
+                say(f"--clear-front {name}: {unknown('piece', name, pieces)}")
+        nonconforming = 0
+        for index, house in enumerate(progress(houses, len(houses), "houses")):
+            promises = promises_of(house)
+            clear = promises.clear_front.union(self.clear_front)
+            violations = check(house, replace(promises, clear_front=clear))
+            nonconforming += bool(violations)
+            if self.json:
+                print(json.dumps({"house": index, "violations": violations}))
+            else:
+                for violation in violations:
+                    print(printable(f"{self.file}: house {index}: {violation}"))
+        say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
+        return 1 if nonconforming else 0
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Draw plans of houses and a contact sheet."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    out: Path = Path("plans")
+    """Folder for the pictures."""
+
+    format: Literal["svg", "png"] = "svg"
+    """What the plans are written as."""
+
+    one_scale: bool = False
+    """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
+
+    def run(self) -> int:
+        """Write a picture of each house, numbered from 0 as in the file, and one of all."""
+        from logic import load
+        from logic.draw import draw
+
+        pictures = draw(load(self.file), self.out, format=self.format, one_scale=self.one_scale)
+        say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
+        return 0

@@ -1,0 +1,120 @@
+"""``vitruvius lint`` and ``explain``: what is wrong with rules, and what they say of a request or a house."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from logic.commands import Repeated, counts, say, say_warnings
+from logic.errors import RequestError
+from logic.spelling import printable
+
+
+@dataclass(frozen=True)
+class Explain:
+    """Say why no house satisfies a request (--rooms), or why a house is as it is (HOUSES --why R3.bed)."""
+
+    file: tyro.conf.Positional[Annotated[Path | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
+    """House file: explain a part of a house in it."""
+
+    why: str | None = None
+    """The part: a room (R3), its door (R3.door), a piece (R3.bed, R3.bed2 for the second), or main."""
+
+    house: int = 0
+    """Index of the house in the file, counted from 0."""
+
+    rooms: int | None = None
+    """Of a request: number of secondary rooms, 1 to 128."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres; 0 for none."""
+
+    grammar: str | None = None
+    """A shipped grammar's name, or a directory of rules; family, or the house's own."""
+
+    seconds: float = 60.0
+    """Most seconds."""
+
+    json: bool = False
+    """Print the reasons as JSON."""
+
+    def run(self) -> int:
+        """Print the reasons; 1 where a request has a house after all."""
+        from logic import Unsatisfiable, generate
+        from logic.errors import to_record
+
+        say_warnings()
+        if self.file is not None:
+            return self._house(self.file)
+        if self.rooms is None or self.why is not None:
+            raise RequestError(
+                "explain a request, as in explain --rooms 3 --type bathroom=9, or a part of a house, as in "
+                "explain houses.jsonl --why R3"
+            )
+        houses = generate(
+            rooms=self.rooms,
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            cell=self.cell,
+            grammar=self.grammar or "family",
+            seconds=self.seconds,
+        )
+        try:
+            next(houses)
+        except Unsatisfiable as proof:
+            print(json.dumps(to_record(proof)) if self.json else printable(str(proof), "\n"))
+            return 0
+        print(json.dumps({"satisfiable": True}) if self.json else "There are such houses: vitruvius generate")
+        return 1
+
+    def _house(self, file: Path) -> int:
+        """Print why a part of a house is as it is."""
+        from msgspec import to_builtins
+
+        from logic import explain_house, load
+
+        asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
+        if given := [option for option, value in asked.items() if value]:
+            raise RequestError(f"{' and '.join(given)}: asks about a request: leave out that, or {file}")
+        if self.why is None:
+            raise RequestError(
+                f"explain {file}: say what with --why, as in --why main, --why R0, --why R0.door"
+            )
+        houses = load(file)
+        if not 0 <= self.house < len(houses):
+            raise RequestError(f"--house {self.house}: {file} has houses 0 to {len(houses) - 1}")
+        answer = explain_house(houses[self.house], self.why, grammar=self.grammar, seconds=self.seconds)
+        print(json.dumps(to_builtins(answer)) if self.json else printable(str(answer), "\n"))
+        return 0
+
+
+@dataclass(frozen=True)
+class Lint:
+    """Find the mistakes in rule files that clingo and Prolog pass over."""
+
+    grammar: tyro.conf.Positional[str] = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    json: bool = False
+    """Print each finding as a line of JSON."""
+
+    def run(self) -> int:
+        """Print a line for each finding; 1 if any is an error."""
+        from msgspec import to_builtins
+
+        from logic import lint
+
+        found = lint(self.grammar)
+        for finding in found:
+            print(json.dumps(to_builtins(finding)) if self.json else printable(str(finding)))
+        errors = sum(finding.severity == "error" for finding in found)
+        say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
+        return 1 if errors else 0

@@ -1,0 +1,177 @@
+"""Solver processes from outside: how they are started, asked, ended, and kept for the next request.
+
+``worker.py`` is what runs in them.
+"""
+
+import atexit
+import contextlib
+import json
+import os
+import selectors
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
+
+START_UP = 60.0
+"""Seconds that a solver process may take to load a grammar."""
+
+MOST_IDLE = 2
+"""Solver processes kept for the next request for the same rules: to start one takes half a second."""
+
+ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
+"""Rule files are UTF-8 whatever the user's language."""
+
+START = """
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+
+sys.path += sys.argv[2:]
+spec = spec_from_file_location("logic", sys.argv[1])
+sys.modules["logic"] = module_from_spec(spec)
+spec.loader.exec_module(sys.modules["logic"])
+from logic.worker import main
+
+main()
+"""
+"""What a solver process runs. It imports this very package by its file, all else first from PYTHONPATH and
+where packages are installed: no file in the current folder or beside a script takes the place of a module.
+"""
+
+
+class Solver:
+    """A solver process and the two ends of its pipes."""
+
+    def __init__(self, opening: dict[str, Any]) -> None:
+        """Start it; it loads what ``opening`` names."""
+        self._grammar = opening["grammar"]
+        package, path = Path(__file__).with_name("__init__.py"), os.environ.get("PYTHONPATH", "")
+        # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", START, str(package), *_named(sys.path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+            env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(_named(path.split(os.pathsep)))},
+        )
+        assert self._process.stdin
+        assert self._process.stdout
+        self._questions, self._output = self._process.stdin, self._process.stdout.fileno()
+        self._answers = selectors.DefaultSelector()
+        os.set_blocking(self._output, False)
+        self._answers.register(self._output, selectors.EVENT_READ)
+        self._received = b""
+        self.unanswered = 0
+        self.ask(opening)
+
+    def ask(self, question: dict[str, Any]) -> None:
+        """Send a request; that the process is gone shows in its answer."""
+        self.unanswered += 1
+        try:
+            self._questions.write(json.dumps(question).encode() + b"\n")
+            self._questions.flush()
+        except BrokenPipeError:
+            pass
+
+    def loaded(self) -> dict[str, Any]:
+        """Wait until the grammar is loaded: its versions and warnings."""
+        return self.answer(
+            START_UP, f"{self._grammar}: loading took {START_UP:g} s: do its rules recur without end?"
+        )
+
+    def answer(self, seconds: float, late: str) -> dict[str, Any]:
+        """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``."""
+        deadline = time.monotonic() + seconds
+        while b"\n" not in self._received:
+            if not self._answers.select(max(0.0, deadline - time.monotonic())):
+                raise LimitReached(late)
+            part = os.read(self._output, 1 << 20)
+            if not part:
+                raise self._died()
+            self._received += part
+        line, self._received = self._received.split(b"\n", 1)
+        self.unanswered -= 1
+        record = json.loads(line)
+        if "error" in record:
+            raise from_record(record["error"])
+        return record
+
+    def is_alive(self) -> bool:
+        """Whether the process still runs."""
+        return self._process.poll() is None
+
+    def _died(self) -> VitruviusError:
+        code = self._process.wait()
+        if code == -signal.SIGKILL:
+            return LimitReached("a solver process was killed from outside, perhaps for want of memory")
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        why = "look for a directive that halts, or a clause that recurs without end"
+        return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
+
+    def end(self) -> None:
+        """Kill the process: it holds nothing that anyone needs."""
+        # With all that directives may have started.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.communicate()
+        self._answers.close()
+
+
+def _named(path: Iterable[str]) -> list[str]:
+    """Where modules are looked for, but for the current folder."""
+    return [folder for folder in path if folder and os.path.abspath(folder) != os.getcwd()]
+
+
+class Idle:
+    """Solver processes that have answered everything, by what they have loaded; safe among threads."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.forget()
+        atexit.register(self.end)
+        # A forked child has copies of the pipes, but the processes answer its parent.
+        os.register_at_fork(after_in_child=self.forget)
+
+    def forget(self) -> None:
+        """Begin with none."""
+        self._lock, self._workers = threading.Lock(), []
+
+    def take(self, key: tuple[Any, ...]) -> Solver | None:
+        """One that has loaded just these rules and still runs, if there is one."""
+        with self._lock:
+            places = [place for place, (loaded, _) in enumerate(self._workers) if loaded == key]
+            worker = self._workers.pop(places[-1])[1] if places else None
+        if worker is None or worker.is_alive():
+            return worker
+        worker.end()
+        return self.take(key)
+
+    def add(self, key: tuple[Any, ...], worker: Solver) -> None:
+        """Keep one, and end those beyond ``MOST_IDLE`` that were used the longest time ago."""
+        with self._lock:
+            self._workers.append((key, worker))
+            late = [self._workers.pop(0)[1] for _ in range(len(self._workers) - MOST_IDLE)]
+        for unused in late:
+            unused.end()
+
+    def end(self) -> None:
+        """End all."""
+        while self._workers:
+            self._workers.pop()[1].end()
+
+
+def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
+    """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
+    worker = Solver(opening)
+    try:
+        worker.loaded()
+        worker.ask(question)
+        return worker.answer(seconds, late)
+    finally:
+        worker.end()
