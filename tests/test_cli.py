@@ -126,7 +126,7 @@ def test_on_a_terminal_houses_still_go_to_the_standard_output(
         (["generate", "--rooms", "3", "--grammar", "famly"], 5, "famly"),
         (["check", "absent.jsonl"], 5, "absent.jsonl"),
         (["check", "LICENSE"], 5, "LICENSE:1"),
-        (["evaluate", "pyproject.toml", "absent.jsonl"], 5, "pyproject.toml"),
+        (["evaluate", "pyproject.toml"], 5, "pyproject.toml"),
         (["frobnicate"], 2, "frobnicate"),
         (["generate", "--rooms", "3", "--count", "2", "--out", "x.json"], 2, ".jsonl"),
         (["generate", "--rooms", "3", "--out", "tests"], 2, "folder"),
