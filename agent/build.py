@@ -10,7 +10,8 @@ from agent.paper import PaperNetwork
 from agent.planner import FEATURES
 from agent.policies import QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
-from agent.world import layer_of, simulator
+from agent.simulator import simulator
+from agent.world import layer_of
 from sim import HouseVectorEnv
 
 

@@ -114,7 +114,8 @@ def _run(arguments: list[str]) -> int:
         extras = [extra for extra, modules in EXTRAS.items() if module in modules]
         if not extras:
             raise
-        words, extra = " ".join(arguments[: 1 + study]), extras[0 if study else -1]
+        words = " ".join(arguments[: 1 + study])
+        extra = extras[0] if study else "agent"  # which brings the simulator
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

@@ -59,17 +59,18 @@ class Train(Generic[Kind]):
 
     def run(self) -> int:
         """Train to the end; the run is saved every half minute on the way."""
+        from agent.simulator import require_task, simulator
+
+        simulator(self.config)
+        require_task(self.config.targets)
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
         from agent.runs import run
-        from agent.world import require_task, simulator
         from logic import load
         from logic.files import require_folder, write_whole
         from sim.arguments import BANK
 
         require_folder(self.out)
-        simulator(self.config)
-        require_task(self.config.targets)
         file = self.houses or BANK
         houses = load(file)
         require_training(houses, file)

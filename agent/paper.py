@@ -29,7 +29,7 @@ from agent.learner import Learner, Progress, Tally
 from agent.memory import Memory
 from agent.network import seeded
 from agent.replay import ReplayBuffer
-from agent.world import simulator
+from agent.simulator import simulator
 from sim import HouseVectorEnv
 
 REPORT = 128

@@ -36,7 +36,8 @@ from agent.paper import Paper
 from agent.pqn import PQN
 from agent.progress import progress
 from agent.released import CheckpointError
-from agent.world import make_envs, simulator
+from agent.simulator import simulator
+from agent.world import make_envs
 from logic import House
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole

@@ -24,7 +24,7 @@ OBJECTIONS = {
     ASTType.ProjectSignature: "layouts are sampled by picks: leave #project out",
     ASTType.ProjectAtom: "layouts are sampled by picks: leave #project out",
     ASTType.Heuristic: "layouts are sampled by picks, whatever the heuristic: use the weights of option/3",
-    ASTType.Edge: "a grammar holds rules: leave #edge out, and forbid circles by a constraint",
+    ASTType.Edge: "a grammar holds rules: leave #edge out, and forbid cycles by a constraint",
     ASTType.TheoryDefinition: "a grammar holds rules without theories",
 }
 

@@ -17,7 +17,7 @@ CHOICES = {("option", 3), ("picks", 2)}
 """What states a choice by its name, the first argument."""
 
 
-def trespasses(own: Words) -> Iterator[tuple[Statement, str]]:
+def closed_heads(own: Words) -> Iterator[tuple[Statement, str]]:
     """Statements that derive or rename what is the core's, each with what to write instead."""
     core = core_words()
     for signature, uses in own.derived.items():

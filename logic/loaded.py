@@ -8,24 +8,23 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.audit import audit, unreadable
-from logic.circles import circles
 from logic.errors import GrammarError
 from logic.explain import Relaxed
 from logic.grammar import Grammar
-from logic.heads import trespasses
+from logic.heads import closed_heads
 from logic.layout import Endless, Program
 from logic.placement import Placer, unknown
 from logic.programs import Programs
 from logic.spelling import closest
 from logic.stages import misplaced
 from logic.statements import Statement, error_at, read
+from logic.stratification import unstratified
 from logic.terms import Lengths, length_facts
 from logic.units import impossible, unlikely
 from logic.vocabulary import Words, capitalised, misspelt, places, words
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
-
 
 NAME = "[a-z][A-Za-z0-9_]*"
 """Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
@@ -65,11 +64,11 @@ class LoadedGrammar:
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
         self._words = words(statements)
-        refused = {id(each.node): each.error(why) for each, why in trespasses(self._words)}
+        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words)}
         yield from refused.values()
         yield from audit(each for each in statements if id(each.node) not in refused)
         yield from misplaced(self._words, refused)
-        yield from circles(statements)
+        yield from unstratified(statements)
 
     def _errors(self) -> Iterator[GrammarError]:
         sized = self.placer.sized()

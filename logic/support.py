@@ -14,9 +14,9 @@ from typing import NamedTuple
 import clingo
 from clingo import Number, Symbol, ast
 
+from logic.alternatives import Chosen
 from logic.errors import Reason
 from logic.explain import HERE
-from logic.instead import Chosen
 from logic.layout import CORE, Program
 from logic.messages import written
 from logic.reference import asp_entries

@@ -6,11 +6,11 @@ from functools import cache, cached_property
 import msgspec
 from clingo import Function, Number, Symbol, parse_term
 
+from logic.alternatives import Search
 from logic.builder import Builder
 from logic.errors import HouseFileError, Reason, RequestError, Unsatisfiable
 from logic.fixed import fixed_rooms
 from logic.house import House
-from logic.instead import Search
 from logic.placement import RoomLayout
 from logic.proof import located
 from logic.request import Request

@@ -275,8 +275,8 @@ def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("command", "needs"),
     [
-        ("train houses.jsonl", "vitruvius train needs torch: pip install vitruvius[agent]"),
-        ("evaluate pqn-map", "vitruvius evaluate needs torch: pip install vitruvius[agent]"),
+        ("train houses.jsonl", "vitruvius train needs gymnasium: pip install vitruvius[agent]"),
+        ("evaluate pqn-map", "vitruvius evaluate needs gymnasium: pip install vitruvius[agent]"),
         ("bench generator", "vitruvius bench generator needs scipy: pip install vitruvius[bench]"),
         ("bench phases pqn-map", "vitruvius bench phases needs torch: pip install vitruvius[agent]"),
     ],

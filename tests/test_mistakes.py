@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from agent.cli import main
-from agent.evaluation import commands  # noqa: F401 (what commands import is no part of their answers' time)
 from logic import generate, save
 from tests.logic.mistakes import calls, requests
 from tests.logic.mistakes.calls import Call

@@ -55,8 +55,12 @@ class Evaluate:
 
     def run(self) -> int:
         """Print the tables, or the JSON."""
+        from agent.simulator import require_task
+
         for path in self.agents:
             located(path)
+        for targets in self.targets:
+            require_task(targets)
         import torch
         from rich.console import Console
 
@@ -67,14 +71,11 @@ class Evaluate:
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
-        from agent.world import require_task
         from logic import load
         from logic.files import require_folder, write_whole
 
         require_folder(self.out)
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
-        for targets in self.targets:
-            require_task(targets)
         agents = by_name(self.agents)
         agents.setdefault("paper", [checkpoint.load("paper")])
         houses = load(self.houses) if self.houses else benchmark()
@@ -166,11 +167,13 @@ class Record:
 
     def run(self) -> int:
         """Write the film."""
+        from agent.simulator import require_task
+
         located(self.agent)
+        require_task(self.targets)
         from agent import checkpoint
         from agent.evaluation.film import record
         from agent.progress import progress
-        from agent.world import require_task
         from logic import load
         from sim.film import require_gif
 
@@ -178,7 +181,6 @@ class Record:
             require_gif(self.out)
         except ValueError as error:
             raise RequestError(f"--out {error}") from None
-        require_task(self.targets)
         agent, houses = checkpoint.load(self.agent), load(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")

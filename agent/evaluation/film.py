@@ -9,7 +9,8 @@ from agent.checkpoint import Checkpoint
 from agent.evaluation.episodes import reset
 from agent.evaluation.map_picture import MapPicture, beside
 from agent.progress import Report
-from agent.world import make_envs, sensor
+from agent.simulator import sensor
+from agent.world import make_envs
 from logic import House
 from sim.film import Camera, film
 

@@ -16,7 +16,8 @@ from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.policies import Policy
 from agent.progress import Report
-from agent.world import make_envs, sensor
+from agent.simulator import sensor
+from agent.world import make_envs
 from logic import House
 from logic.spelling import keywords
 from sim import HouseVectorEnv

@@ -12,7 +12,8 @@ from agent.actions import FORWARD, LEFT, RIGHT
 from agent.config import PRESETS, PQNConfig
 from agent.evaluation.episodes import play
 from agent.policies import RandomPolicy
-from agent.world import make_envs, sensor, shield, simulator
+from agent.simulator import sensor, simulator
+from agent.world import make_envs, shield
 from logic import Door, House, HouseFileError, Rect, Room
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from tests.sample_houses import random_house

@@ -14,7 +14,7 @@ from agent.config import PRESETS, TARGET_MODES, PQNConfig
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import Setting, measure
-from agent.world import sensor
+from agent.simulator import sensor
 from logic import RequestError, save
 from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sample_houses import random_house

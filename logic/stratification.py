@@ -13,7 +13,7 @@ from logic.errors import GrammarError
 from logic.statements import Statement
 
 
-def circles(statements: Iterable[Statement]) -> Iterator[GrammarError]:
+def unstratified(statements: Iterable[Statement]) -> Iterator[GrammarError]:
     """Rules whose head depends on a negation of itself, each by its place."""
     needs: dict[str, set[str]] = {}
     negations: list[tuple[Statement, str, str]] = []

@@ -1,0 +1,55 @@
+"""The simulator that an agent learns in, by its config. Without torch, so that a mistake is told at once."""
+
+from dataclasses import asdict, fields, replace
+
+import msgspec
+
+from agent.config import TrainConfig
+from logic import RequestError
+from logic.spelling import unknown
+from sim.config import DEFAULT, PRESETS, Config
+from sim.tasks import task
+
+SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "noise", "dropout"
+"""The fields of a simulator's configuration that say what an agent observes."""
+
+
+def simulator(config: TrainConfig) -> Config:
+    """The simulator that an agent learns in: the preset, with the fields of ``sim``.
+
+    Raises ``RequestError`` for a field, or a value of one, that cannot be.
+    """
+    known = [field.name for field in fields(Config)]
+    values = asdict(PRESETS[config.world])
+    given = set[str]()
+    for text in config.sim:
+        name, _, value = text.partition("=")
+        if name in given:
+            raise RequestError(f"--sim {text}: give each field once")
+        given.add(name)
+        if name not in known or not value:
+            wrong = "" if name in known else f": {unknown('field', name, known)}"
+            raise RequestError(f"--sim {text}: give a field and its value, as in --sim noise=0.05{wrong}")
+        try:
+            values[name] = msgspec.json.decode(value)
+        except msgspec.DecodeError:
+            values[name] = value
+        try:
+            msgspec.convert(values, Config)
+        except ValueError as error:
+            raise RequestError(f"--sim {text}: {error}") from None
+    return msgspec.convert(values, Config)
+
+
+def sensor(config: TrainConfig) -> Config:
+    """The simulator that an agent is measured in: the default body and episodes, with the agent's sensor."""
+    learnt_in = simulator(config)
+    return replace(DEFAULT, **{name: getattr(learnt_in, name) for name in SENSOR})
+
+
+def require_task(targets: str) -> None:
+    """Raise ``RequestError`` where there is no such task."""
+    try:
+        task(targets)
+    except ValueError as error:
+        raise RequestError(str(error)) from None
