@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from logic import House
+from logic.house import ORIGINAL
 
 TOLERANCE = 1e-6
 """Metres: lines nearer than this are one line."""
@@ -37,6 +38,8 @@ class Geometry:
     """(R, 4) float64: each room's door, a segment."""
     floor: np.ndarray
     """(4,) float64: the main room's rectangle."""
+    overlapping: bool = False
+    """Whether rooms overlap the main room's rectangle, as in the original's files."""
 
     @property
     def solids(self) -> np.ndarray:
@@ -87,6 +90,7 @@ def geometry(house: House) -> Geometry:
         rooms=_rows(boxes),
         doors=_rows(room.door.box for room in house.rooms),
         floor=_rows([house.floor.box])[0],
+        overlapping=house.format == ORIGINAL,
     )
 
 

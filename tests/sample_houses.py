@@ -60,9 +60,9 @@ def drawn(text: str, cell: float = 0.9) -> House:
     return House(Rect(*box(letters == ".")), tuple(rooms))
 
 
-def example(whole_pixels: bool = False) -> House:
-    """The original program's house; with its lengths cut to whole pixels, as its simulator has them."""
-    path = FIXTURES / "example1.json"
+def example(whole_pixels: bool = False, name: str = "example1") -> House:
+    """A house of the original program; with its lengths cut to whole pixels, as its simulator has them."""
+    path = FIXTURES / f"{name}.json"
 
     def cut(value: dict[str, float]) -> dict[str, float]:
         return {key: int(x) if isinstance(x, float) else x for key, x in value.items()}

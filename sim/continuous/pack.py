@@ -13,6 +13,9 @@ from sim.continuous.lists import listed_arrays
 from sim.geometry import Geometry, geometry
 from sim.rays import SEAM
 
+ANYWHERE = np.array([0, 0, 1e6, 1e6])
+"""A rectangle that holds every house."""
+
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
     """Bring houses to the device: boxes, lines and lists."""
@@ -55,7 +58,8 @@ class _Part:
         west, north, east, south = shape.bounds
         across = [_lines(boxes[: len(shape.verticals)], boxes[walls:], axis=0)]
         across += [_lines(boxes[len(shape.verticals) : walls], boxes[walls:], axis=1)]
-        doors = np.vstack([shape.floor, shape.doors])
+        astride = shape.floor if shape.overlapping else ANYWHERE
+        doors = np.vstack([astride, shape.doors])
         rooms = np.stack([np.vstack([shape.floor, shape.rooms]), doors], axis=1)
         columns, rows = int((east - west) / CELL) + 1, int((south - north) / CELL) + 1
         return cls((west, north), (columns, rows), boxes, walls, np.vstack(across), len(across[0]), rooms)
