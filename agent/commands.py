@@ -109,9 +109,9 @@ class Export:
         """Write the file."""
         from agent import checkpoint
         from agent.export import export
-        from logic.files import require_ending
+        from logic.files import require_file
 
-        require_ending(self.out, [".onnx"])
+        require_file(self.out, [".onnx"])
         export(checkpoint.load(self.agent).network, self.out)
         _say(f"{self.out}")
         return 0

@@ -143,6 +143,46 @@ def test_bad_input_is_one_clear_line_and_its_code(arguments: list[str], code: in
     assert code in {2, 3} or len(ended.stderr.splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "generate --rooms 99 --count 999 --out {}.jsonl",
+        "draw {houses} --out {}",
+        "train {houses} --out {}",
+        "evaluate paper --houses {houses} --out {}",
+        "record paper {houses} --out {}.gif",
+        "export paper --out {}.onnx",
+        "demo --out {}",
+    ],
+)
+@pytest.mark.parametrize("place", ["/proc/nowhere", "{folder}/file/below"])
+def test_a_place_that_cannot_be_written_to_is_refused_before_any_work(
+    tmp_path: Path, words: str, place: str
+) -> None:
+    """Of ``/proc`` even root can write nothing, though its permissions say so; below a file nobody can."""
+    houses = ROOT / "tests/fixtures/example1.json"
+    (tmp_path / "file").touch()
+    ended = vitruvius(*words.format(place.format(folder=tmp_path), houses=houses).split())
+    assert ended.returncode == 2
+    assert re.fullmatch(r"error: --out \S+: \S+ cannot be written to: .+\n", ended.stderr)
+    assert list(tmp_path.iterdir()) == [tmp_path / "file"]
+
+
+def test_a_device_that_takes_nothing_is_named_and_stays() -> None:
+    ended = vitruvius("generate", "--rooms", 1, "--out", "/dev/full")
+    assert (ended.returncode, ended.stderr) == (5, "error: /dev/full: No space left on device\n")
+    assert Path("/dev/full").is_char_device()
+
+
+def test_the_installed_command_imports_nothing_from_the_current_folder(tmp_path: Path) -> None:
+    """``python -m`` does, before any line of ours runs."""
+    for name in ("agent", "clingo", "json", "logic", "queue", "sim", "token", "types"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('from the current folder')\n")
+    command = [Path(sys.executable).with_name("vitruvius"), "generate", "--rooms", "1"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_missing_prolog_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SWI_HOME_DIR", "/nowhere")
     monkeypatch.setenv("LIBSWIPL_PATH", "/nowhere/libswipl.so")

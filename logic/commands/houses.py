@@ -72,7 +72,9 @@ class Draw:
         """Write a picture of each house, numbered from 0 as in the file, and one of all."""
         from logic import load
         from logic.draw import draw
+        from logic.files import require_folder
 
+        require_folder(self.out)
         pictures = draw(load(self.file), self.out, format=self.format, one_scale=self.one_scale)
         say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
         return 0

@@ -28,7 +28,7 @@ def made(tmp_path_factory):
             patch.setattr(module, name, value)
         patch.setattr(module, "Console", lambda: console)
         out.mkdir()
-        (out / "report.md").write_text("of an older run")
+        (out / "report.md").write_text(f"{module.TITLE}\n\nof an older run")
         code = demo(out, seed=3)
     return out, code, console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -37,6 +37,15 @@ def test_the_demo_writes_all_its_files_and_nothing_else(made):
     out, code, _ = made
     assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, "training"])
     assert code == 1  # 2,000 steps teach nothing
+
+
+def test_a_folder_that_holds_something_else_than_a_demo_is_refused_and_left_as_it_is(tmp_path):
+    (tmp_path / "training").mkdir()
+    (tmp_path / "training/notes.txt").write_text("mine")
+    (tmp_path / "houses.jsonl").write_text("mine")
+    with pytest.raises(RequestError, match="holds something else than a demo: give another folder"):
+        demo(tmp_path)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["houses.jsonl", "notes.txt", "training"]
 
 
 def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
