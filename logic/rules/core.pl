@@ -6,9 +6,9 @@
 
 The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
-    written.pl         a grammar's .pl files as they are written
-    lint.pl            what must not be in them, found without loading them; braces.pl: in constraints
-    grammar_files.pl   the files, loaded
+    written.pl         a grammar's .pl files as they are written: read once, as terms
+    lint.pl            what must not be in them; braces.pl: in constraints
+    grammar_files.pl   the same terms, stated as clauses
     origins.pl         where their clauses stand
     grid.pl            metres, or cells of a grid
     lengths.pl         the grammar's lengths, and the extremes of its sizes
@@ -41,7 +41,6 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(grid).
 :- use_module(lengths).
 :- use_module(linear).
-:- use_module(lint).
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
@@ -52,16 +51,11 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 %!  grammar_problems(+Files, -Json) is det.
 %
 %   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
-%   not known, or "". They are read first, and loaded only where they hold nothing that must not be run. Of a grammar loaded
-%   before nothing is left.
+%   not known, or "". Where there is none they are loaded. Of a grammar loaded before nothing is left.
 
 grammar_problems(Files, Json) :-
-    drop_grammar,
-    file_problems(Files, Read),
-    (   Read == []
-    ->  load_grammar(Files, Problems),
-        findall([F,L,C,T,""], member(problem(F,L,C,T), Problems), List)
-    ;   findall([F,L,C,T,N], member(problem(F,L,C,T,N), Read), List) ),
+    load_grammar(Files, Problems),
+    findall([F,L,C,T,N], member(problem(F,L,C,T,N), Problems), List),
     as_json(List, Json).
 
 %!  grammar_lengths(+Furniture, +Names, -Json) is det.
