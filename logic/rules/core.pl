@@ -1,6 +1,6 @@
-:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3,
+:- module(core, [grammar_problems/3, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
                  room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
-                 main_lengths/4]).
+                 main_lengths/4, solver_version/1]).
 
 /** <module> Stage 2: from a layout to a house
 
@@ -48,13 +48,15 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(records).
 :- use_module(reports).
 
-%!  grammar_problems(+Files, -Json) is det.
+%!  grammar_problems(+Files, +Cell, -Json) is det.
 %
 %   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
-%   not known, or "". Where there is none they are loaded. Of a grammar loaded before nothing is left.
+%   not known, or "". Where there is none they are loaded, for houses on a grid of such cells (m) if not 0.0.
+%   Of a grammar loaded before nothing is left.
 
-grammar_problems(Files, Json) :-
+grammar_problems(Files, Cell, Json) :-
     load_grammar(Files, Problems),
+    set_cell(Cell),
     findall([F,L,C,T,N], member(problem(F,L,C,T,N), Problems), List),
     as_json(List, Json).
 
@@ -246,6 +248,12 @@ main_lengths(Outlines, Corners, Width, Json) :-
               law:[File,Line]}, Json).
 
 free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(rounded_up, [W0,D0,Door0], [W,D,Door]).
+
+%!  solver_version(-Json) is det.
+%
+%   Json is SWI-Prolog's version as a number, 90004 for 9.0.4.
+
+solver_version(Json) :- current_prolog_flag(version, Version), as_json(Version, Json).
 
 as_json(Value, Text) :-
     with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).

@@ -109,8 +109,13 @@ bad_head(Head, Text) :-
     functor(Head, Name, Arity),
     (   \+ plain(Name)
     ->  format(string(Text), "a clause begins with a name in lower case, as in room_size(hall, W, D): ~q/~w is none", [Name,Arity])
-    ;   ( pure(Name/Arity) ; predicate_property(system:Head, defined) )
+    ;   ( pure(Name/Arity) ; built_in(Head) )
     ->  format(string(Text), "~w/~w is SWI-Prolog's own: choose another name", [Name,Arity]) ).
+
+built_in(Head) :-
+    functor(Head, Name, _), current_predicate(Name, system:Head),
+    \+ predicate_property(system:Head, dynamic),
+    predicate_property(system:Head, implementation_module(Module)), module_property(Module, class(system)).
 
 plain(Name) :- atom_codes(Name, [First|Codes]), code_type(First, lower), forall(member(Code, Codes), code_type(Code, csym)).
 
