@@ -10,7 +10,6 @@ from the start of the text. What looks like a constraint, but is none, is read t
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(occurs)).
-:- use_module(library(readutil)).
 
 :- op(700, xfx, [=>, <=, ≤, ≥, <>, #=, #\=, #<, #>, #=<, #>=]).
 :- op(900, xfy, [and, or]).
@@ -25,7 +24,7 @@ written_terms(Files, Terms) :-
     append(Each, Terms).
 
 file_terms(File, Terms) :-
-    read_file_to_string(File, Text, [encoding(utf8)]),
+    setup_call_cleanup(open(File, read, Rules, [encoding(utf8)]), read_string(Rules, _, Text), close(Rules)),
     setup_call_cleanup(open_string(Text, In), stream_terms(In, source(File,Text), Terms), close(In)).
 
 stream_terms(In, Source, Terms) :-
