@@ -49,7 +49,7 @@ problems(Heads, Calls, term(Source,Position,Kind), Problems) :-
 problem(error(Text), _, _, P, P, Text).
 problem(syntax(What), _, _, P, P, Text) :- format(string(Text), "syntax error: ~w", [What]).
 problem(directive(Goal), _, _, P, P, Text) :-
-    \+ harmless(Goal),
+    \+ ( nonvar(Goal), harmless(Goal) ),
     (   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
     ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
     ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file holds clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).
