@@ -24,17 +24,11 @@ SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 
 def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
     """What lint says of a grammar, and its houses, a number of times the sample."""
-    from pyswip import Prolog
-
     from logic.builder import Builder
     from logic.linter import findings
 
-    try:
-        found, builder = findings(find(folder)), Builder(find(folder))
-        houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
-    finally:
-        list(Prolog.query(f"forall((source_file(F), sub_atom(F,0,_,_,'{folder}')), unload_file(F))"))
-    return found, houses
+    found, builder = findings(find(folder)), Builder(find(folder))
+    return found, [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
 
 
 @pytest.fixture(scope="module")
