@@ -147,34 +147,41 @@ places_sample(Room) --> { length_of(passage, P), room_chains(Room, Chains) }, al
 % - with every size unknown --------------------------------------------------------------------------------
 
 solution_sample(Room, Constraints, Proof, Answer) -->
-    { room_items(Room, Items),
+    { room_items(Room, Items), room_width(Room, W), room_depth(Room, D), lattice(Kind),
       system(Room, Items, Constraints, System) },
-    (   { lattice(whole), conflict(Proof, System, Conflict) }   % before all pairs of whole sizes are tried
-    ->  { infeasible(Conflict, Answer) }
-    ;   { room_width(Room, W), room_depth(Room, D) },
-        own_store(Items-W-D, sizes_sample(Room, Items, Constraints, System))
+    own_store(Outcome, sizes_sample(Kind, Room, Items, Constraints, System, Outcome)),
+    (   { Outcome = sizes(Items,W,D) }
     ->  { widest_core(Room), room_door(Room, Door) },
         own_store(Door, door_sample([], Constraints, Door)),
         { Answer = Room },
         places_sample(Room)
-    ;   { conflict(Proof, System, Conflict) }
+    ;   { Outcome = fitting(Count), conflict_at(Proof, System, Count, Conflict) }
     ->  { infeasible(Conflict, Answer) }
     ;   { infeasible(System, Answer) } ).
 
-%   sizes_sample(?Room, ?Items, +Constraints, +System)// is semidet: every size in what the others leave. On a grid some
-%   whole width and depth may take the furniture where others do not: all are tried, in random order. Where none does,
-%   though lengths that are not whole could, the reasons are those of the whole system.
+%   sizes_sample(+Kind, ?Room, ?Items, +Constraints, +System, -Outcome)//: Outcome is sizes(Items,Width,Depth), every size in
+%   what the others leave, or fitting(Count), where the System has no solution: not even the first of it after Count.
+%   On a grid some whole width and depth may take the furniture where others do not: all are tried, in random order.
+%   Where none does, though lengths that are not whole could, Count is all.
 
-sizes_sample(Room, Items, Constraints, _) -->
-    { lattice(whole) }, !,
-    { room_type(Room, Type),
-      room_extent(Type, W1-W2, D1-D2), numlist(W1, W2, Ws), numlist(D1, D2, Ds),
-      findall(A-B, ( member(A, Ws), member(B, Ds) ), Pairs) },
-    order_sample(Pairs, Order),
-    whole_sizes_sample(Order, Room, Items, Constraints).
-sizes_sample(Room, Items, _, System) -->
-    { posted(System) },
-    unknown_sizes_sample(Room, Items).
+sizes_sample(real, Room, Items, _, System, Outcome) -->
+    { posted(System, Count) },
+    (   { length(System, Count) },
+        unknown_sizes_sample(Room, Items)
+    ->  { sizes(Room, Items, Outcome) }
+    ;   { Outcome = fitting(Count) } ).
+sizes_sample(whole, Room, Items, Constraints, System, Outcome) -->
+    { findall(C, posted(System, C), [Count]) },
+    (   { length(System, Count),
+          room_type(Room, Type),
+          room_extent(Type, W1-W2, D1-D2), numlist(W1, W2, Ws), numlist(D1, D2, Ds),
+          findall(A-B, ( member(A, Ws), member(B, Ds) ), Pairs) },
+        order_sample(Pairs, Order),
+        whole_sizes_sample(Order, Room, Items, Constraints)
+    ->  { sizes(Room, Items, Outcome) }
+    ;   { Outcome = fitting(Count) } ).
+
+sizes(Room, Items, sizes(Items,W,D)) :- room_width(Room, W), room_depth(Room, D).
 
 whole_sizes_sample(Pairs, Room, Items, Constraints, S0, S) :-
     room_width(Room, W), room_depth(Room, D),
@@ -207,11 +214,6 @@ system(Room, Items, Constraints, All) :-
     append(Sizes, Constraints, All).
 
 kind_item_system(Type, _-Item, System) :- item_size_system(Type, Item, System).
-
-%   conflict(+Proof, +System, -Conflict) is semidet.
-
-conflict(minimal, System, Conflict) :- minimal_conflict(System, Conflict).
-conflict(quick, System, Conflict) :- quick_conflict(System, Conflict).
 
 infeasible(Conflict, infeasible(Reasons)) :-
     findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
