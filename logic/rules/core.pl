@@ -23,6 +23,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     chain.pl           things in a row, at least a gap apart: furniture along a wall, rooms along a side
     linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
     sample.pl          random numbers
+    filled.pl          how long a wall can be that furniture fills
     furnish.pl         a random solution for a room, or why it has none
     bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
