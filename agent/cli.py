@@ -35,6 +35,8 @@ COMMANDS = {
         "Check houses by plain geometry, apart from the rules that made them.",
     ),
     "draw": ("logic.commands.houses:Draw", "Draw plans of houses and a contact sheet."),
+    "convert": ("logic.commands.houses:Convert", "Write a house file of any format as one of today's."),
+    "schema": ("logic.commands.houses:Schema", "Print the JSON Schema of a house."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),

@@ -19,8 +19,9 @@ import pytest
 from agent.cli import COMMANDS, EXTRAS, main, parse
 from agent.config import PRESETS
 from benchmarks import STUDIES
-from logic import House, Rect, load, save
+from logic import House, Rect, Star, load, save
 from logic.commands.houses import Check, Draw
+from tests.sample_houses import changed_star
 
 ROOT = Path(__file__).parents[1]
 
@@ -62,7 +63,7 @@ def test_generate_check_and_draw(tmp_path: Path) -> None:
     file = tmp_path / "houses.jsonl"
     made = vitruvius("generate", "--rooms", 3, "--type", "bedroom=1", "--count", 4, "--out", file)
     assert made.returncode == 0
-    assert [len(house.rooms) for house in load(file)] == [3] * 4
+    assert [len(house.star.rooms) for house in load(file)] == [3] * 4
     assert vitruvius("check", file).returncode == 0
     assert (
         "there is no piece bedd: did you mean bed?"
@@ -80,7 +81,7 @@ def test_without_a_file_houses_go_to_the_standard_output() -> None:
 
 
 def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path, capsys) -> None:
-    house, file = House(Rect(0, 0, 5, 5), ()), tmp_path / "houses.jsonl"
+    house, file = House.of_star(Star(Rect(0, 0, 5, 5))), tmp_path / "houses.jsonl"
     save([house, msgspec.structs.replace(house, floor=Rect(0, 0, 2, 5))], file)
     assert Check(file).run() == 1
     words = "main room: is 5.00 by 2.00 m (at most 2 times as long as wide)"
@@ -97,9 +98,9 @@ def test_control_characters_in_names_are_escaped_on_the_terminal_and_in_pictures
     """Else a file's names move the cursor, change colours, or make an SVG that is no XML."""
     (house,) = load(ROOT / "tests" / "fixtures" / "example1.json")
     name = "a\x1b[31m\x07\x00\n\u202eb"
-    room = msgspec.structs.replace(house.rooms[0], type=name, x=-9.0)
+    room = msgspec.structs.replace(house.star.rooms[0], type=name, x=-9.0)
     file = tmp_path / "houses.jsonl"
-    save([msgspec.structs.replace(house, rooms=(room, *house.rooms[1:]))], file)
+    save([changed_star(house, rooms=(room, *house.star.rooms[1:]))], file)
     said = vitruvius("check", file)
     assert r"a\x1b[31m\x07\x00\n\u202eb" in said.stdout
     drawn = [

@@ -92,7 +92,9 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
         }
         for side in SIDES:
             own = [
-                made for made, room in zip(house.rooms, layout.rooms, strict=True) if str(room.side) == side
+                made
+                for made, room in zip(house.star.rooms, layout.rooms, strict=True)
+                if str(room.side) == side
             ]
             if own:
                 gaps = _side_gaps(house, own, side, owners, between)
@@ -105,7 +107,7 @@ def _side_gaps(
 ) -> np.ndarray:
     """The gaps along one side that are free: what is left of each past the least that it must be."""
     axis, way = SIDES[side]
-    west, north, east, south = house.floor.box
+    west, north, east, south = house.main.box
     corner = {"north": west, "east": north, "south": east, "west": south}[side]
     length = (east - west, south - north)[axis]
 

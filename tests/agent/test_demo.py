@@ -12,7 +12,7 @@ from agent.banks import geometry_hash
 from agent.checkpoint import load as load_checkpoint
 from agent.demo import FILES, banks, demo, gain
 from agent.evaluation.commands import Record
-from logic import House, Rect, RequestError, check, load
+from logic import House, Rect, RequestError, Star, check, load
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 
 
@@ -99,7 +99,7 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
 
 
 def test_two_equal_houses_are_refused(monkeypatch):
-    house = House(Rect(0, 0, 5, 5), ())
+    house = House.of_star(Star(Rect(0, 0, 5, 5)))
     monkeypatch.setattr(module, "generate", lambda *args, **options: [house])
     monkeypatch.setattr(module, "check", lambda house: [])
     with pytest.raises(Exception, match="same house twice"):
@@ -107,9 +107,9 @@ def test_two_equal_houses_are_refused(monkeypatch):
 
 
 def test_the_hash_is_of_the_shape_alone():
-    house = House(Rect(0, 0, 5, 5), ())
-    assert geometry_hash(house) == geometry_hash(House(Rect(0, 0, 5, 5), (), format="original"))
-    assert geometry_hash(house) != geometry_hash(House(Rect(0, 0, 5, 5.001), ()))
+    house = House.of_star(Star(Rect(0, 0, 5, 5)))
+    assert geometry_hash(house) == geometry_hash(House.of_star(Star(Rect(0, 0, 5, 5)), "original"))
+    assert geometry_hash(house) != geometry_hash(House.of_star(Star(Rect(0, 0, 5, 5.001))))
 
 
 def test_the_networks_gain_is_the_paired_difference_to_the_planner():
