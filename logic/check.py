@@ -12,8 +12,9 @@ from itertools import combinations
 import msgspec
 import shapely
 
-from logic import check_plan, check_star
 from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
+from logic.check_plan import plan_doors, plan_rooms, plan_windows
+from logic.check_star import star_doors, star_main_room, star_rooms, star_sides
 from logic.house import House
 from logic.least_main_room import side_of
 from logic.parts import BODY, ORIGINAL, OUTSIDE, Door, Room
@@ -58,19 +59,19 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     if house.is_star:
         return [
             *grid,
-            *check_star.door_violations(house, promises),
-            *check_star.room_violations(house, promises),
+            *star_doors(house, promises),
+            *star_rooms(house, promises),
             *_types(house, promises),
-            *check_star.side_violations(house, promises),
+            *star_sides(house, promises),
             *inside,
             *_walking(house),
-            *check_star.main_room_violations(house, promises),
+            *star_main_room(house, promises),
         ]
     return [
         *grid,
-        *check_plan.room_violations(house, promises),
-        *check_plan.door_violations(house, promises),
-        *check_plan.window_violations(house, promises),
+        *plan_rooms(house, promises),
+        *plan_doors(house, promises),
+        *plan_windows(house, promises),
         *_types(house, promises),
         *inside,
         *_walking(house),

@@ -16,7 +16,7 @@ BEFORE = 0.3
 """Metres: what stands nearer before a window hides it."""
 
 
-def room_violations(house: House, promises: Promises) -> Iterator[str]:
+def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
     """Rooms that overlap, leave a gap, lie apart, or have another area or shape than promised."""
     for one, other in combinations(house.rooms, 2):
         depth = overlap(one.box, other.box)
@@ -41,7 +41,7 @@ def room_violations(house: House, promises: Promises) -> Iterator[str]:
             yield f"{_name(room)} is {side:.3f} m wide at its shorter side (at least {narrowest:g})"
 
 
-def door_violations(house: House, promises: Promises) -> Iterator[str]:
+def plan_doors(house: House, promises: Promises) -> Iterator[str]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
     least = PASSAGE if promises.door is None else promises.door
     rooms = {room.name: room for room in house.rooms}
@@ -65,7 +65,7 @@ def door_violations(house: House, promises: Promises) -> Iterator[str]:
         yield "house: has no door to the outside"
 
 
-def window_violations(house: House, promises: Promises) -> Iterator[str]:
+def plan_windows(house: House, promises: Promises) -> Iterator[str]:
     """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
     rooms = {room.name: room for room in house.rooms}
     for index, window in enumerate(house.windows):

@@ -15,7 +15,7 @@ SPACIOUSNESS = 2.0
 """The most that the main room may be larger than the least main room that fits its rooms."""
 
 
-def door_violations(house: House, promises: Promises) -> Iterator[str]:
+def star_doors(house: House, promises: Promises) -> Iterator[str]:
     """Doors of another width than promised, or on no wall that their rooms share."""
     star, names = house.star, _names(house)
     widths = [room.door.length for room in star.rooms]
@@ -30,7 +30,7 @@ def door_violations(house: House, promises: Promises) -> Iterator[str]:
             yield f"{name}: its door is not on a wall of the room"
 
 
-def room_violations(house: House, promises: Promises) -> Iterator[str]:
+def star_rooms(house: House, promises: Promises) -> Iterator[str]:
     """Rooms that overlap, stand too near to each other, or are larger than the main room."""
     floor, rooms, names = house.main, house.secondary, _names(house)
     slack = TOLERANCE * (floor.width + floor.height)
@@ -50,7 +50,7 @@ def room_violations(house: House, promises: Promises) -> Iterator[str]:
             yield f"{name} stands {apart:.2f} m from {neighbour} (at least {promises.room_gap:g})"
 
 
-def side_violations(house: House, promises: Promises) -> Iterator[str]:
+def star_sides(house: House, promises: Promises) -> Iterator[str]:
     """Too many rooms on one side of the main room."""
     star = house.star
     if promises.a_side is None or len(star.rooms) < 4 or house.topology != STAR:
@@ -61,7 +61,7 @@ def side_violations(house: House, promises: Promises) -> Iterator[str]:
             yield f"house: has {count} rooms on the {side} side (at most {most} of {len(star.rooms)})"
 
 
-def main_room_violations(house: House, promises: Promises) -> Iterator[str]:
+def star_main_room(house: House, promises: Promises) -> Iterator[str]:
     """A main room that is too long or too large."""
     star = house.star
     short, long = sorted((star.floor.width, star.floor.height))

@@ -82,7 +82,7 @@ def test_without_a_file_houses_go_to_the_standard_output() -> None:
 
 def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path, capsys) -> None:
     house, file = House.of_star(Star(Rect(0, 0, 5, 5))), tmp_path / "houses.jsonl"
-    save([house, msgspec.structs.replace(house, floor=Rect(0, 0, 2, 5))], file)
+    save([house, changed_star(house, floor=Rect(0, 0, 2, 5))], file)
     assert Check(file).run() == 1
     words = "main room: is 5.00 by 2.00 m (at most 2 times as long as wide)"
     assert capsys.readouterr().out == f"{file}: house 1: {words}\n"

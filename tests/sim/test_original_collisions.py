@@ -57,8 +57,8 @@ class Original:
     """
 
     def __init__(self, house: House) -> None:
-        self.floor = Box.of(house.floor.box)
-        self.rooms = [(Box.of(room.box), Box.of(room.door.box)) for room in house.rooms]
+        self.floor = Box.of(house.main.box)
+        self.rooms = [(Box.of(room.box), Box.of(room.door.box)) for room in house.star.rooms]
         self.pieces = [Box.of(piece.box) for room in house.rooms for piece in room.pieces]
 
     def collides(self, state: State) -> bool:
@@ -111,7 +111,7 @@ def test_every_reachable_collision_is_the_originals_and_no_other_is(name):
     poses = np.column_stack([eye * PIXEL, poses[:, 2] * np.pi / 4])
     actions = np.array([action for _, action in moves])
     envs = HouseVectorEnv([house], num_envs=BATCH, preset="paper")
-    target = np.tile(np.array(house.floor.box[:2]) + house.floor.width / 2, (BATCH, 1))
+    target = np.tile(np.array(house.main.box[:2]) + house.main.width / 2, (BATCH, 1))
     found = []
     for start in range(0, len(actions), BATCH):
         rows = np.arange(start, start + BATCH).clip(max=len(actions) - 1)
