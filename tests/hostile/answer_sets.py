@@ -70,12 +70,9 @@ DIRECTIVES = r"""
 #minimize { 1,R : room(R,_) }.
 #maximize { 1@2,R : room(R,_) }.
 :~ room(R,_). [1@1,R]
-#defined pick/2.
-#defined type/1.
 #parts base.
 #unknown x.
 #false.
-#true.
 #inf.
 """
 
@@ -142,8 +139,7 @@ bed;shell
 STATEMENTS = (
     "type(NAME). may(NAME,bed,0,1).",
     "may(bedroom,NAME,0,1). stands(NAME,back).",
-    "beside(bed,NAME,0,1).",
-    "turns(bed,NAME).",
+    "beside(bed,NAME,0,1). turns(NAME,back).",
 )
 
 WEIGHTS = r"""
@@ -168,6 +164,9 @@ x
 """Numbers of a fact: ``may(bedroom,lamp,0,N)`` and ``option(x,a,N)``."""
 
 HARMLESS_FACTS = r"""
+#true.
+#defined pick/2.
+#defined type/1.
 % #script(lua) os.execute("TOUCH") #end.
 %* #include "SECRET". *%
 note("#script(lua) os.execute() #end.").
