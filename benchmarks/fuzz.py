@@ -1,7 +1,7 @@
-"""``vitruvius bench fuzz``: house files and grammars with random changes, and whether each has a definite answer.
+"""``vitruvius bench fuzz``: house files and grammars with random changes, each with a definite answer.
 
-A house file is read, or refused by ``HouseFileError``. ``lint`` has findings, each at a line of a file, or ends
-at a limit. What else happens is a failure: its input is kept, with the seed and the number that make it again.
+A house file is read, or refused by ``HouseFileError``. ``lint`` has findings, each at a line of a file, or
+ends at a limit. What else happens is a failure: its input is kept.
 """
 
 import gzip
@@ -204,7 +204,7 @@ def linted(path: Path) -> str:
 
 
 def by_a_worker(path: Path) -> str:
-    """What ``lint`` answers where the rules end the process that reads them, or take long: it must be an error."""
+    """What ``lint`` answers where the rules end the process that reads them, or take long."""
     from logic import lint
 
     try:
