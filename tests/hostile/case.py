@@ -106,7 +106,7 @@ def grammar(yard: Yard, **files: str | bytes) -> Path:
         before = path.read_bytes() if path.exists() else b""
         if b"room_gap(" in more:
             before = before.replace(b"room_gap(0.6).", b"")
-        path.write_bytes(before + more + b"\n")
+        path.write_bytes(before + more + (b"\n" if isinstance(text, str) else b""))
     return folder
 
 

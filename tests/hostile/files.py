@@ -206,6 +206,9 @@ ENCODINGS: dict[str, tuple[str, bytes, tuple[str, ...]]] = {
     "escapes in a quoted name": ("sizes", rb"'\x73\\x68\ell'(1).", (REFUSED,)),
     "a program": ("more.pl", b"\x7fELF\x02\x01\x01" + bytes(500), HARMLESS),
     "a zip file": ("more.lp", b"PK\x03\x04" + bytes(500), (REFUSED,)),
+    "a rule that ends within a bracket": ("rooms", b":- not room(", (REFUSED,)),
+    "a clause that ends within a bracket": ("sizes", b"room_gap(", (REFUSED,)),
+    "a comment without an end": ("rooms", b"%* \n", (REFUSED,)),
     "one byte": ("more.pl", b"(", (REFUSED,)),
     "no byte": ("more.pl", b"", HARMLESS),
 }

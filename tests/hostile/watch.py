@@ -46,7 +46,7 @@ def descendants(ancestor: int) -> dict[int, str]:
 
 def children_reaped(process: int) -> int:
     """Page faults of the children that a process has waited for: 0 as long as it had none."""
-    return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[9])
+    return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[8])
 
 
 def sockets(process: int) -> int:
@@ -118,6 +118,5 @@ def watched(root: Path, out: Path, ear: Ear, process: int) -> Iterator[Effects]:
     if Path(f"/proc/{process}/stat").exists() and os.listdir(f"/proc/{process}/task"):
         left = descendants(process).keys() - before[1].keys()
         effects.add("processes left", len(left))
-        # A program that ran has hundreds of them; loading a library may count as one.
-        effects.add("page faults of processes that ended", (children_reaped(process) - before[2]) // 20)
+        effects.add("page faults of processes that ended", children_reaped(process) - before[2])
         effects.add("sockets", sockets(process) - before[3])
