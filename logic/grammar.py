@@ -34,7 +34,7 @@ def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
     Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
-    that cannot be read or hold more than ``MOST_BYTES``.
+    that lie elsewhere, cannot be read or hold more than ``MOST_BYTES``.
     """
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if not directory.is_dir():
@@ -43,6 +43,10 @@ def find(grammar: str | Path) -> Grammar:
     # Editors leave hidden files beside those that they edit.
     files = [file for file in sorted(directory.iterdir()) if file.is_file() and not file.name.startswith(".")]
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
+    for file in asp + prolog:
+        # What an error quotes of a rule file may be seen by others than the reader of what the link leads to.
+        if file.resolve().parent != directory:
+            raise GrammarError("is a link out of the grammar's directory: copy the file there", file)
     for found, kind in ((asp, ".lp"), (prolog, ".pl")):
         if not found:
             raise GrammarError(

@@ -63,7 +63,11 @@ class LoadedGrammar:
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
-        self._words = words(statements)
+        try:
+            self._words = words(statements)
+        except RecursionError:
+            yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
+            return
         refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words)}
         yield from refused.values()
         yield from audit(each for each in statements if id(each.node) not in refused)
@@ -162,6 +166,15 @@ class LoadedGrammar:
         """An error at the fact's place in the files."""
         found = places(fact, self._words)
         return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
+
+
+def _too_deep(statement: Statement) -> bool:
+    """Whether the terms of a statement lie deeper in each other than Python's stack is."""
+    try:
+        words([statement])
+    except RecursionError:
+        return True
+    return False
 
 
 def _stated(fact: Symbol) -> Symbol:
