@@ -1,6 +1,8 @@
 """A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top."""
 
 import hashlib
+import os
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,14 +36,14 @@ def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
     Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
-    that lie elsewhere, cannot be read or hold more than ``MOST_BYTES``.
+    that lie elsewhere, cannot be read, are devices or pipes, or hold more than ``MOST_BYTES``.
     """
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if not directory.is_dir():
         raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
     directory = directory.resolve()
     # Editors leave hidden files beside those that they edit.
-    files = [file for file in sorted(directory.iterdir()) if file.is_file() and not file.name.startswith(".")]
+    files = [file for file in sorted(directory.iterdir()) if not (file.name.startswith(".") or file.is_dir())]
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
     for file in asp + prolog:
         # What an error quotes of a rule file may be seen by others than the reader of what the link leads to.
@@ -60,7 +62,10 @@ def _hash(files: tuple[Path, ...]) -> str:
     digest, left = hashlib.sha256(), MOST_BYTES
     for file in (*files, *sorted(RULES.glob("*.[lp][lp]"))):
         try:
-            with file.open("rb") as rules:
+            # Not to wait where it is a pipe: what is read is what was opened.
+            with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:
+                if not stat.S_ISREG(os.fstat(rules.fileno()).st_mode):
+                    raise GrammarError("is a device or a pipe, and no file of rules", file)
                 content = rules.read(left + 1)
         except OSError as error:
             raise GrammarError(f"cannot be read: {error.strerror}", file) from None

@@ -100,6 +100,8 @@ class Program:
                 self._control.load(str(file))
             self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
+            if "bad_alloc" in str(error):
+                raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""

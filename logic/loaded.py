@@ -90,7 +90,7 @@ class LoadedGrammar:
         yield from wrong
         if wrong:
             return
-        self.furniture = _furniture(probe)
+        self.furniture = furniture_of(probe)
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
         self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
@@ -184,7 +184,7 @@ def _stated(fact: Symbol) -> Symbol:
     return Function(fact.arguments[0].name, fact.arguments[1:])
 
 
-def _furniture(probe: Program) -> dict[str, list[str]]:
+def furniture_of(probe: Program) -> dict[str, list[str]]:
     """For each room type the pieces that it may have, and their companions."""
     furniture: dict[str, list[str]] = {str(symbol.arguments[0]): [] for symbol in probe.atoms("type", 1)}
     for symbol in probe.atoms("may", 4):
