@@ -47,7 +47,7 @@ def find(grammar: str | Path) -> Grammar:
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
     for file in asp + prolog:
         # What an error quotes of a rule file may be seen by others than the reader of what the link leads to.
-        if file.resolve().parent != directory:
+        if Path(os.path.realpath(file)).parent != directory:
             raise GrammarError("is a link out of the grammar's directory: copy the file there", file)
     for found, kind in ((asp, ".lp"), (prolog, ".pl")):
         if not found:
