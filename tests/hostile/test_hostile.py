@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -27,7 +28,7 @@ class Subject:
     """Who reads the inputs of some tables, in a process that has imported these modules."""
 
     read: Callable[..., Answer]
-    tables: tuple[object, ...]
+    tables: tuple[Any, ...]
     modules: tuple[str, ...] = ("pyswip", "logic.builder")
     address_space: int = subjects.MEMORY
 
