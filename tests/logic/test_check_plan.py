@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from logic import Door, House, Piece, Window, check
 from logic.promises import Promises
-from tests.plans import PLANS, flat
+from tests.plans import PLANS, flat, random_plan
 
 HOME = Promises(
     door=0.8,
@@ -47,11 +47,25 @@ def with_piece(room: str, *box: float, kind: str = "table") -> House:
     return with_room(room, children=(*FLAT.room(room).children, Piece(*box, type=kind)))
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_rooms_cut_out_of_a_rectangle_have_no_violation_but_where_none_leads_on(seed: int) -> None:
+    house = random_plan(seed)
+    assert not [line for line in check(house) if "cannot get into it" not in line]
+    assert House.from_dict(house.to_dict()) == house
+
+
 @pytest.mark.parametrize("name", PLANS)
 def test_a_correct_plan_has_no_violation(name: str) -> None:
     assert check(PLANS[name]) == []
     if name == "flat":
         assert check(PLANS[name], HOME) == []
+
+
+def test_furniture_may_stand_behind_the_wall_beside_a_door_of_other_rooms() -> None:
+    """In the kitchen's corner, beside the door between corridor and bathroom."""
+    house = with_door(("R0", "R5"), x=2.9)
+    rooms = with_piece("R6", 3.9, 4.8, 0.15, 0.3).rooms
+    assert check(replace(house, rooms=rooms)) == []
 
 
 MISTAKES: dict[str, Callable[[], House]] = {

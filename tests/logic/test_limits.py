@@ -118,7 +118,10 @@ def sparse(file: Path) -> None:
 
 ODD: dict[str, tuple[Callable[[Path], None], str]] = {
     "a sparse file of 5 GB": (sparse, "holds more than 16 MiB"),
-    "an endless device": (lambda file: file.symlink_to("/dev/zero"), "is a link out of the grammar's directory"),
+    "an endless device": (
+        lambda file: file.symlink_to("/dev/zero"),
+        "is a link out of the grammar's directory",
+    ),
     "a pipe": (os.mkfifo, "is a device or a pipe"),
     "a link to nothing": (lambda file: file.symlink_to("nowhere"), "cannot be read: No such file"),
     "a link to itself": (lambda file: file.symlink_to(file), "cannot be read: Too many levels"),
