@@ -20,6 +20,7 @@ from typing import Any
 import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
 
+from logic.differences import Differences
 from logic.errors import Reason
 from logic.grammar import RULES
 from logic.layout import CORE, Endless, Instances, Part
@@ -71,12 +72,13 @@ class Relaxed:
         )
         self._instances = Instances(most)
         self._control.register_observer(self._instances)
+        theory = Differences(self._control, files, lambda _: None)
         if not laws:
             self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
             for rule in _conditional((CORE, *files) if laws else files, found, more):
-                builder.add(rule)
+                theory.add(rule, builder)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
             for fact, clauses in lengths:
@@ -94,6 +96,7 @@ class Relaxed:
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
+        theory.prepare()
         self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
@@ -173,7 +176,7 @@ def _conditional(
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
-        own = Path(begin.filename).parent != RULES
+        own = RULES not in Path(begin.filename).parents
         if statement.ast_type == ast.ASTType.Rule and (own or str(statement.head) == "#false"):
             stated = _stated(len(found))
             if more and _signature(statement.head) in COUNTS:

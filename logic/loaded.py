@@ -21,7 +21,7 @@ from logic.statements import Statement, error_at, read
 from logic.stratification import unstratified
 from logic.terms import Lengths, length_facts
 from logic.units import impossible, unlikely
-from logic.vocabulary import Words, capitalised, misspelt, places, words
+from logic.vocabulary import Words, capitalised, core_words, misspelt, places, words
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
@@ -54,16 +54,16 @@ class LoadedGrammar:
 
     def _readable(self) -> Iterator[GrammarError]:
         """What is wrong with statements by themselves."""
-        illegible = [error for file in self._grammar.asp for error in unreadable(file)]
+        illegible = [error for file in self._grammar.own for error in unreadable(file)]
         try:
-            yield from illegible or self._misused(read(self._grammar.asp))
+            yield from illegible or self._misused(read(self._grammar.own))
         except GrammarError as error:
             yield error
         yield from self.placer.problems
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
-        self._words = words(statements)
+        self._words = words(statements, core_words(self._grammar.topology))
         refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words)}
         yield from refused.values()
         yield from audit(each for each in statements if id(each.node) not in refused)

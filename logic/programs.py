@@ -78,7 +78,7 @@ class Programs:
 
         That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
         """
-        own = set(map(str, self._grammar.asp))
+        own = set(map(str, self._grammar.own))
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}
         for program in (self.rooms(1), *(self.furniture(type_) for type_ in sorted(self._furniture))):
             for remark in program.remarks:

@@ -1,6 +1,6 @@
 :- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3,
                  room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
-                 main_lengths/4]).
+                 main_lengths/4, plan_placed/3, plan_lengths/2, plan_conflict/3, plan_system/2]).
 
 /** <module> Stage 2: from a layout to a house
 
@@ -26,6 +26,9 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     furnish.pl         a random solution for a room, or why it has none
     bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
+
+    walls.pl           plans where rooms share walls: where these are; areas.pl, openings.pl: doors and windows
+    exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
     plan.pl            from the rooms' frames to the house's plan
 */
 
@@ -45,6 +48,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
+:- use_module(plans).
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(reports).
