@@ -159,6 +159,22 @@ class Placer:
             )
         return answer
 
+    def furnish(
+        self, rooms: Sequence[str], inferences: int, minimal: bool = True
+    ) -> tuple[list[Any], dict[int, Conflict], int]:
+        """Furnish rooms of given sizes, terms as in ``rules/given_rooms.pl``.
+
+        Gives the pieces of each room, as in a house file, or None; the conflict in each room that cannot have
+        its furniture, by its place in ``rooms``; and the Prolog inferences that it took. Raises
+        ``LimitReached`` past this number of them.
+        """
+        proof = "minimal" if minimal else "quick"
+        answer = self._json(f"rooms_furnished([{','.join(rooms)}],{proof},{inferences},Json)")
+        if "limit" in answer:
+            raise LimitReached(f"the furniture of a house reached its limit of {inferences} inferences")
+        conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
+        return answer["rooms"], conflicts, answer["inferences"]
+
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
         """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
         found = self._json(f"room_pieces({room.type},{_list(room.furniture)},Json)")

@@ -42,6 +42,20 @@ class Programs:
             arguments=arguments,
         )
 
+    @cache  # noqa: B019
+    def given(self, type_: str, doorways: tuple[Symbol, ...]) -> Program:
+        """The program of a room's furniture whose size, ``doorway`` facts and windows are given: ``doors.lp``."""
+        facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
+        return Program(
+            self._grammar.asp,
+            {"this_room": type_},
+            [("room", []), ("plan", []), *parts(facts), *parts(doorways)],
+        )
+
+    def has_furniture(self, type_: str) -> bool:
+        """Whether there is anything that a room of this type may have."""
+        return bool(self._furniture[type_])
+
     def rooms_for(self, request: Request, arguments: tuple[str, ...] = ()) -> tuple[Program, list[Symbol]]:
         """The program of a request's rooms, and what to assume in it."""
         required = room_requirements(request)

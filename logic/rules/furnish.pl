@@ -1,4 +1,4 @@
-:- module(furnish, [furnished//4, conflict_without/4, whole_system/4]).
+:- module(furnish, [furnished//4, furnished//5, conflict_without/4, whole_system/4]).
 
 /** <module> Sizes and places for a room's furniture: a random solution, or why there is none
 
@@ -31,8 +31,20 @@ sampled one by one in what is left for each. Places are sampled last, by the gap
 %   cannot have this furniture, a minimal set of them where Proof is `minimal`. Where it is `quick` they cost a fifth.
 
 furnished(Type, Layout, Proof, Answer) -->
-    { layout_room(Type, Layout, Room),
-      phrase(room_constraints(Room), Constraints) },
+    { layout_room(Type, Layout, Room) },
+    room_furnished(Room, Proof, Answer).
+
+%!  furnished(+Type, +Layout, +Shape, +Proof, -Answer)// is det.
+%
+%   The same in a room of a known Shape, shape(Width,Depth,Doors), see records.pl.
+
+furnished(Type, Layout, shape(W,D,Doors), Proof, Answer) -->
+    { layout_room(Type, Layout, Doors, Room),
+      room_width(Room, W), room_depth(Room, D) },
+    room_furnished(Room, Proof, Answer).
+
+room_furnished(Room, Proof, Answer) -->
+    { phrase(room_constraints(Room), Constraints) },
     (   tries_sample(Room, Constraints)
     ->  { Answer = Room }
     ;   solution_sample(Room, Constraints, Proof, Answer) ).
@@ -60,7 +72,9 @@ try_sample(Ease, Room, Constraints) -->
     items_sample(Items, Type, Ease, Filling),
     { widest_core(Room),
       room_door(Room, Door) },
-    (   { Filling == [], free_front(Room) }
+    (   { Filling == [], number(Door) }
+    ->  { phrase(door_constraints(Room), All), posted(All) }
+    ;   { Filling == [], free_front(Room) }
     ->  { phrase(door_constraints(Room), All), interval(Door, All, Low-High) },
         ( { High - Low < 1.0e-10 } -> { Door = Low } ; interval_sample(Low, High, 1, Door) )   % as CLP(R) would
     ;   { filling_constraints(Filling, Type, Alongs, Filled),
@@ -74,7 +88,7 @@ free_front(Room) :- room_stretches(Room, [stretch(front_left,[],_),_,_,_,stretch
 
 room_sample(Law, Ease, Room) -->
     { room_type(Room, Type), room_width(Room, W), room_depth(Room, D) },
-    room_sizes_sample(Law, Type, Ease, W, D).
+    ( { number(W), number(D) } -> [] ; room_sizes_sample(Law, Type, Ease, W, D) ).
 
 room_sizes_sample(box(A1,A2,B1,B2), _, Ease, W, D) --> large_sample(A1-A2, Ease, W), large_sample(B1-B2, Ease, D).
 room_sizes_sample(line(A1,A2,B1,B2), _, Ease, W, D) -->
@@ -166,7 +180,7 @@ solution_sample(Room, Constraints, Proof, Answer) -->
 %   though lengths that are not whole could, the reasons are those of the whole system.
 
 sizes_sample(Room, Items, Constraints, _) -->
-    { lattice(whole) }, !,
+    { lattice(whole), room_width(Room, Width), var(Width) }, !,
     { room_type(Room, Type),
       room_extent(Type, W1-W2, D1-D2), numlist(W1, W2, Ws), numlist(D1, D2, Ds),
       findall(A-B, ( member(A, Ws), member(B, Ds) ), Pairs) },
@@ -201,7 +215,7 @@ item_sizes_sample([_-item(_,L,D,_)|Items]) --> projection_sample(L), projection_
 
 system(Room, Items, Constraints, All) :-
     room_type(Room, Type), room_width(Room, W), room_depth(Room, D),
-    room_size_system(Type, W, D, Outline),
+    ( number(W), number(D) -> Outline = [] ; room_size_system(Type, W, D, Outline) ),
     maplist(kind_item_system(Type), Items, Systems),
     append([Outline|Systems], Sizes),
     append(Sizes, Constraints, All).

@@ -7,8 +7,8 @@ Atoms are those of stage 1. Answers are JSON.
 
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
-:- use_module(library(http/json)).
 :- use_module(library(lists)).
+:- use_module(answers).
 :- use_module(areas).
 :- use_module(exact).
 :- use_module(linear).
@@ -33,7 +33,7 @@ plan_placed(plan(Atoms,Seed,Proof), Limit, Json) :-
     ;   answer_record(Answer, Record), Reply = Record.put(inferences, Inferences) ),
     as_json(Reply, Json).
 
-answer_record(infeasible(Why), _{infeasible:Reasons}) :- reason_records(Why, Reasons).
+answer_record(infeasible(Why), _{infeasible:Reasons}) :- maplist(reason_record, Why, Reasons).
 answer_record(plan(Rooms,Doors,Windows), _{rooms:Rs, doors:Ds, windows:Ws}) :-
     maplist(room_record, Rooms, Rs),
     maplist(door_record, Doors, Ds),
@@ -44,11 +44,6 @@ door_record(door(Box,R,Q), Record)     :- box_record(Box, Rect), Record = Rect.p
 window_record(window(Box,R), Record)   :- box_record(Box, Rect), Record = Rect.put(room, R).
 
 box_record(box(X,Y,W,H), _{x:X, y:Y, width:W, height:H}).
-
-reason_records(Why, Reasons) :- maplist(reason_record, Why, Reasons).
-
-reason_record(Clause, [clause,Text]) :- functor(Clause, F, _), memberchk(F, [length,size,area]), !, term_string(Clause, Text).
-reason_record(Atom, [holds,Text])    :- term_string(Atom, Text).
 
 %!  plan_lengths(+Types, -Json) is det.
 %
@@ -79,7 +74,7 @@ plan_conflict(Atoms, Without, Json) :-
     exclude(resting_on(Without), System, Rest),
     (   exact_conflict(minimal, Rest, Conflict)
     ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
-        sort(Found, Sorted), reason_records(Sorted, Reasons)
+        sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
     ;   Reasons = null ),
     as_json(Reasons, Json).
 
@@ -96,6 +91,3 @@ plan_system(Atoms, Json) :-
     ( \+ posted(System) -> Real = false ; Real = true ),
     ( \+ exactly_posted(System) -> Rational = false ; Rational = true ),
     as_json(_{rows:Rows, real:Real, rational:Rational}, Json).
-
-as_json(Value, Text) :-
-    with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).
