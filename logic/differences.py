@@ -17,7 +17,7 @@ DIFFERENCES = RULES / "plans" / "differences.lp"
 
 
 class Differences:
-    """The theory of one program; without that file among its rules, none."""
+    """The theory of one program, which must live as long; without that file among its rules, none."""
 
     def __init__(self, control: Control, files: Sequence[Path], remark: Callable[[str], None]) -> None:
         """Register it. ``remark`` gets what clingo remarks while it reads."""

@@ -43,6 +43,11 @@ class Grammar:
         """All that clingo reads beside the core."""
         return self.topology + self.own
 
+    @property
+    def shares_walls(self) -> bool:
+        """Whether its houses are plans of rooms that share walls: all but stars are."""
+        return set(PLANS) <= set(self.topology)
+
 
 def shipped() -> list[str]:
     """Names of the grammars that come with Vitruvius."""

@@ -95,13 +95,13 @@ class Program:
         )
         if most:
             self._control.register_observer(Instances(most))
-        differences = Differences(self._control, (CORE, *self.files), self.remarks.append)
+        self._differences = Differences(self._control, (CORE, *self.files), self.remarks.append)
         try:
-            differences.load()
+            self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
-        differences.prepare()
+        self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}

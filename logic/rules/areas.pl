@@ -21,7 +21,7 @@ chord_ratio(1.6).
 
 %!  room_system(+Type, ?W, ?D, -Constraints) is det.
 %
-%   Constraints are those of the size and the area of a room of this type, with reasons size(Type) and area(Type). W and D
+%   Constraints are those of the size and the area of a room of this type, with reasons size(Type) and room_area(Type). W and D
 %   may be expressions.
 
 room_system(Type, W, D, Constraints) :- room_template(Type, W0, D0, Template), copied([W0,D0]-Template, [W,D]-Constraints).
@@ -30,7 +30,7 @@ room_template(Type, W, D, Constraints) :-
     room_size_system(Type, W, D, Sizes),
     (   grammar:room_area(Type, Least, Most)
     ->  room_range(Type, Width, Depth),
-        phrase(area(Width, Depth, Least-Most, W, D, [area(Type)]), Areas),
+        phrase(area(Width, Depth, Least-Most, W, D, [room_area(Type)]), Areas),
         append(Sizes, Areas, Constraints)
     ;   Constraints = Sizes ).
 
@@ -55,14 +55,14 @@ chords(Steps, W1, Step, Area, W, D, Why) -->
 
 %!  house_system(?W, ?D, -Constraints) is det.
 %
-%   Constraints of the whole plan, W from west to east and D from north to south, with the reason size(house); none where the
+%   Constraints of the whole plan, W from west to east and D from north to south, with the reason house_size; none where the
 %   grammar states none.
 
 house_system(W, D, Constraints) :- house_template(W0, D0, Template), copied([W0,D0]-Template, [W,D]-Constraints).
 
 house_template(W, D, Constraints) :-
     (   grammar:house_size(W0, D0)
-    ->  size_system([W,D], [W0,D0], size(house), Constraints)
+    ->  size_system([W,D], [W0,D0], house_size, Constraints)
     ;   Constraints = [] ).
 
 copied(Template, Instance) :- copy_term(Template, Instance).

@@ -42,7 +42,7 @@ opening_constraints(entrance(R,Side), Rooms, W) -->
     [(A1+W =< A2)-[entrance(R,Side),length(door_width)|Why]].
 opening_constraints(window(R,Side), Rooms, _) -->
     { wall(R, Side, Rooms, Type, A1, A2, Why), least_wall(Type, W) },
-    [(A1+W =< A2)-[window(R,Side),room(R,Type),size(window,Type)|Why]].
+    [(A1+W =< A2)-[window(R,Side),room(R,Type),window_size(Type)|Why]].
 
 %   line_axis(+Line, +Edges, -Axis): along which a wall on this line of the room runs.
 
