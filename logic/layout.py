@@ -103,16 +103,16 @@ class Program:
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
-        self._counts, self._single, self._choices, self._weights = self._options(strict=most is None)
+        self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._searches = 0
         self._brancher = _Brancher(self._choices)
         self._control.register_propagator(self._brancher)
 
-    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
 
-        For each variable: how many there are. For each option: whether its variable picks just one, its pick
-        literal, its weight.
+        For each variable: its turn, how many options there are. For each option: whether its variable picks
+        just one, its pick literal, its weight.
         """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
@@ -129,7 +129,9 @@ class Program:
         ]
         counts = [len(values) for _, values in sorted(options.items())]
         several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
+        turns = {symbol.arguments[0]: symbol.arguments[1].number for symbol in self.atoms("turn", 2)}
         return (
+            np.array([turns.get(variable, 0) for variable in sorted(options)], int),
             np.array(counts, int),
             np.array([variable not in several for variable in sorted(options)], bool).repeat(
                 np.array(counts, int)
@@ -161,7 +163,7 @@ class Program:
         self._forget_sometimes()
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
-        places = rng.permutation(len(self._counts))
+        places = np.argsort(np.lexsort((rng.permutation(len(self._counts)), self._turns)))
         ranks = np.repeat(places, self._counts)
         order = np.lexsort((keys, ranks))
         # Where a variable picks one value, the first that is taken settles its others.
