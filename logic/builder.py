@@ -11,12 +11,13 @@ import msgspec
 import numpy as np
 from clingo import Function, Number
 
-from logic.errors import LimitReached
+from logic.errors import LimitReached, RequestError
 from logic.grammar import Grammar
 from logic.house import House, Provenance, Rect, Room
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
+from logic.plans import Planner
 from logic.proof import Prover
 from logic.request import Request, known
 from logic.terms import to_furnish
@@ -38,7 +39,8 @@ class Builder:
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
-        self.prover = Prover(grammar, self.placer, self.loaded.lengths)
+        self.prover = Prover(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
+        self.planner = Planner(self.loaded, self.prover)
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -160,6 +162,11 @@ class Builder:
     def require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
+        if request.rooms > self.loaded.most_rooms:
+            raise RequestError(
+                f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by its "
+                f"topology, not {request.rooms}"
+            )
         for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):
             known("room type", type_, furniture)
         for name in request.furniture:

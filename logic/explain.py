@@ -20,6 +20,7 @@ from typing import Any
 import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
 
+from logic.differences import Differences
 from logic.errors import Reason
 from logic.grammar import RULES
 from logic.layout import CORE, Endless, Instances, Part
@@ -71,12 +72,13 @@ class Relaxed:
         )
         self._instances = Instances(most)
         self._control.register_observer(self._instances)
+        self._differences = Differences(self._control, files, lambda _: None)
         if not laws:
             self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
-            for rule in _conditional((CORE, *files) if laws else files, found, more):
-                builder.add(rule)
+            for rule in _conditional((CORE, *files) if laws else files, found, more, laws):
+                self._differences.add(rule, builder)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
             for fact, clauses in lengths:
@@ -94,6 +96,7 @@ class Relaxed:
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
+        self._differences.prepare()
         self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
@@ -162,19 +165,21 @@ def _assumed(statements: Iterable[Statement]) -> list[int]:
 
 
 def _conditional(
-    files: Sequence[Path], found: list[tuple[Reason, Symbol | None]], more: bool
+    files: Sequence[Path], found: list[tuple[Reason, Symbol | None]], more: bool, laws: bool
 ) -> list[ast.AST]:
     """The files' statements, each rule with its condition; ``found`` gets a reason for each.
 
-    Of the core's rules those alone that require something. With ``more``, what bounds a number is followed by
+    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a number is followed by
     a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
-        own = Path(begin.filename).parent != RULES
-        if statement.ast_type == ast.ASTType.Rule and (own or str(statement.head) == "#false"):
+        own = RULES not in Path(begin.filename).parents
+        if statement.ast_type == ast.ASTType.Rule and (
+            own or (laws and str(statement.head) == "#false")
+        ):
             stated = _stated(len(found))
             if more and _signature(statement.head) in COUNTS:
                 rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))

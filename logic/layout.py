@@ -1,7 +1,7 @@
 """Stage 1, clingo: every discrete choice of a house, sampled by weight whatever the solver's state.
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
-sampled pick by pick: the variables in random order, each taking its first value, in random order, that some
+sampled pick by pick: the variables turn by turn, in random order within each, each taking its first value, in random order, that some
 stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks
 in just this order, so what it has to take back is proved impossible, and the first model is the
 lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the
@@ -18,6 +18,7 @@ import clingo
 import numpy as np
 from clingo import Function, Symbol
 
+from logic.differences import Differences
 from logic.errors import GrammarError
 from logic.grammar import RULES
 from logic.messages import clingo_error
@@ -94,12 +95,13 @@ class Program:
         )
         if most:
             self._control.register_observer(Instances(most))
+        self._differences = Differences(self._control, (CORE, *self.files), self.remarks.append)
         try:
-            for file in (CORE, *self.files):
-                self._control.load(str(file))
+            self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
             raise clingo_error(self.remarks, str(error)) from None
+        self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
@@ -111,8 +113,8 @@ class Program:
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
 
-        For each variable: its turn, how many options there are. For each option: whether its variable picks
-        just one, its pick literal, its weight.
+        For each variable: its turn, how many options there are. For each option: whether its variable picks just one, its pick
+        literal, its weight.
         """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):

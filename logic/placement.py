@@ -54,7 +54,7 @@ class Conflict:
 
 
 class Infeasible(Exception):
-    """Proved: no sizes and places satisfy the rules for these rooms of a layout."""
+    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for the walls of a plan."""
 
     def __init__(self, conflicts: Mapping[int, Conflict], inferences: int) -> None:
         """Keep the conflict in each room, by number, and the Prolog inferences that the proof took."""
@@ -158,6 +158,28 @@ class Placer:
                 {room: _conflict(why) for room, why in answer["infeasible"]}, answer["inferences"]
             )
         return answer
+
+    def wall_lengths(self, types: Iterable[str]) -> list[Any]:
+        """For each room type the extremes of its size and area, metres: see ``rules/plans.pl``."""
+        return self._json(f"plan_lengths([{','.join(types)}],Json)")
+
+    def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+        """Place the walls, doors and windows of a plan, metres: see ``rules/plans.pl``.
+
+        Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
+        arithmetic, ``LimitReached`` past this number of inferences.
+        """
+        answer = self._json(f"plan_placed(plan({_list(layout)},{seed},minimal),{inferences},Json)")
+        if "limit" in answer:
+            raise LimitReached(f"the walls of a house reached their limit of {inferences} inferences")
+        if "infeasible" in answer:
+            raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"])
+        return answer
+
+    def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
+        """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
+        reasons = self._json(f"plan_conflict({_list(layout)},{_list(without)},Json)")
+        return None if reasons is None else _conflict(reasons)
 
     def furnish(
         self, rooms: Sequence[str], inferences: int, minimal: bool = True

@@ -16,9 +16,15 @@ from logic.terms import Lengths, granted, parts, requirements, room_requirements
 class Programs:
     """Grounds each program once and keeps it."""
 
-    def __init__(self, grammar: Grammar, furniture: Mapping[str, Iterable[str]], lengths: Lengths) -> None:
-        """Know a grammar's files, the pieces of each of its room types, and their lengths."""
-        self._grammar, self._furniture, self._lengths = grammar, furniture, lengths
+    def __init__(
+        self,
+        grammar: Grammar,
+        furniture: Mapping[str, Iterable[str]],
+        lengths: Lengths,
+        walls: Iterable[Symbol] = (),
+    ) -> None:
+        """Know a grammar's files, the pieces of each of its room types, their lengths, and those of walls."""
+        self._grammar, self._furniture, self._lengths, self._walls = grammar, furniture, lengths, tuple(walls)
 
     @cache  # noqa: B019 (the programs live as long as their process)
     def rooms(
@@ -26,7 +32,10 @@ class Programs:
     ) -> Program:
         """The program of a house's rooms, with these requirements and arguments for clingo."""
         return Program(
-            self._grammar.asp, {"rooms": rooms}, [("house", []), *parts(required)], arguments=arguments
+            self._grammar.asp,
+            {"rooms": rooms},
+            [("house", []), *parts(self._walls), *parts(required)],
+            arguments=arguments,
         )
 
     @cache  # noqa: B019
@@ -92,7 +101,7 @@ class Programs:
 
         That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
         """
-        own = set(map(str, self._grammar.asp))
+        own = set(map(str, self._grammar.own))
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}
         for program in (self.rooms(1), *(self.furniture(type_) for type_ in sorted(self._furniture))):
             for remark in program.remarks:

@@ -53,7 +53,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
 
 
 def _words(own: Words) -> Iterator[Word]:
-    core = core_words()
+    core = own.core or core_words()
     for signature, uses in own.used.items():
         for use in uses:
             yield Word(_name(signature), use, _known(signature, own, core))

@@ -15,5 +15,5 @@ as_json(Value, Text) :-
 
 reason_record(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
 reason_record(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
-reason_record(Clause, [clause,Text])       :- functor(Clause, size, _), !, term_string(Clause, Text).
+reason_record(Clause, [clause,Text])       :- functor(Clause, Name, _), memberchk(Name, [size,room_area,house_size,window_size]), !, term_string(Clause, Text).
 reason_record(Atom, [holds,Text])          :- term_string(Atom, Text).

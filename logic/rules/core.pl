@@ -27,8 +27,13 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
     shape.pl           the stretches of wall that a room's doors leave
-    given_rooms.pl     furniture for rooms whose sizes and doors are given
     plan.pl            from the rooms' frames to the house's plan
+
+    plans.pl           plans where rooms share walls: what Python asks for them
+    walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them
+    exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
+    given_rooms.pl     furniture for rooms whose sizes and doors are given
+
     answers.pl         answers as JSON
 */
 
@@ -49,6 +54,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
+:- reexport(plans).
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(reports).
