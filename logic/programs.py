@@ -47,7 +47,7 @@ class Programs:
         return Program(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), *parts(facts), *parts(required)],
+            [("room", []), ("capacity", []), *parts(facts), *parts(required)],
             arguments=arguments,
         )
 
@@ -57,7 +57,7 @@ class Programs:
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
         return Program(
             self._grammar.asp,
-            {"this_room": type_},
+            {"this_room": type_, "in_a_row": 4},
             [("room", []), ("plan", []), *parts(facts), *parts(doorways)],
         )
 

@@ -172,7 +172,7 @@ class Prover:
         relaxed = Relaxed(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), *parts(requirement for _, requirement in required), *parts(more)],
+            [("room", []), ("capacity", []), *parts(requirement for _, requirement in required), *parts(more)],
             lengths,
             more=True,
             laws=laws,

@@ -41,18 +41,3 @@ room_area(study,     6.0, 14.0).
 
 window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }.
 
-%!  piece_size(?Type, -Length, -Depth, +Wall)
-
-piece_size(bed,       L, D, _) :- { L >= 0.9,  L =< 1.6, D >= 1.9,  D =< 2.1 }.
-piece_size(bedside,   L, D, _) :- { L >= 0.4,  L =< 0.6, D = L }.
-piece_size(wardrobe,  L, D, _) :- { L >= 0.9,  L =< 2.0, D >= 0.5,  D =< 0.65 }.
-piece_size(toilet,    L, D, _) :- { L >= 0.36, L =< 0.4, D = L + 0.3 }.
-piece_size(shower,    L, D, _) :- { L >= 0.8,  L =< 1.1, D = L }.
-piece_size(sink,      L, D, _) :- { L >= 0.45, L =< 0.9, D >= 0.4,  D =< 0.5 }.
-piece_size(desk,      L, D, _) :- { L >= 1.2,  L =< 3.0, D >= 0.5,  D =< 0.65 }.
-piece_size(bureau,    L, D, _) :- { L >= 1.0,  L =< 1.6, D >= 0.55, D =< 0.8 }.
-piece_size(table,     L, D, _) :- { L >= 0.8,  L =< 1.6, D >= 0.7,  D =< 1.0 }.
-piece_size(chair,     L, D, _) :- { L >= 0.4,  L =< 0.5, D = L }.
-piece_size(sofa,      L, D, _) :- { L >= 1.6,  L =< 2.4, D >= 0.8,  D =< 1.0 }.
-piece_size(cupboard,  L, D, _) :- { L >= 0.6,  L =< 1.6, D >= 0.35, D =< 0.5 }.
-piece_size(hallTable, L, D, _) :- { L >= 0.8,  L =< 1.2, D >= 0.6,  D =< 0.9 }.
