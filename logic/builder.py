@@ -13,13 +13,15 @@ from clingo import Function, Number
 
 from logic.errors import LimitReached, RequestError
 from logic.grammar import Grammar
-from logic.house import House, Provenance, Rect, Room
+from logic.house import House
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
+from logic.parts import Provenance, Rect
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.plans import Planner
 from logic.proof import Prover
 from logic.request import Request, known
+from logic.star import Star, StarRoom
 from logic.terms import to_furnish
 
 MOST_MISFITS = 200
@@ -188,13 +190,13 @@ class Builder:
             versions=self.versions,
         )
         floor = msgspec.convert(plan["floor"], Rect)
-        planned = [msgspec.convert(room, Room | None) for room in plan["rooms"]]
+        planned = [msgspec.convert(room, StarRoom | None) for room in plan["rooms"]]
         if request.fixed:
             floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
         rooms = tuple(
             room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
         )
-        return House(floor, rooms, provenance=provenance)
+        return House.of_star(Star(floor, rooms), provenance=provenance)
 
 
 class Nogoods:

@@ -12,7 +12,7 @@ from clingo import Symbol
 
 from logic.errors import LimitReached, RequestError
 from logic.given_rooms import GivenRoom, Unfurnishable, furnished
-from logic.house import Rect
+from logic.parts import Rect
 from logic.layout import Nogood
 from logic.placement import Infeasible
 from logic.loaded import LoadedGrammar

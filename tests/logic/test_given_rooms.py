@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from logic.builder import Builder
 from logic.given_rooms import GivenRoom, Unfurnishable, furnished
 from logic.grammar import find
-from logic.house import Rect
+from logic.parts import Rect
 
 NEAR = 1e-6
 PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8
