@@ -152,7 +152,7 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """For each room type the extremes of its size and area, metres: see ``rules/plans.pl``."""
+        """How much wall a door takes, and for each room type the extremes of its size, metres: ``plans.pl``."""
         return self._ask("plan_lengths", list(types))
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:
