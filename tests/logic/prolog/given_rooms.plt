@@ -36,6 +36,13 @@ test(at_an_open_corner_it_stands_behind_the_doors_clearance) :-
     on(left, Layout),
     crate(doors([0.1-0.8],[],[],[]), [open(front,left)|Layout], frame(north,0.0,0.0), Answer), [[Crate]] = Answer.rooms,
     Crate.y + Crate.height =< -0.5 + 1.0e-6.
+test(at_an_open_corner_the_free_floor_lies_beside_the_door, [nondet,true(( memberchk(["holds","open(front,left)"], Why),
+                                                                   memberchk(["clause","length(passage)"], Why) ))]) :-
+    Deep = [open(front,left),on(crate,1,left,1),turned(crate,1,near),busy(left),last(left,1)],
+    Beside = [on(crate,2,front_right,1),joined(crate,2),busy(front_right),last(front_right,1)],
+    append(Deep, Beside, Both),                              % 1.0 + 0.4 is more than 0.8 + 0.5
+    crate(doors([0.0-0.8],[],[],[]), Deep, frame(north,0.0,0.0), One), One.infeasible == [],
+    crate(doors([0.0-0.8],[],[],[]), Both, frame(north,0.0,0.0), Two), [[0,Why]] = Two.infeasible.
 test(a_frame_turns_and_moves_what_stands_in_it) :-
     on(back, Layout),                                        % seen from the west: 3 m to the east
     crate(doors([1.5-0.8],[],[],[]), Layout, frame(east,10.0,5.0), Answer), [[Crate]] = Answer.rooms,
