@@ -22,8 +22,13 @@ HASH = "9b80dfd60e196e70935b5a2befd59fce20acd0a206309273cbdc237d33f397a9"
 
 
 def geometry_hash(house: House) -> str:
-    """A name for the house's shape alone: the same rooms, doors and pieces have the same."""
-    return hashlib.sha256(msgspec.json.encode((house.floor, house.rooms))).hexdigest()
+    """A name for the house's shape alone: the same rooms, doors and pieces have the same, in any format.
+
+    Of a star it is that of its ``floor`` and ``rooms``, by which the benchmark bank was frozen.
+    """
+    star = house.star if house.is_star else None
+    shape = (star.floor, star.rooms) if star else (house.rooms, house.doors, house.windows)
+    return hashlib.sha256(msgspec.json.encode(shape)).hexdigest()
 
 
 def bank_hash(houses: Iterable[House]) -> str:

@@ -33,5 +33,8 @@ def network_of(config: TrainConfig) -> Any:
 def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy:
     """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
     generator = torch.Generator().manual_seed(seed)
+    layer = layer_of(config, envs, generator)
+    if isinstance(config, PaperConfig) and config.plays_as_original:
+        return QPolicy(network, layer, generator, config.final_epsilon, config.forward, homing=True)
     tracker = Tracker(envs.config) if network.shape[3] else None
-    return QPolicy(network, layer_of(config, envs, generator), generator, tracker=tracker)
+    return QPolicy(network, layer, generator, tracker=tracker)

@@ -35,10 +35,13 @@ COMMANDS = {
         "Check houses by plain geometry, apart from the rules that made them.",
     ),
     "draw": ("logic.commands.houses:Draw", "Draw plans of houses and a contact sheet."),
+    "convert": ("logic.commands.houses:Convert", "Write a house file of any format as one of today's."),
+    "schema": ("logic.commands.houses:Schema", "Print the JSON Schema of a house."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
+    "import-keras": ("agent.commands:ImportKeras", "Take the weights of the paper's original program."),
     "demo": ("agent.evaluation.commands:Demo", "Houses, an agent that learns in them, a report: in minutes."),
     "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
 }
@@ -48,6 +51,7 @@ EXTRAS = {
     "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
     "sim": ("gymnasium", "taichi"),
     "agent": ("safetensors", "scipy", "tensorboard", "torch"),
+    "keras": ("h5py",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -115,7 +119,8 @@ def _run(arguments: list[str]) -> int:
         if not extras:
             raise
         words = " ".join(arguments[: 1 + study])
-        extra = extras[0] if study else "agent"  # which brings the simulator
+        # The agent's brings the simulator.
+        extra = extras[0] if study or extras == ["keras"] else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

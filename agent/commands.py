@@ -1,4 +1,4 @@
-"""``vitruvius train`` and ``export``: their options, and what they do.
+"""``vitruvius train``, ``export`` and ``import-keras``: their options, and what they do.
 
 Cheap to import: torch, taichi and all that needs them are imported when a command runs.
 """
@@ -109,11 +109,37 @@ class Export:
         """Write the file."""
         from agent import checkpoint
         from agent.export import export
-        from logic.files import require_ending
+        from logic.files import require_file
 
-        require_ending(self.out, [".onnx"])
+        require_file(self.out, [".onnx"])
         export(checkpoint.load(self.agent).network, self.out)
         _say(f"{self.out}")
+        return 0
+
+
+@dataclass(frozen=True)
+class ImportKeras:
+    """Take weights that the paper's original program trained, from the HDF5 file that Keras wrote."""
+
+    file: tyro.conf.Positional[Path]
+    """The HDF5 file, with the layers of the paper's network."""
+
+    out: Path = Path("original.safetensors")
+    """The checkpoint: vitruvius evaluate and record take it."""
+
+    name: str = "original weights"
+    """What to call the agent in tables."""
+
+    def run(self) -> int:
+        """Read the weights, write the checkpoint."""
+        from agent import checkpoint
+        from agent.keras import import_keras
+        from logic.files import require_ending
+
+        require_ending(self.out, [".safetensors"])
+        made = import_keras(self.file, self.name, shlex.join(["vitruvius", *sys.argv[1:]]))
+        checkpoint.save(made, self.out)
+        _say(f"{self.out}. Next: vitruvius evaluate {self.out}")
         return 0
 
 

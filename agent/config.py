@@ -240,6 +240,13 @@ class PaperConfig(TrainConfig):
     num_minibatches: int = 500
     """Updates that these steps are shared out among."""
 
+    angles: Literal["own", "next"] = "own"
+    """Whose angle the network reads at a ray: its own, or the next ray's, as the original's did by a slip."""
+
+    plays_as_original: bool = False
+    """Whether the trained agent is measured as the original was: a share ``final_epsilon`` of random actions,
+    forward where a middle ray sees the target. By default it is measured as all agents are."""
+
     algorithm: ClassVar[str] = "paper"
     positive: ClassVar[tuple[str, ...]] = (
         *(*TrainConfig.positive, "buffer_size", "learning_starts", "batch_size", "num_minibatches"),

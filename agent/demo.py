@@ -23,7 +23,7 @@ from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learner import Progress
 from agent.progress import Report, progress
 from agent.runs import run
-from logic import House, VitruviusError, check, generate, save
+from logic import House, RequestError, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
 from logic.files import write_whole
 
@@ -62,6 +62,9 @@ FILES = (
 )
 """What the demo writes, beside the folder ``training``: see ``agent.runs``."""
 
+TITLE = "# An agent in houses that it has never seen"
+"""How the report begins."""
+
 MAIN_ROOM = (
     f"**Main room: learning.** The network of `{AGENT}` began this run with random weights. It has learnt to "
     "go to targets that its rays show; it keeps no map. The script and the explorer are written by hand and "
@@ -80,12 +83,11 @@ SECONDARY_ROOMS = (
 def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     """Do it all and write FILES into ``out``; 0 if the agent beats GOAL and random + avoidance, else 1.
 
-    Raises ``VitruviusError`` if a house fails the check or two houses are the same.
+    Raises ``RequestError`` for a folder that holds something else than an older demo, ``VitruviusError`` if a
+    house fails the check or two houses are the same.
     """
     start = perf_counter()
-    for name in FILES:  # so that the folder never shows two runs at once
-        (out / name).unlink(missing_ok=True)
-    shutil.rmtree(out / "training", ignore_errors=True)
+    _clear(out)
     with progress("houses", LINES) as report:
         houses, held_out = banks(seed, report)
     save(houses, out / "houses.jsonl")
@@ -108,6 +110,17 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     console.print("", gain(secondary.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, "training")), sep="\n")
     return _verdict(main.result)
+
+
+def _clear(out: Path) -> None:
+    """Remove an older demo: the folder never shows two. The report says from now on whose folder it is."""
+    report = out / "report.md"
+    if out.exists() and any(out.iterdir()) and not (report.exists() and report.read_text().startswith(TITLE)):
+        raise RequestError(f"--out {out}: holds something else than a demo: give another folder")
+    for name in FILES:
+        (out / name).unlink(missing_ok=True)
+    shutil.rmtree(out / "training", ignore_errors=True)
+    write_whole(report, f"{TITLE}\n\nThe demo is at work: this page is written at its end.\n".encode())
 
 
 def banks(seed: int, report: Report) -> tuple[list[House], list[House]]:
@@ -194,7 +207,7 @@ def _verdict(result: Result) -> int:
 def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: float) -> str:
     """The report, in Markdown."""
     paragraphs = (
-        "# An agent in houses that it has never seen",
+        TITLE,
         MAIN_ROOM,
         SECONDARY_ROOMS,
         f"{gain(secondary.result)}.",

@@ -19,24 +19,23 @@ from itertools import pairwise
 from time import perf_counter
 from typing import Any, NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS, FORWARD
+from agent.actions import ACTIONS
 from agent.avoidance import random_preference, subsume
 from agent.config import PaperConfig
 from agent.learner import Learner, Progress, Tally
 from agent.memory import Memory
 from agent.network import seeded
+from agent.policies import home
 from agent.replay import ReplayBuffer
 from agent.simulator import simulator
 from sim import HouseVectorEnv
 
 REPORT = 128
 """Steps of every environment between two reports."""
-
-MIDDLE = slice(18, 21)
-"""The rays that make an exploring body go forward where they see the target."""
 
 
 class PaperNetwork(nn.Module):
@@ -46,9 +45,14 @@ class PaperNetwork(nn.Module):
     actions whose values need not add up to 1.
     """
 
-    def __init__(self, rays: int = 40, channels: int = 3) -> None:
-        """Draw first weights from torch's generator."""
+    def __init__(self, rays: int = 40, channels: int = 3, next_by: float | None = None) -> None:
+        """Draw first weights from torch's generator.
+
+        ``next_by``: degrees from each ray to the next where the network reads the next ray's angle at a ray,
+        as the original's simulator wrote it; None where it reads the ray's own.
+        """
         super().__init__()
+        self.next_by = next_by
         self.shape = (rays, channels, (), 0)
         self.memory = Memory(())  # of nothing, so that it is called as the other networks are
         widths = (25 * rays, 50, 100, 50, 25)
@@ -63,14 +67,27 @@ class PaperNetwork(nn.Module):
     def of(cls, config: PaperConfig) -> "PaperNetwork":
         """A new network for what the config's simulator shows; its weights are a function of the seed."""
         world = simulator(config)
+        first, second = np.rad2deg(world.ray_angles[:2]).tolist()
         with seeded(config.seed):
-            return cls(world.rays, world.channels)
+            return cls(world.rays, world.channels, second - first if config.angles == "next" else None)
 
     def forward(
         self, observation: Tensor, memory: Tensor | None = None, features: Tensor | None = None
     ) -> Tensor:
         """What stands for Q-values (B, A), from observations (B, R, C) alone."""
+        if self.next_by is not None:
+            observation = torch.cat(
+                [next_angles(observation[..., :1], self.next_by), observation[..., 1:]], -1
+            )
         return self.layers(observation)
+
+
+def next_angles(angle: Tensor, by: float) -> Tensor:
+    """The next ray's angle at each ray, from the rays' own (B, R, 1) in units of 359 degrees, ``by`` degrees
+    from each to the next.
+    """
+    last = (angle[:, -1:] * 359 + by) % 360 / 359
+    return torch.cat([angle[:, 1:], last], 1)
 
 
 class Batch(NamedTuple):
@@ -102,12 +119,10 @@ def squared_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor, valid: Tensor) ->
 
 def explore(q: Tensor, s: Tensor, epsilon: float, forward: float, generator: torch.Generator) -> Tensor:
     """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the rows those of a random action, which
-    is forward where one of the ``MIDDLE`` rays of the observations (E, R, C) sees the target.
+    is forward where a middle ray of the observations (E, R, C) sees the target.
     """
     chosen = torch.rand(len(q), 1, generator=generator) < epsilon
-    instead = random_preference(q, generator, forward)
-    instead[:, FORWARD].masked_fill_(s[:, MIDDLE, -1].amax(-1) > 0, torch.inf)
-    return torch.where(chosen, instead, q)
+    return torch.where(chosen, home(random_preference(q, generator, forward), s), q)
 
 
 class Paper(Learner):

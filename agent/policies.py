@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from agent.actions import ACTIONS
+from agent.actions import ACTIONS, FORWARD
 from agent.avoidance import Layer, random_preference, subsume
 from agent.network import QNetwork
 from agent.planner import TUNED, Planner, PlannerConfig
@@ -17,6 +17,10 @@ DEFERENCE = 0.1
 that a map advises. Values of actions differ by a hundredth or so, and are hardly more exact: without this,
 the body dithers where any action would do if it were repeated.
 """
+
+
+MIDDLE = slice(18, 21)
+"""The rays that make an exploring body of the original go forward where they see the target."""
 
 
 class Policy(Protocol):
@@ -66,13 +70,15 @@ class QPolicy:
         epsilon: float = 0.01,
         forward: float = 0.93,
         tracker: Tracker | None = None,
+        homing: bool = False,
     ) -> None:
         """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
 
         With a hundredth a body leaves a loop that it cannot see it is in. ``tracker`` keeps the planners that
-        the network or a layer reads; a network that reads them has one for the default configuration.
+        the network or a layer reads; a network that reads them has one for the default configuration. With
+        ``homing`` random actions go to a target in sight, see ``home``.
         """
-        self.network, self.avoidance, self.generator = network, avoidance, generator
+        self.network, self.avoidance, self.generator, self.homing = network, avoidance, generator, homing
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
         self.remembered = network.memory.empty(0)
         self.reads = bool(network.shape[3])
@@ -92,7 +98,8 @@ class QPolicy:
         q = self.network(observation, self.remembered, planner.features if planner and self.reads else None)
         if planner and self.reads:
             q = defer(q, planner.advice)
-        preference = explore(q, exploration_noise(q.shape[:1], self.generator, self.epsilon, self.forward))
+        chosen, random = exploration_noise(q.shape[:1], self.generator, self.epsilon, self.forward)
+        preference = explore(q, (chosen, home(random, observation) if self.homing else random))
         actions = subsume(preference, self.avoidance(observation, blocked))
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros(len(actions), dtype=torch.bool)
@@ -170,6 +177,14 @@ def explore(q: Tensor, noise: tuple[Tensor, Tensor]) -> Tensor:
     """Preferences (..., A): the Q-values, or where the noise says so those of a random action."""
     chosen, random = noise
     return torch.where(chosen, random, q)
+
+
+def home(preference: Tensor, observation: Tensor) -> Tensor:
+    """Preferences (E, A), or forward where one of the ``MIDDLE`` rays of the observations (E, R, C) sees the
+    target: the original's rule for random actions.
+    """
+    seen = observation[:, MIDDLE, -1].amax(-1, keepdim=True) > 0
+    return preference.masked_fill(seen & (torch.arange(ACTIONS) == FORWARD), torch.inf)
 
 
 def epsilon_greedy(q: Tensor, epsilon: float, forward: float, generator: torch.Generator) -> Tensor:

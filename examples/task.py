@@ -81,7 +81,7 @@ class Task:
         policies = {name: Agent(act, envs if self.avoid else None), "oracle": BASELINES["oracle"](envs, 0)}
         lookout = Lookout(envs)
         runs = {each: (play(envs, policy, 0, lookout=lookout),) for each, policy in policies.items()}
-        rooms = np.array([len(house.rooms) for house in houses])
+        rooms = np.array([len(house.secondary) for house in houses])
         result = Result(self.targets, rooms, shortest_ways(envs, 0), runs)
         if self.out:
             bank = Bank(banks.bank_hash(houses), str(self.held_out or banks.NAME), len(houses))

@@ -14,7 +14,9 @@ from logic.errors import (
 )
 from logic.files import load, save
 from logic.generate import count_layouts, generate, lint
-from logic.house import Door, House, Piece, Rect, Room
+from logic.house import House
+from logic.parts import Door, Piece, Rect, Room, Window
+from logic.star import Star, StarRoom
 from logic.why import Why, explain_house
 
 __all__ = [
@@ -30,9 +32,12 @@ __all__ = [
     "Rect",
     "RequestError",
     "Room",
+    "Star",
+    "StarRoom",
     "Unsatisfiable",
     "VitruviusError",
     "Why",
+    "Window",
     "check",
     "count_layouts",
     "explain_house",

@@ -2,7 +2,7 @@
 
 import math
 
-from logic.house import Rect
+from logic.parts import Rect
 
 Box = tuple[float, float, float, float]
 """(west, north, east, south), metres; a segment has no width or no height."""

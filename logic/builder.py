@@ -13,13 +13,15 @@ from clingo import Function, Number
 
 from logic.errors import LimitReached, RequestError
 from logic.grammar import Grammar
-from logic.house import House, Provenance, Rect, Room
+from logic.house import House
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
+from logic.parts import Provenance, Rect
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.plans import Planner
 from logic.proof import Prover
 from logic.request import Request, known
+from logic.star import Star, StarRoom
 from logic.terms import to_furnish
 
 MOST_MISFITS = 200
@@ -40,7 +42,7 @@ class Builder:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
         self.prover = Prover(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
-        self.planner = Planner(self.loaded, self.prover)
+        self.planner = Planner(grammar, self.loaded, self.prover)
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -48,11 +50,15 @@ class Builder:
         }
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
-        """Make house ``index``, see ``made``."""
-        return self.made(request, seed, index, inferences)[0]
+        """Make house ``index``: a star, see ``made``, or a plan of rooms that share walls, see ``plans.py``."""
+        if not self.grammar.shares_walls:
+            return self.made(request, seed, index, inferences)[0]
+        self.require_known(request)
+        plan = self.planner.made(request, np.random.default_rng([seed, index]), inferences)
+        return msgspec.structs.replace(plan, provenance=self._provenance(request, seed, index))
 
     def made(self, request: Request, seed: int, index: int, inferences: int) -> tuple[House, Layout]:
-        """House ``index``, a function of the grammar, the request, the seed and the index; and its layout.
+        """Star ``index``, a function of the grammar, the request, the seed and the index; and its layout.
 
         Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no
         such house, ``LimitReached`` past this number of Prolog inferences.
@@ -179,7 +185,17 @@ class Builder:
     def _as_house(
         self, plan: dict[str, Any], layout: Layout, request: Request, seed: int, index: int
     ) -> House:
-        provenance = Provenance(
+        floor = msgspec.convert(plan["floor"], Rect)
+        planned = [msgspec.convert(room, StarRoom | None) for room in plan["rooms"]]
+        if request.fixed:
+            floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
+        rooms = tuple(
+            room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
+        )
+        return House.of_star(Star(floor, rooms), provenance=self._provenance(request, seed, index))
+
+    def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
+        return Provenance(
             grammar=self.grammar.name,
             grammar_hash=self.grammar.hash,
             request=request.to_dict(),
@@ -187,14 +203,6 @@ class Builder:
             index=index,
             versions=self.versions,
         )
-        floor = msgspec.convert(plan["floor"], Rect)
-        planned = [msgspec.convert(room, Room | None) for room in plan["rooms"]]
-        if request.fixed:
-            floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
-        rooms = tuple(
-            room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
-        )
-        return House(floor, rooms, provenance=provenance)
 
 
 class Nogoods:

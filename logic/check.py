@@ -12,10 +12,15 @@ from itertools import combinations
 import msgspec
 import shapely
 
-from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, is_on_wall, overlap, walls_touched
-from logic.house import BODY, FORMAT, House, Room
-from logic.least_main_room import ELONGATION, least_area, side_of
+from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
+from logic.check_plan import plan_doors, plan_rooms, plan_windows
+from logic.check_star import star_doors, star_main_room, star_rooms, star_sides
+from logic.house import House
+from logic.least_main_room import side_of
+from logic.parts import BODY, ORIGINAL, OUTSIDE, Door, Room
 from logic.promises import (
+    CLEARANCE,
+    PASSAGE,
     PROMISES,
     Promises,
     arrangement_violations,
@@ -23,30 +28,23 @@ from logic.promises import (
     front_violations,
     size_violations,
 )
-from logic.walk import free_floor, main_space, places_inside, spaces, swept
+from logic.walk import doorway, first_room, first_space, free_floor, joins_all, places_inside, spaces, swept
 
-CLEARANCE = 0.45
-"""Metres: nothing stands nearer to a door, on either side of its wall."""
-PASSAGE = 0.42
-"""Metres: the least width of a passage (the body measures 0.394 m on the diagonal)."""
 REACHABLE = 0.6
-"""The least share of a room's free floor that the body reaches from the room's door."""
+"""The least share of a room's free floor that the body reaches from the room's doors."""
 SLIVER = 1e-4
 """Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
-SPACIOUSNESS = 2.0
-"""The most that the main room may be larger than the least main room that fits its rooms."""
-
 DEFAULT = "original"
-"""The promises of houses that name no grammar: the paper's constraints, whatever the sizes."""
+"""The promises of stars that name no grammar: the paper's constraints, whatever the sizes."""
 
 
 def check(house: House, promises: Promises | None = None) -> list[str]:
     """Judge a house: ``[]``, or its violations in words, each with its room, pieces and lengths.
 
     Without ``promises`` the provenance decides: those of its grammar, if shipped, or of ``DEFAULT`` for
-    houses that name no grammar (the original's among them). Two promises are those of our
-    own files alone, for the original does not keep their words: where a front faces, and the least area
-    of the main room.
+    stars that name no grammar (the original's among them). What is asked of the rooms and doors together
+    depends on the topology: of a star by ``check_star.py``, of all others by ``check_plan.py``. The
+    original's houses do not promise where a front faces, nor the least area of the main room.
     """
     if not isinstance(house, House):
         raise TypeError(
@@ -56,21 +54,34 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
     if cell:
         promises = _on_grid(promises, cell)
+    grid = _off_grid(house, cell) if cell else ()
+    inside = (line for room in house.counted for line in _furniture(house, room, promises))
+    if house.is_star:
+        return [
+            *grid,
+            *star_doors(house, promises),
+            *star_rooms(house, promises),
+            *_types(house, promises),
+            *star_sides(house, promises),
+            *inside,
+            *_walking(house),
+            *star_main_room(house, promises),
+        ]
     return [
-        *(_off_grid(house, cell) if cell else ()),
-        *_doors(house, promises),
-        *_rooms(house, promises),
+        *grid,
+        *plan_rooms(house, promises),
+        *plan_doors(house, promises),
+        *plan_windows(house, promises),
         *_types(house, promises),
-        *(_sides(house, promises) if house.format == FORMAT else ()),
-        *(line for index in range(len(house.rooms)) for line in _furniture(house, index, promises)),
+        *inside,
         *_walking(house),
-        *_main_room(house, promises),
     ]
 
 
 def promises_of(house: House) -> Promises:
     """The promises of the house's grammar, as far as its name is that of a shipped one."""
-    return PROMISES.get(house.provenance.grammar if house.provenance else DEFAULT, Promises())
+    default = DEFAULT if house.is_star else ""
+    return PROMISES.get(house.provenance.grammar if house.provenance else default, Promises())
 
 
 def _on_grid(promises: Promises, cell: float) -> Promises:
@@ -95,61 +106,30 @@ def _on_grid(promises: Promises, cell: float) -> Promises:
 
 
 def _off_grid(house: House, cell: float) -> Iterator[str]:
-    """Edges that do not lie on the grid of the main room's corner."""
-    for index, room in enumerate(house.rooms):
-        parts = [("the room", room), ("its door", room.door)]
+    """Edges that do not lie on the grid of a star's main room's corner, or of the corner of the outline."""
+    corners = [(house.main.x, house.main.y)] if house.is_star else [room.box[:2] for room in house.rooms]
+    origins = tuple(map(min, zip(*corners, strict=True))) * 2
+    for room in house.counted:
+        parts = [("the room", room), *(("its door", door) for door in house.doors_of(room.name))]
         parts += zip(_piece_names(room), room.pieces, strict=True)
         for name, rect in parts:
-            for edge, origin in zip(rect.box, (house.floor.x, house.floor.y) * 2, strict=True):
+            for edge, origin in zip(rect.box, origins, strict=True):
                 off = abs((edge - origin) / cell - round((edge - origin) / cell)) * cell
                 if off > TOLERANCE:
-                    yield f"{_name(house, index)}: {name} stands {off:.3f} m off the grid of {cell:g} m"
+                    yield f"{_name(room)}: {name} stands {off:.3f} m off the grid of {cell:g} m"
                     break
-    for size, name in ((house.floor.width, "wide"), (house.floor.height, "deep")):
+    if not house.is_star:
+        return
+    for size, name in ((house.main.width, "wide"), (house.main.height, "deep")):
         if abs(size / cell - round(size / cell)) * cell > TOLERANCE:
             yield f"main room: is {size:.3f} m {name}, not whole cells of {cell:g} m"
 
 
-def _doors(house: House, promises: Promises) -> Iterator[str]:
-    widths = [max(room.door.width, room.door.height) for room in house.rooms]
-    for index, room in enumerate(house.rooms):
-        wanted = widths[0] if promises.door is None else promises.door
-        if abs(widths[index] - wanted) > TOLERANCE:
-            yield f"{_name(house, index)}: its door is {widths[index]:.3f} m wide (must be {wanted:.3f})"
-        if house.format == FORMAT:
-            if side_of(house, room) is None:
-                yield f"{_name(house, index)}: its door is not on a wall that it shares with the main room"
-        elif not any(is_on_wall(room.door, room, wall) for wall in range(4)):
-            yield f"{_name(house, index)}: its door is not on a wall of the room"
-
-
-def _rooms(house: House, promises: Promises) -> Iterator[str]:
-    slack = TOLERANCE * (house.floor.width + house.floor.height)
-    for index, room in enumerate(house.rooms):
-        depth = overlap(room.box, house.floor.box)
-        if house.format == FORMAT and depth > TOLERANCE:
-            yield f"{_name(house, index)} overlaps the main room by {depth:.2f} m"
-        if room.area > house.floor.area + slack:
-            yield (
-                f"{_name(house, index)} is larger ({room.area:.2f} m²) "
-                f"than the main room ({house.floor.area:.2f} m²)"
-            )
-    for one, other in combinations(range(len(house.rooms)), 2):
-        depth = overlap(house.rooms[one].box, house.rooms[other].box)
-        if depth > TOLERANCE:
-            yield f"{_name(house, one)} overlaps {_name(house, other)} by {depth:.2f} m"
-            continue
-        apart = distance(house.rooms[one].box, house.rooms[other].box)
-        if promises.room_gap is not None and house.format == FORMAT and apart < promises.room_gap - TOLERANCE:
-            away = f"{apart:.2f} m from {_name(house, other)} (at least {promises.room_gap:g})"
-            yield f"{_name(house, one)} stands {away}"
-
-
 def _types(house: House, promises: Promises) -> Iterator[str]:
-    types = Counter(room.type for room in house.rooms)
-    for index, room in enumerate(house.rooms):
+    types = Counter(room.type for room in house.counted)
+    for room in house.counted:
         if promises.counts and room.type not in promises.counts:
-            yield f"{_name(house, index)} is none of the room types ({', '.join(promises.counts)})"
+            yield f"{_name(room)} is none of the room types ({', '.join(promises.counts)})"
     basic = sum(types[kind] for kind in promises.basic)
     if promises.basic and basic < 2 <= types.total():
         yield f"house: has {basic} rooms of the basic types (at least 2 of {', '.join(promises.basic)})"
@@ -159,19 +139,9 @@ def _types(house: House, promises: Promises) -> Iterator[str]:
                 yield f"house: has no {kind} (at least 1 from {len(promises.basic)} rooms on)"
 
 
-def _sides(house: House, promises: Promises) -> Iterator[str]:
-    if promises.a_side is None or len(house.rooms) < 4:
-        return
-    most = len(house.rooms) // promises.a_side + 1
-    for side, count in Counter(side_of(house, room) for room in house.rooms).items():
-        if side and count > most:
-            yield f"house: has {count} rooms on the {side} side (at most {most} of {len(house.rooms)})"
-
-
-def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
-    room, place = house.rooms[index], _name(house, index)
-    names = _piece_names(room)
-    if not room.pieces:
+def _furniture(house: House, room: Room, promises: Promises) -> Iterator[str]:
+    place, names = _name(room), _piece_names(room)
+    if house.is_star and not room.pieces:
         yield f"{place}: has no furniture"
     for piece, name in zip(room.pieces, names, strict=True):
         if not promises.suits(room.type, piece.type):
@@ -179,10 +149,10 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
         juts = excess(piece.box, room.box)
         if juts > TOLERANCE:
             yield f"{place}: {name} juts {juts:.2f} m out of the room"
-        for number, other in enumerate(house.rooms):
-            away = distance(piece.box, other.door.box)
+        for door in house.doors:
+            away = distance(piece.box, door.box)
             if away < CLEARANCE - TOLERANCE:
-                whose = "its door" if number == index else f"the door of {_name(house, number)}"
+                whose = "its door" if room.name in door.between else f"the door of {_owner(house, door)}"
                 yield f"{place}: {name} stands {away:.2f} m from {whose} (at least {CLEARANCE})"
         if piece.type in promises.at_wall and not walls_touched(piece, room):
             yield f"{place}: {name} stands in the middle of the room (must touch a wall)"
@@ -190,10 +160,11 @@ def _furniture(house: House, index: int, promises: Promises) -> Iterator[str]:
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
             yield f"{place}: {a} overlaps {b} by {depth:.2f} m"
-    if house.format == FORMAT:
+    if house.topology != ORIGINAL:
         yield from _fronts(room, place, names, promises)
+        side = side_of(house.star, house.star.rooms[house.secondary.index(room)]) if house.is_star else ""
         found = [
-            *size_violations(room, side_of(house, room), names, promises),
+            *size_violations(room, side, names, promises),
             *count_violations(room, promises),
             *arrangement_violations(room, names, promises),
             *front_violations(room, names, promises, PASSAGE),
@@ -221,46 +192,40 @@ def _fronts(room: Room, place: str, names: list[str], promises: Promises) -> Ite
 
 def _walking(house: House) -> Iterator[str]:
     bodies, squares = spaces(house, BODY), spaces(house, PASSAGE)
-    main = main_space(house, bodies, BODY)
+    main, first = first_space(house, bodies, BODY), first_room(house)
+    start = "the main room" if house.is_star else _name(first)
     covered = [(space, swept(space, BODY)) for space in bodies]
-    for index, room in enumerate(house.rooms):
-        place, door = _name(house, index), shapely.box(*room.door.box)
+    for room in house.counted:
+        place, doors = _name(room), house.doors_of(room.name)
         if not main.intersects(places_inside(room, BODY)):
-            yield f"{place}: the body ({BODY} m square) cannot get into it from the main room"
+            yield f"{place}: the body ({BODY} m square) cannot get into it from {start}"
             continue
         free = free_floor(room)
-        reached = shapely.union_all([floor for space, floor in covered if space.intersects(door)])
+        by_body, by_square = ([doorway(door, side) for door in doors] for side in (BODY, PASSAGE))
+        ways, wide = shapely.union_all(by_body), shapely.union_all(by_square)
+        reached = shapely.union_all([floor for space, floor in covered if space.intersects(ways)])
         share = reached.intersection(free).area / free.area
+        its = "its door" if len(doors) == 1 else "its doors"
         if share < REACHABLE:
-            yield (
-                f"{place}: the body reaches {share:.0%} of its free floor from its door "
-                f"(at least {REACHABLE:.0%})"
-            )
+            reach = f"{share:.0%} of its free floor from {its}"
+            yield f"{place}: the body reaches {reach} (at least {REACHABLE:.0%})"
         closed = [space for space in squares if space.intersection(free).area > SLIVER]
-        closed = [space for space in closed if not space.intersects(door)]
+        closed = [space for space in closed if not space.intersects(wide)]
         if closed:
             area = shapely.union_all([swept(space, PASSAGE) for space in closed]).intersection(free).area
             yield f"{place}: {area:.2f} m² of its floor lie behind passages narrower than {PASSAGE} m"
+        elif not joins_all(room, by_square, squares):
+            yield f"{place}: no passage of {PASSAGE} m joins its doors inside it"
 
 
-def _main_room(house: House, promises: Promises) -> Iterator[str]:
-    short, long = sorted((house.floor.width, house.floor.height))
-    if long > ELONGATION * short + TOLERANCE:
-        yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
-    if house.provenance and "keep" in house.provenance.request:
-        return  # It reaches from one fixed room to the other, however far.
-    if house.format != FORMAT or not house.rooms or any(side_of(house, room) is None for room in house.rooms):
-        return
-    least = least_area(house, math.inf if promises.room_gap is None else max(promises.room_gap, CLEARANCE))
-    if house.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
-        yield (
-            f"main room: is of {house.floor.area:.2f} m² "
-            f"(at most {SPACIOUSNESS:g} times the {least:.2f} m² that its rooms need)"
-        )
+def _name(room: Room) -> str:
+    return f"{room.name} ({room.type})"
 
 
-def _name(house: House, index: int) -> str:
-    return f"R{index} ({house.rooms[index].type})"
+def _owner(house: House, door: Door) -> str:
+    """The room that a door is named by: the first that is not the hub of a star."""
+    names = [name for name in door.between if name != OUTSIDE and not (house.is_star and name == house.hub)]
+    return _name(house.room(names[0]))
 
 
 def _piece_names(room: Room) -> list[str]:

@@ -86,8 +86,8 @@ def plan(house: House, width: int, height: int | None = None, scale: float | Non
     short: dict[str, str] = {}
     frame, tall = _frame(house, width, height, scale, 0)
     names = room_names(house, frame, short)
-    if None in names[:-1]:
-        short = abbreviations(room.type for room in house.rooms)
+    if None in names[: len(house.counted)]:
+        short = abbreviations(room.type for room in house.counted)
     rows = key_rows(short, width - 2 * MARGIN)
     if rows:
         frame, tall = _frame(house, width, height, scale, len(rows))
@@ -139,7 +139,7 @@ def _sheet(
 
 def _least_scale(house: House, cell: int) -> float:
     """CSS pixels to a metre in a square, above the key that the house may need."""
-    rows = key_rows({room.type: "" for room in house.rooms}, cell - 2 * MARGIN)
+    rows = key_rows({room.type: "" for room in house.counted}, cell - 2 * MARGIN)
     return _scale(house, cell, cell - TITLE - MARGIN - FOOT - SWATCH * len(rows))
 
 

@@ -8,6 +8,7 @@ import stat
 import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import msgspec
@@ -81,10 +82,37 @@ def require_ending(path: str | Path, endings: Sequence[str]) -> None:
         raise RequestError(f"{path}: {found} is not written here: name the file with {' or '.join(endings)}")
 
 
+def require_file(path: Path, endings: Sequence[str]) -> None:
+    """Raise ``RequestError`` before the work for a name that is not of these, a folder, and where no file can
+    be written.
+    """
+    if path.is_dir():
+        example = path / f"name{endings[0]}"
+        raise RequestError(f"--out {path}: is a folder: name a file in it, as in {example}")
+    require_ending(path, endings)
+    if not path.exists() or path.is_file():
+        _require_place(Path(os.path.realpath(path)).parent, path)
+
+
 def require_folder(path: Path | None) -> None:
-    """Raise ``RequestError`` for a folder's name that is a file's: several files are written into it."""
-    if path is not None and (path.is_file() or path.suffix in FILES):
-        raise RequestError(f"{path}: a folder is written, of several files: name it without {path.suffix}")
+    """Raise ``RequestError`` before the work for a folder's name that is a file's, as several files are
+    written into it, and where none can be written.
+    """
+    if path is None:
+        return
+    if path.is_file() or path.suffix in FILES:
+        words = f"name it without {path.suffix}" if path.suffix else "this is a file"
+        raise RequestError(f"{path}: a folder is written, of several files: {words}")
+    _require_place(path, path)
+
+
+def _require_place(folder: Path, out: Path) -> None:
+    """Raise ``RequestError`` where no file can be made in a folder, or in the one above that is there."""
+    there = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.exists())
+    try:
+        TemporaryFile(dir=there).close()  # permissions do not say it of every file system
+    except OSError as error:
+        raise RequestError(f"--out {out}: {there} cannot be written to: {error.strerror}") from None
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
@@ -97,11 +125,11 @@ def write_whole(path: str | Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     # A link is left where links go round. A pipe by its number, as in /dev/stdout, has no other path.
     before = given.stat() if given.exists() or path.is_symlink() else None
-    if before and not stat.S_ISREG(before.st_mode):
-        given.write_bytes(content)
-        return
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
+        if before and not stat.S_ISREG(before.st_mode):
+            given.write_bytes(content)
+            return
         with open(beside, "xb") as file:
             file.write(content)
             file.flush()

@@ -8,7 +8,9 @@ import msgspec
 
 from logic.boxes import WALLS, is_on_wall
 from logic.errors import RequestError
-from logic.house import FORMAT, House, Room
+from logic.house import House
+from logic.parts import STAR
+from logic.star import Star, StarRoom
 
 SIDES = ("north", "east", "south", "west")
 
@@ -21,7 +23,7 @@ class FixedRoom:
     ``along`` where it starts on that wall and ``wall`` where the wall is, in the house's own coordinates.
     """
 
-    room: Room
+    room: StarRoom
     side: str
     width: float
     depth: float
@@ -33,16 +35,18 @@ class FixedRoom:
 def fixed_rooms(house: House) -> list[FixedRoom]:
     """All rooms of a house as fixed rooms, clockwise from the north-west corner.
 
-    Raises ``RequestError`` where its format is not ours or a door is on no wall of its room.
+    Raises ``RequestError`` where it is no star of ours or a door is on no wall of its room.
     """
-    if house.format != FORMAT:
+    if not house.is_star:
+        raise RequestError(f"keep: only rooms of a star can be fixed, not of the topology {house.topology!r}")
+    if house.topology != STAR:
         raise RequestError("keep: rooms of the original's houses overlap the main room: they cannot be fixed")
-    fixed = [_fixed(room, f"R{index}") for index, room in enumerate(house.rooms)]
+    fixed = [_fixed(room, f"R{index}") for index, room in enumerate(house.star.rooms)]
     clockwise = {"north": 1, "east": 1, "south": -1, "west": -1}
     return sorted(fixed, key=lambda room: (SIDES.index(room.side), clockwise[room.side] * room.along))
 
 
-def _fixed(room: Room, name: str) -> FixedRoom:
+def _fixed(room: StarRoom, name: str) -> FixedRoom:
     west, north, east, south = room.box
     door_west, door_north, door_east, door_south = room.door.box
     walls = [wall for index, wall in enumerate(WALLS) if is_on_wall(room.door, room, index)]
@@ -62,5 +66,5 @@ def _fixed(room: Room, name: str) -> FixedRoom:
 
 def from_records(records: Sequence[dict[str, Any]]) -> list[FixedRoom]:
     """Fixed rooms from their JSON form, clockwise."""
-    rooms = tuple(msgspec.convert(record, Room) for record in records)
-    return fixed_rooms(House(rooms[0], rooms)) if rooms else []
+    rooms = tuple(msgspec.convert(record, StarRoom) for record in records)
+    return fixed_rooms(House.of_star(Star(rooms[0], rooms))) if rooms else []

@@ -11,7 +11,8 @@ import msgspec
 from logic.errors import Finding, GrammarWarning, RequestError, Unsatisfiable
 from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
-from logic.house import BODY, House
+from logic.house import House
+from logic.parts import BODY
 from logic.request import MOST_ROOMS, Count, Request
 from logic.solver import START_UP, Idle, Solver
 from logic.spelling import keywords
@@ -72,7 +73,7 @@ def generate(
     if keep is not None:
         if cell:
             raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
-        fixed = len(keep.rooms)
+        fixed = len(keep.secondary)
         if not fixed:
             raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
         if fixed > rooms:

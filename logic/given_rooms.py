@@ -13,7 +13,7 @@ from clingo import Function, Number, Symbol
 
 from logic.boxes import TOLERANCE, Box
 from logic.errors import LimitReached
-from logic.house import Rect
+from logic.parts import Rect
 from logic.layout import Nogood
 from logic.placement import Placer
 from logic.programs import Programs
@@ -145,16 +145,14 @@ class Frame:
             holds[bool(spans)].append(Function("window", [Function(wall)]))
         return holds[True], holds[False]
 
-    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> str:
+    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> tuple[Any, ...]:
         """The room for ``rules/given_rooms.pl``."""
-        doors = ",".join(
-            f"[{','.join(f'{float(start)!r}-{float(end - start)!r}' for start, end in spans)}]"
-            for spans in self.doors.values()
-        )
-        atoms = ",".join(map(str, furniture))
-        frame = f"frame({self.side},{float(self.x)!r},{float(self.y)!r})"
-        size = f"{float(self.width)!r}-{float(self.depth)!r}"
-        return f"room({number},{type_},[{atoms}],{seed},{size},doors({doors}),{frame})"
+        doors = [
+            [("-", float(start), float(end - start)) for start, end in spans] for spans in self.doors.values()
+        ]
+        frame = ("frame", self.side, float(self.x), float(self.y))
+        size = ("-", float(self.width), float(self.depth))
+        return "room", number, type_, list(furniture), seed, size, ("doors", *doors), frame
 
 
 def furnished(

@@ -35,6 +35,7 @@ class Grammar:
     """The ``.lp`` files of its directory."""
     topology: tuple[Path, ...]
     """The shared ``.lp`` files that come with its topology."""
+    topology_name: str
     prolog: tuple[Path, ...]
     hash: str
 
@@ -72,11 +73,11 @@ def find(grammar: str | Path) -> Grammar:
             raise GrammarError(
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory
             )
-    return Grammar(directory.name, directory, asp, _topology(asp), prolog, _hash(asp + prolog))
+    return Grammar(directory.name, directory, asp, *_topology(asp), prolog, _hash(asp + prolog))
 
 
-def _topology(files: tuple[Path, ...]) -> tuple[Path, ...]:
-    """The shared files of the topology that a fact in these files names.
+def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
+    """The shared files of the topology that a fact in these files names, and its name.
 
     It is read as text, since what comes with it must be known before any rule is.
     """
@@ -96,8 +97,8 @@ def _topology(files: tuple[Path, ...]) -> tuple[Path, ...]:
                     raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
                 named.append(name)
     if not named:
-        return (STAR,)
-    return PLANS if named[0] in own else (*PLANS, known[named[0]])
+        return (STAR,), STAR.stem
+    return PLANS if named[0] in own else (*PLANS, known[named[0]]), named[0]
 
 
 def _hash(files: tuple[Path, ...]) -> str:

@@ -16,6 +16,9 @@ from logic.vocabulary import Signature, Use, Words, core_words
 CHOICES = {("option", 3), ("picks", 2)}
 """What states a choice by its name, the first argument."""
 
+NAMES = {ASTType.Function, ASTType.SymbolicTerm}
+UNNAMED = "name the choice by a word, as in option(mine(X),..): what stands here may be a choice of the core"
+
 
 def closed_heads(own: Words) -> Iterator[tuple[Statement, str]]:
     """Statements that derive or rename what is the core's, each with what to write instead."""
@@ -32,7 +35,9 @@ def closed_heads(own: Words) -> Iterator[tuple[Statement, str]]:
     taken = {_functor(use.node.arguments[0]) for each in CHOICES for use in core.derived.get(each, ())}
     for signature in CHOICES:
         for use in own.derived.get(signature, ()):
-            if (choice := _functor(use.node.arguments[0])) in taken:
+            if use.node.arguments[0].ast_type not in NAMES:
+                yield use.statement, UNNAMED
+            elif (choice := _functor(use.node.arguments[0])) in taken:
                 name = f"{choice[0]}/{choice[1]}" if choice[1] else choice[0]
                 yield (
                     use.statement,

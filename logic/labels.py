@@ -7,7 +7,8 @@ from pathlib import Path
 
 from logic.boxes import overlap
 from logic.canvas import Block, Box, Line, Shape, Text, text_width
-from logic.house import ORIGINAL, House
+from logic.house import House
+from logic.parts import ORIGINAL
 from logic.plan import FAINT, INK, MARK, PAPER, WALL, Frame, has_mark, room_colour
 
 LEAST = 6.5
@@ -19,7 +20,7 @@ SPOTS = sorted(product([k / 8 for k in range(-8, 9)], repeat=2), key=lambda spot
 
 
 def room_names(house: House, frame: Frame, short: dict[str, str], least: float = LEAST) -> list[Text | None]:
-    """The name of each room, then the main room's, in letters of ``least`` CSS pixels or more.
+    """The name of each room, then that of a star's main room, in letters of ``least`` CSS pixels or more.
 
     Where a name does not fit between the walls: what is ``short`` for it, else ``None``.
     """
@@ -32,10 +33,12 @@ def room_names(house: House, frame: Frame, short: dict[str, str], least: float =
             (size, least),
             (INK, room_colour(room.type)),
         )
-        for room in house.rooms
+        for room in house.counted
     ]
-    rooms = [frame.box(room) for room in house.rooms]
-    return [*names, _name(["main room"], frame.box(house.floor), rooms, (size, least), (FAINT, PAPER))]
+    if not house.is_star:
+        return names
+    rooms = [frame.box(room) for room in house.counted]
+    return [*names, _name(["main room"], frame.box(house.main), rooms, (size, least), (FAINT, PAPER))]
 
 
 def abbreviations(types: Iterable[str]) -> dict[str, str]:
@@ -52,10 +55,10 @@ def abbreviations(types: Iterable[str]) -> dict[str, str]:
 
 def title(house: House, width: float) -> str:
     """Where the house comes from and how large it is; the first words go where there is no room."""
-    floor = house.floor.area + sum(room.area for room in house.rooms)
-    count = len(house.rooms)
+    floor = sum(room.area for room in house.rooms)
+    count = len(house.counted)
     parts = [f"{count} room{'s' * (count != 1)}"]
-    parts = ["original", *parts] if house.format == ORIGINAL else [*parts, f"{floor:.0f} m²"]
+    parts = ["original", *parts] if house.topology == ORIGINAL else [*parts, f"{floor:.0f} m²"]
     if house.provenance is not None:
         source = house.provenance
         parts = [Path(source.grammar).name, f"seed {source.seed}", f"house {source.index}", *parts]
@@ -69,13 +72,19 @@ def legend(house: House, scale: float, left: float, y: float) -> list[Shape]:
     metres = next((metres for metres in (1, 2, 5, 10, 20) if metres * scale >= 18), 50)
     right = left + metres * scale
     ends = [Line(((x, y - 3), (x, y + 3)), INK, 1.2) for x in (left, right)]
-    bar = [Line(((left, y), (right, y)), INK, 1.2), *ends]
     words = Text((right + 6, y), f"{metres} m", 10, INK, "start")
-    if not any(has_mark(house, piece) for room in house.rooms for piece in room.pieces):
-        return [*bar, words]
+    shapes: list[Shape] = [Line(((left, y), (right, y)), INK, 1.2), *ends, words]
     start = right + 6 + text_width(words.text, 10) + 16
-    mark = Line(((start, y), (start + SWATCH, y)), MARK, 2.4)
-    return [*bar, words, mark, Text((start + SWATCH + 5, y), "front of furniture", 10, INK, "start")]
+    fronts = any(has_mark(house, piece) for room in house.rooms for piece in room.pieces)
+    entered = any(door.is_entrance for door in house.doors)
+    for meaning in ["front of furniture"] * fronts + ["entrance"] * entered:
+        end = start + SWATCH
+        shapes.append(Line(((start, y), (end, y)), MARK, 2.4))
+        if meaning == "entrance":
+            shapes.append(Line(((end - 5, y - 4), (end, y), (end - 5, y + 4)), MARK, 2.4))
+        shapes.append(Text((end + 5, y), meaning, 10, INK, "start"))
+        start = end + 5 + text_width(meaning, 10) + 16
+    return shapes
 
 
 def key_rows(short: dict[str, str], width: float) -> list[list[str]]:

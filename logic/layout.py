@@ -11,13 +11,14 @@ rules and the random numbers alone, never on what was solved before.
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 
 import clingo
 import numpy as np
 from clingo import Function, Symbol
 
+from logic.branching import Brancher
 from logic.differences import Differences
 from logic.errors import GrammarError
 from logic.grammar import RULES
@@ -40,7 +41,7 @@ would keep, and propagate, all that it ever learns. This keeps fewer, and more w
 heuristic has nothing to choose: a cheap one.
 """
 
-SEARCHES = 1000
+LAYOUTS = 1000
 """After as many, a program forgets all that it has learnt, since even so that grows slowly."""
 
 LEMMAS, NOTHING = 8, 0
@@ -106,9 +107,11 @@ class Program:
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
-        self._searches = 0
-        self._brancher = _Brancher(self._choices)
+        self._brancher = Brancher(self._choices)
         self._control.register_propagator(self._brancher)
+        self._search = ExitStack()
+        self._handle: clingo.SolveHandle | None = None
+        self._assumed, self._excluding, self._sampled = list[int](), False, 0
 
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
@@ -148,6 +151,7 @@ class Program:
 
     def possible(self, assumed: Iterable[Symbol] = (), without: Iterable[Symbol] = ()) -> bool:
         """Whether there is a layout with all assumed atoms and without any of the others."""
+        self.end_search()
         return bool(self._control.solve(assumptions=self._literals(assumed, without)).satisfiable)
 
     def sample(
@@ -162,7 +166,6 @@ class Program:
         Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
         arguments give the same layout.
         """
-        self._forget_sometimes()
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
         places = np.argsort(np.lexsort((rng.permutation(len(self._counts)), self._turns)))
@@ -171,17 +174,53 @@ class Program:
         # Where a variable picks one value, the first that is taken settles its others.
         ends = np.cumsum(self._counts[np.argsort(places)])[places]
         then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
-        with (
-            self._brancher.first(order, then, [self._excluded(nogood) for nogood in nogoods]),
-            self._control.solve(assumptions=self._literals(assumed, without), yield_=True) as handle,
-        ):
-            model = handle.model()
-            if model is None:
-                return None
-            layout = sorted(model.symbols(shown=True))
-            if self.models is not None:
-                self.models.append((layout, list(model.symbols(atoms=True))))
-            return layout
+        excluded = [self._excluded(nogood) for nogood in nogoods]
+        model = self._model(self._literals(assumed, without), order.tolist(), then.tolist(), excluded)
+        if model is None:
+            self.end_search()
+            return None
+        layout = sorted(model.symbols(shown=True))
+        if self.models is not None:
+            self.models.append((layout, list(model.symbols(atoms=True))))
+        return layout
+
+    def _model(
+        self, assumed: list[int], order: list[int], then: list[int], excluded: list[list[int]]
+    ) -> clingo.Model | None:
+        """The first model by the picks in this order.
+
+        To begin a search costs clasp nearly as much as to find a model. So one search goes on for many
+        layouts, as long as these assume the same and have no nogoods.
+        """
+        self._sampled += 1
+        if excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
+            self.end_search()
+        self._assumed, self._excluding = assumed, bool(excluded)
+        self._brancher.branch(order, then, excluded)
+        if self._handle is not None:
+            self._handle.resume()
+            model = self._handle.model()
+            if model is not None and not self._brancher.waiting:
+                return model
+            self.end_search()  # As after a layout without any choice: there was no other to go on to.
+            self._brancher.branch(order, then, excluded)
+        self._configure("solver", forget_on_step=LEMMAS if self._sampled > LAYOUTS else NOTHING)
+        self._configure("solve", enum_mode="user", models=0)
+        self._sampled = self._sampled % (LAYOUTS + 1)
+        self._handle = self._search.enter_context(self._control.solve(assumptions=assumed, yield_=True))
+        return self._handle.model()
+
+    def end_search(self) -> None:
+        """End the search that samples, if there is one: the program can be solved in another way."""
+        if self._handle is not None:
+            self._search.close()
+            self._handle = None
+            self._configure("solve", enum_mode="auto", models=1)
+            self._brancher.branch()
+
+    def _configure(self, part: str, **options: object) -> None:
+        for name, value in options.items():
+            setattr(getattr(self._control.configuration, part), name, value)
 
     def count(self, assumed: Iterable[Symbol], seconds: float) -> Iterator[tuple[int, bool | None]]:
         """The number of layouts with all assumed atoms: last with True, or with False where there are more
@@ -201,15 +240,6 @@ class Program:
                     yield number, None
         yield number, True
 
-    def _forget_sometimes(self) -> None:
-        """Have the solver forget what it has learnt, once in many searches."""
-        self._searches += 1
-        turn = self._searches % SEARCHES
-        if turn == 0 or (turn == 1 and self._searches > 1):
-            solver = self._control.configuration.solver
-            assert isinstance(solver, clingo.Configuration)
-            setattr(solver, "forget_on_step", NOTHING if turn else LEMMAS)  # noqa: B010 (it takes any number)
-
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
 
@@ -220,64 +250,3 @@ class Program:
             for atom, holds in nogood.items()
             if (literal := self._literal.get(atom)) is not None
         ]
-
-
-class _Brancher(clingo.Propagator):
-    """Makes the solver branch on the picks in a given order, each to be taken where it still can be.
-
-    Nogoods are clauses of one search, which end with it: as rules of the program they would stay behind.
-    """
-
-    def __init__(self, picks: Iterable[int]) -> None:
-        """Know the pick literals of a program."""
-        self._picks = [int(pick) for pick in picks]
-        self._solver_literals: list[int] | None = None
-        self._order: np.ndarray | None = None
-        self._then: list[int] = []
-        self._nogoods: list[list[int]] = []
-        self._queue: list[int] = []
-        self._scanned = [0]
-        self._clauses: list[list[int]] = []
-
-    @contextmanager
-    def first(self, order: np.ndarray, then: np.ndarray, nogoods: list[list[int]]) -> Iterator[None]:
-        """Within this, solving finds the first model outside the nogoods by the picks in this order.
-
-        ``then``: where in the order to go on after each pick that is taken.
-        """
-        self._order, self._then, self._nogoods = order, then.tolist(), nogoods
-        try:
-            yield
-        finally:
-            self._order, self._nogoods, self._queue = None, [], []
-
-    def init(self, init: clingo.PropagateInit) -> None:
-        """Begin a search."""
-        if self._solver_literals is None:
-            self._solver_literals = [init.solver_literal(pick) for pick in self._picks]
-            for literal in self._solver_literals:
-                init.freeze_literal(literal)
-        if self._order is not None:
-            self._queue = [self._solver_literals[place] for place in self._order.tolist()]
-            self._scanned = [0]
-        self._clauses = [[-init.solver_literal(literal) for literal in nogood] for nogood in self._nogoods]
-
-    def check(self, control: clingo.PropagateControl) -> None:
-        """A layout is found: it must be outside the nogoods."""
-        while self._clauses:
-            # Locked: else clasp may delete them, as if it had learnt them.
-            if not control.add_clause(self._clauses.pop(), tag=True, lock=True) or not control.propagate():
-                return
-
-    def decide(self, thread_id: int, assignment: clingo.Assignment, fallback: int) -> int:
-        """The next pick that is neither taken nor refused."""
-        queue, then, scanned, level = self._queue, self._then, self._scanned, assignment.decision_level
-        scanned.extend([0] * (level + 1 - len(scanned)))
-        # What was decided when this level began, and so up to its place in the queue, still is.
-        place = scanned[level]
-        while place < len(queue) and (taken := assignment.value(queue[place])) is not None:
-            place = then[place] if taken else place + 1
-        found = place < len(queue)
-        del scanned[level + 1 :]
-        scanned.append(then[place] if found else place)
-        return queue[place] if found else fallback

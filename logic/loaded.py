@@ -113,8 +113,8 @@ class LoadedGrammar:
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share."""
-        extremes = self.placer.wall_lengths(self.furniture)
-        return wall_facts(extremes, self._extremes["lengths"]["door_width"])
+        doorway, extremes = self.placer.wall_lengths(self.furniture)
+        return wall_facts(extremes, doorway)
 
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""

@@ -1,10 +1,8 @@
 """Stage 2, SWI-Prolog through pyswip: CLP(R) turns a layout into a house with coordinates in metres.
 
-One goal a house, terms in and JSON out: pyswip converts compound terms slowly. SWI-Prolog is one engine a
-process, so this runs in a worker process (``logic.worker``) and nowhere else.
+One goal a house, terms in and JSON out: see ``logic.prolog``.
 """
 
-import json
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +11,8 @@ from typing import Any
 import numpy as np
 from clingo import Function, Symbol, parse_term
 
-from logic.errors import GrammarError, LimitReached, MissingProgram, VitruviusError
+from logic import prolog
+from logic.errors import GrammarError, LimitReached
 from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
 from logic.inexpressible import inexpressible
@@ -77,18 +76,12 @@ class Placer:
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
         """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
 
-        ``problems`` holds what is wrong with them. Raises ``MissingProgram`` without SWI-Prolog.
+        ``problems`` holds what is wrong with them.
         """
-        try:
-            from pyswip import Prolog
-        except Exception as error:  # pyswip raises many kinds where it finds no usable SWI-Prolog.
-            raise MissingProgram(f"SWI-Prolog cannot be used: {error}. Install it, or use ./run") from None
-        self._prolog = Prolog
         self._directory = grammar.directory
-        self._ask(f"use_module({_quoted(RULES / 'core.pl')})")
-        files = ",".join(_quoted(file) for file in grammar.prolog)
-        self.problems = [_problem(*row) for row in self._json(f"grammar_problems([{files}],Json)")]
-        self._ask(f"set_cell({cell})")
+        prolog.load(RULES / "core.pl")
+        files = [str(file) for file in grammar.prolog]
+        self.problems = [_problem(*row) for row in self._ask("grammar_problems", files, cell)]
 
     def lengths(
         self, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
@@ -100,11 +93,11 @@ class Placer:
         that is of no use; and the clauses that are absent, named as in ``Conflict``. Pieces that may be
         ``turned`` need no wall as long as they are.
         """
-        pieces = {
-            t: [f"piece({p},{str(p in turned).lower()})" for p in each] for t, each in furniture.items()
-        }
-        wanted = ",".join(f"furniture({type_},[{','.join(each)}])" for type_, each in pieces.items())
-        report = self._json(f"grammar_lengths([{wanted}],[{','.join(LENGTHS)}],Json)")
+        wanted = [
+            ("furniture", type_, [("piece", each, "true" if each in turned else "false") for each in pieces])
+            for type_, pieces in furniture.items()
+        ]
+        report = self._ask("grammar_lengths", wanted, list(LENGTHS))
         wrong: dict[tuple[Any, ...], None] = {}  # A piece's clause may be wrong in the same way in each room.
         absent: list[Symbol] = []
 
@@ -125,7 +118,7 @@ class Placer:
 
     def sized(self) -> list[tuple[str, str, str, int, int]]:
         """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
-        return [tuple(row) for row in self._json("grammar_sized(Json)")]
+        return [tuple(row) for row in self._ask("grammar_sized")]
 
     def place(
         self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
@@ -140,15 +133,14 @@ class Placer:
         between the fixed rooms, ``LimitReached`` past this number of inferences.
         """
         # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
-        rooms = ",".join(
+        rooms = [
             _fixed(room.number, room.fixed)
             if room.fixed
-            else f"room({room.number},{room.type},{room.side},{_list(room.furniture)},{room.seed})"
+            else ("room", room.number, room.type, room.side, list(room.furniture), room.seed)
             for room in layout.rooms
-        )
-        seed, proof = rng.integers(2**63), "minimal" if minimal else "quick"
-        goal = f"placed(layout([{rooms}],{_list(layout.corners)},{seed},{proof}),{inferences},Json)"
-        answer = self._json(goal)
+        ]
+        seed, proof = int(rng.integers(2**63)), "minimal" if minimal else "quick"
+        answer = self._ask("placed", ("layout", rooms, layout.corners, seed, proof), inferences)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
         if "misfit" in answer:
@@ -160,8 +152,8 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """For each room type the extremes of its size and area, metres: see ``rules/plans.pl``."""
-        return self._json(f"plan_lengths([{','.join(types)}],Json)")
+        """How much wall a door takes, and for each room type the extremes of its size, metres: ``plans.pl``."""
+        return self._ask("plan_lengths", list(types))
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:
         """Place the walls, doors and windows of a plan, metres: see ``rules/plans.pl``.
@@ -169,7 +161,7 @@ class Placer:
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
         """
-        answer = self._json(f"plan_placed(plan({_list(layout)},{seed},minimal),{inferences},Json)")
+        answer = self._ask("plan_placed", ("plan", list(layout), seed, "minimal"), inferences)
         if "limit" in answer:
             raise LimitReached(f"the walls of a house reached their limit of {inferences} inferences")
         if "infeasible" in answer:
@@ -178,11 +170,11 @@ class Placer:
 
     def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
         """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
-        reasons = self._json(f"plan_conflict({_list(layout)},{_list(without)},Json)")
+        reasons = self._ask("plan_conflict", list(layout), list(without))
         return None if reasons is None else _conflict(reasons)
 
     def furnish(
-        self, rooms: Sequence[str], inferences: int, minimal: bool = True
+        self, rooms: Sequence[Any], inferences: int, minimal: bool = True
     ) -> tuple[list[Any], dict[int, Conflict], int]:
         """Furnish rooms of given sizes, terms as in ``rules/given_rooms.pl``.
 
@@ -191,7 +183,7 @@ class Placer:
         ``LimitReached`` past this number of them.
         """
         proof = "minimal" if minimal else "quick"
-        answer = self._json(f"rooms_furnished([{','.join(rooms)}],{proof},{inferences},Json)")
+        answer = self._ask("rooms_furnished", list(rooms), proof, inferences)
         if "limit" in answer:
             raise LimitReached(f"the furniture of a house reached its limit of {inferences} inferences")
         conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
@@ -199,54 +191,43 @@ class Placer:
 
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
         """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
-        found = self._json(f"room_pieces({room.type},{_list(room.furniture)},Json)")
+        found = self._ask("room_pieces", room.type, list(room.furniture))
         return [(type_, parse_term(atom)) for type_, atom in found]
 
     def bounds(self, room: RoomLayout, target: Symbol) -> dict[str, Any]:
         """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
-        return self._json(f"room_lengths({room.type},{_list(room.furniture)},{room.seed},{target},Json)")
+        return self._ask("room_lengths", room.type, list(room.furniture), room.seed, target)
 
     def main_bounds(
         self, rooms: Iterable[FixedRoom], corners: Iterable[Symbol], width: float
     ) -> dict[str, Any]:
         """What the main room's lengths could have been around rooms of these sizes: see core.pl."""
-        outlines = ",".join(
-            f"outline({room.side},{_numbers((room.width, room.depth, room.door))})" for room in rooms
-        )
-        return self._json(f"main_lengths([{outlines}],{_list(corners)},{width!r},Json)")
+        outlines = [("outline", room.side, room.width, room.depth, room.door) for room in rooms]
+        return self._ask("main_lengths", outlines, list(corners), width)
 
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
         """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
-        found = self._json(f"grammar_origins({_list(clauses)},Json)")
+        found = self._ask("grammar_origins", list(clauses))
         return {parse_term(clause): (file, line) for clause, file, line in found}
 
     def conflict(
         self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
     ) -> Conflict | None:
         """A minimal conflict of a room with this furniture, some clauses left out; None if it has places."""
-        reasons = self._json(f"room_conflict({type_},{_list(furniture)},{_list(without)},Json)")
+        reasons = self._ask("room_conflict", type_, list(furniture), list(without))
         return None if reasons is None else _conflict(reasons)
 
     def version(self) -> str:
         """SWI-Prolog's version, as in 9.0.4."""
-        number = self._ask("current_prolog_flag(version,Version)")["Version"]
+        number = self._ask("solver_version")
         return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
 
-    def _json(self, goal: str) -> Any:
-        return json.loads(self._ask(goal)["Json"])
-
-    def _ask(self, goal: str) -> dict[str, Any]:
-        """The first answer of a goal; that it has none, or raises, is a fault of ours or of the grammar's."""
-        from pyswip.prolog import PrologError
-
+    def _ask(self, predicate: str, *arguments: Any) -> Any:
+        """As ``prolog.ask``; an error that a predicate raises is a fault of the grammar's."""
         try:
-            answers = list(self._prolog.query(goal, maxresult=1))
-        except PrologError as error:
-            reason = str(error).rsplit("Returned:", 1)[-1].strip(" '.")
-            raise GrammarError(f"a clause raises an error: {reason}", self._directory) from None
-        if not answers:
-            raise VitruviusError(f"SWI-Prolog has no answer to: {goal[:200]}")
-        return answers[0]
+            return prolog.ask(predicate, *arguments)
+        except prolog.PrologError as error:
+            raise GrammarError(f"a clause raises an error: {error}", self._directory) from None
 
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:
@@ -262,13 +243,13 @@ def _problem(file: str, line: int, column: int, text: str, name: str) -> Grammar
     if name:
         return unknown(name, text, file, line, column)
     if text.startswith("syntax error: "):
-        line, column, text = explained(Path(file).read_text(encoding="utf-8"), line, column, text[14:])
+        line, column, text = explained(Path(file).read_text("utf-8", "replace"), line, column, text[14:])
     return GrammarError(text, file, line, column)
 
 
-def _fixed(number: int, room: FixedRoom) -> str:
-    size, place = (room.width, room.depth, room.door), (room.along, room.wall)
-    return f"fixed({number},{room.side},size({_numbers(size)}),at({_numbers(place)}))"
+def _fixed(number: int, room: FixedRoom) -> tuple[Any, ...]:
+    size, place = ("size", room.width, room.depth, room.door), ("at", room.along, room.wall)
+    return "fixed", number, room.side, size, place
 
 
 def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:
@@ -278,17 +259,3 @@ def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:
         {term: kind == "holds" for kind, term in terms if kind != "clause"},
         tuple(term for kind, term in terms if kind == "clause"),
     )
-
-
-def _list(symbols: Iterable[Symbol]) -> str:
-    """Ground ASP atoms are Prolog terms as they stand."""
-    return f"[{','.join(map(str, symbols))}]"
-
-
-def _numbers(numbers: Iterable[float]) -> str:
-    return ",".join(map(repr, numbers))
-
-
-def _quoted(path: Path) -> str:
-    text = str(path).replace("\\", "\\\\").replace("'", "\\'")
-    return f"'{text}'"

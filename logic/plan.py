@@ -10,7 +10,8 @@ import msgspec
 
 from logic.boxes import walls_touched
 from logic.canvas import Block, Box, Line, Oval, Point, Shape, Text, text_width
-from logic.house import FORMAT, House, Piece, Rect
+from logic.house import House
+from logic.parts import ORIGINAL, Piece, Rect
 
 PAPER, WALL, INK, FAINT = "#fbfaf6", "#333a45", "#3d4450", "#9aa1ab"
 """Colours of the main room, of walls, of words and of what stands back."""
@@ -55,25 +56,34 @@ class Frame:
 
 def extent(house: House) -> Box:
     """The box around a house: (west, north, east, south), metres."""
-    boxes = [rect.box for rect in (house.floor, *house.rooms)]
+    boxes = [room.box for room in house.rooms]
     west, north, _, _ = (min(values) for values in zip(*boxes, strict=True))
     _, _, east, south = (max(values) for values in zip(*boxes, strict=True))
     return west, north, east, south
 
 
 def house_shapes(house: House, frame: Frame) -> list[Shape]:
-    """Draw all of a house but words about it: the main room's floor first, the doors last."""
+    """Draw all of a house but words about it: floors first, then furniture and walls, openings last."""
     wall = _stroke(0.09 * frame.scale, 1.5, 4.0)
-    shapes: list[Shape] = [Block(frame.box(house.floor), PAPER, WALL, wall)]
-    # The rooms' floors hide the main room's walls within them, and their walls lie over the furniture.
-    shapes += [Block(frame.box(room), room_colour(room.type)) for room in house.rooms]
-    for room in house.rooms:
+    # The rooms' floors hide a star's main room's walls within them, and walls lie over the furniture.
+    shapes: list[Shape] = [Block(frame.box(house.main), PAPER, WALL, wall)] if house.is_star else []
+    shapes += [Block(frame.box(room), room_colour(room.type)) for room in house.counted]
+    for room in house.counted:
         for piece in room.pieces:
             shapes += _piece(piece, frame.box(piece), _front(house, room, piece), frame.scale)
             if has_mark(house, piece):
                 shapes.append(_front_mark(frame.box(piece), piece.orientation, frame.scale))
-    shapes += [Block(frame.box(room), "", WALL, wall) for room in house.rooms]
-    shapes += [_opening(frame.box(room.door), wall) for room in house.rooms]
+    if house.is_star:
+        shapes += [Block(frame.box(room), "", WALL, wall) for room in house.counted]
+    else:
+        shapes += _walls(house, frame, wall)
+    for door in house.doors:
+        shapes.append(_opening(frame.box(door), wall))
+        if door.is_entrance:
+            (room,) = (room for room in house.rooms if room.name in door.between)
+            shapes.append(_entrance(door, room, frame))
+    for window in house.windows:
+        shapes += _window(frame.box(window), wall)
     return shapes
 
 
@@ -89,7 +99,38 @@ def room_colour(kind: str) -> str:
 
 def has_mark(house: House, piece: Piece) -> bool:
     """Whether a mark shows a piece's front: the original's word for it is not to be trusted."""
-    return bool(piece.orientation) and house.format == FORMAT
+    return bool(piece.orientation) and house.topology != ORIGINAL
+
+
+def _walls(house: House, frame: Frame, wall: float) -> list[Shape]:
+    """The walls of rooms that share them, each once, with square ends."""
+    verticals, horizontals = house.walls
+    ends = [(frame.at(x, low), frame.at(x, high)) for x, low, high in verticals]
+    ends += [(frame.at(low, y), frame.at(high, y)) for y, low, high in horizontals]
+    half = wall / 2
+    return [Block((x0 - half, y0 - half, x1 + half, y1 + half), WALL) for (x0, y0), (x1, y1) in ends]
+
+
+def _entrance(door: Rect, room: Rect, frame: Frame) -> Line:
+    """An arrow that points from an entrance into its room, within the floor that is kept free there."""
+    x, y = door.x + door.width / 2, door.y + door.height / 2
+    along_x = door.width > door.height
+    inwards = (0.0, room.y + room.height / 2 - y) if along_x else (room.x + room.width / 2 - x, 0.0)
+    length = abs(sum(inwards))
+    u, v = (0.4 * value / length for value in inwards)
+    wings = [(x + u / 2 - v / 2, y + v / 2 - u / 2), (x + u / 2 + v / 2, y + v / 2 + u / 2)]
+    tip, foot = (x + u, y + v), (x + u / 8, y + v / 8)
+    points = [foot, tip, wings[0], tip, wings[1]]
+    return Line(tuple(frame.at(*point) for point in points), MARK, _stroke(0.05 * frame.scale, 1.8, 3.0))
+
+
+def _window(window: Box, wall: float) -> list[Shape]:
+    """A pane between two thin lines in the place of the wall."""
+    left, top, right, bottom = window
+    along_x = right - left > bottom - top
+    by_x, by_y = (0.0, wall / 2) if along_x else (wall / 2, 0.0)
+    frame = Block((left - by_x, top - by_y, right + by_x, bottom + by_y), WOOD, WALL, wall / 4)
+    return [frame, Line(((left, top), (right, bottom)), WALL, wall / 4)]
 
 
 def _opening(door: Box, wall: float) -> Block:
@@ -101,7 +142,7 @@ def _opening(door: Box, wall: float) -> Block:
 
 def _front(house: House, room: Rect, piece: Piece) -> str:
     """Where the front of a piece is drawn; empty reads as south."""
-    if house.format == FORMAT:
+    if house.topology != ORIGINAL:
         return piece.orientation
     # The original's word is not to be trusted: the back is the longest side that stands at a wall.
     sides = [(piece.height, "E"), (piece.width, "S"), (piece.height, "W"), (piece.width, "N")]

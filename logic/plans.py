@@ -7,35 +7,35 @@ rooms are furnished at these sizes (``given_rooms.py``).
 from collections.abc import Sequence
 from typing import Any
 
+import msgspec
 import numpy as np
 from clingo import Symbol
 
 from logic.errors import LimitReached, RequestError
 from logic.given_rooms import GivenRoom, Unfurnishable, furnished
-from logic.house import Rect
+from logic.grammar import Grammar
+from logic.house import House
 from logic.layout import Nogood
-from logic.placement import Infeasible
 from logic.loaded import LoadedGrammar
+from logic.parts import OUTSIDE, Door, Rect, Room, Window
+from logic.placement import Infeasible
 from logic.proof import Prover
 from logic.request import Request
 
 MOST_TRIES = 200
 """How often a house may have a room that cannot be furnished at its size, though it might at others."""
 
-OUTSIDE = "outside"
-
 
 class Planner:
     """Makes plans of one grammar."""
 
-    def __init__(self, loaded: LoadedGrammar, prover: Prover) -> None:
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
         """Know its rules."""
+        self._topology = grammar.topology_name
         self._placer, self._programs, self._prover = loaded.placer, loaded.programs, prover
 
-    def made(
-        self, request: Request, rng: np.random.Generator, inferences: int
-    ) -> tuple[dict[str, Any], list[Symbol]]:
-        """A furnished plan, the parts of a house file's record, and its layout.
+    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+        """A furnished plan.
 
         Raises ``Unsatisfiable`` where it is proved that there is none, ``LimitReached`` past this number of
         Prolog inferences.
@@ -46,15 +46,14 @@ class Planner:
         nogoods: list[Nogood] = []
         for _ in range(MOST_TRIES):
             plan, layout, inferences = self.bare(request, rng, inferences, nogoods)
-            rooms = [
-                GivenRoom(room["type"], _rect(room), _doors(plan, number), _windows(plan, number))
-                for number, room in enumerate(plan["rooms"])
-            ]
+            rooms = [_given(plan, number) for number in range(request.rooms)]
             try:
                 pieces = furnished(rooms, self._programs, self._placer, rng, inferences)
             except Unfurnishable:
                 continue
-            return _record(plan, pieces), layout
+            hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
+            plan["hub"] = hubs[0] if len(hubs) == 1 else ""
+            return _house(plan, pieces, self._topology)
         raise LimitReached(
             f"{MOST_TRIES} times a sampled room could not be furnished at its size, though larger ones might: "
             "try another seed, or larger rooms (room_size/3, room_area/3)"
@@ -83,35 +82,31 @@ class Planner:
                 raise LimitReached("the walls of a house reached their limit of inferences")
 
 
-def _record(plan: dict[str, Any], pieces: Sequence[Any]) -> dict[str, Any]:
-    """The rooms, doors and windows of a house file."""
-    return {
-        "rooms": [
-            {**_sides(room), "name": _name(number), "type": room["type"], "children": pieces[number]}
-            for number, room in enumerate(plan["rooms"])
-        ],
-        "doors": [{**_sides(door), "between": [*map(_name, door["between"])]} for door in plan["doors"]],
-        "windows": [{**_sides(window), "room": _name(window["room"])} for window in plan["windows"]],
-    }
+def _house(plan: dict[str, Any], pieces: Sequence[Any], topology: str) -> House:
+    """The house of a plan, its rooms ``R0``, ``R1``... by their numbers."""
+    rooms = tuple(
+        msgspec.convert({**_sides(room), "name": f"R{number}", "type": room["type"], "children": within}, Room)
+        for number, (room, within) in enumerate(zip(plan["rooms"], pieces, strict=True))
+    )
+    doors = tuple(Door(**_sides(door), between=_names(door["between"])) for door in plan["doors"])
+    windows = tuple(Window(**_sides(window), room=f"R{window['room']}") for window in plan["windows"])
+    return House(rooms, doors, windows, hub=plan["hub"], topology=topology)
 
 
-def _name(number: int | str) -> str:
-    return OUTSIDE if number == OUTSIDE else f"R{number}"
+def _names(between: Sequence[int | str]) -> tuple[str, str]:
+    one, other = (OUTSIDE if each == OUTSIDE else f"R{each}" for each in between)
+    return one, other
 
 
 def _sides(record: dict[str, Any]) -> dict[str, float]:
     return {name: record[name] for name in ("x", "y", "width", "height")}
 
 
-def _rect(record: dict[str, Any]) -> Rect:
-    return Rect(**_sides(record))
-
-
-def _doors(plan: dict[str, Any], room: int) -> list[Rect]:
-    """The doors of a room, that by which it is entered first."""
-    found = [door for door in plan["doors"] if room in door["between"]]
-    return [_rect(door) for door in sorted(found, key=lambda door: door["between"][0] != room)]
-
-
-def _windows(plan: dict[str, Any], room: int) -> list[Rect]:
-    return [_rect(window) for window in plan["windows"] if window["room"] == room]
+def _given(plan: dict[str, Any], number: int) -> GivenRoom:
+    """A room of a plan to be furnished; the door by which it is entered is the first."""
+    room = plan["rooms"][number]
+    doors = [door for door in plan["doors"] if number in door["between"]]
+    doors.sort(key=lambda door: door["between"][0] != number)
+    windows = [window for window in plan["windows"] if window["room"] == number]
+    rect, *segments = (Rect(**_sides(each)) for each in (room, *doors, *windows))
+    return GivenRoom(room["type"], rect, segments[: len(doors)], segments[len(doors) :])

@@ -10,7 +10,12 @@ from pathlib import Path
 import msgspec
 
 from logic.boxes import BACK, TOLERANCE, distance, excess, overlap, walls_touched
-from logic.house import Piece, Room
+from logic.parts import Piece, Room
+
+CLEARANCE = 0.45
+"""Metres: nothing stands nearer to a door, on either side of its wall."""
+PASSAGE = 0.42
+"""Metres: the least width of a passage (the body measures 0.394 m on the diagonal)."""
 
 Sizes = tuple[float, float, float, float]
 """Least and greatest width (or length), least and greatest depth, metres."""
@@ -20,7 +25,9 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a grammar promises; left empty, it promises nothing more."""
 
     door: float | None = None
-    """Metres: the width of every door; None where it need only be the same throughout a house."""
+    """Metres: the width of a star's every door (None where it need only be the same throughout a house), the
+    least width of others.
+    """
     room_gap: float | None = None
     """Metres: as near as rooms may come to each other."""
     basic: tuple[str, ...] = ()
@@ -28,7 +35,19 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     a_side: int | None = None
     """From four rooms on at most ``rooms // a_side + 1`` of them are on one side of the main room."""
     rooms: dict[str, Sizes] = {}
-    """Of each room type: its width runs along the wall with its door."""
+    """Of each room type in a star: its width runs along the wall with its door."""
+    areas: dict[str, tuple[float, float]] = {}
+    """Of each room type in other houses: least and greatest area, square metres."""
+    narrowest: dict[str, float] = {}
+    """Of each room type in other houses: the least of its shorter side, metres."""
+    opens: dict[str, frozenset[str]] = {}
+    """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
+    entrance: bool = False
+    """Whether a house has a door to the outside."""
+    lit: frozenset[str] = frozenset()
+    """Room types that have a window."""
+    hides: frozenset[str] = frozenset()
+    """Piece types that do not stand before a window."""
     pieces: dict[str, Sizes] = {}
     """Of each piece type: its length runs along its back."""
     counts: dict[str, dict[str, tuple[int, int]]] = {}
@@ -59,7 +78,10 @@ PROMISES = msgspec.json.decode(Path(__file__).with_suffix(".json").read_bytes(),
 
 
 def size_violations(room: Room, side: str | None, names: list[str], promises: Promises) -> Iterator[str]:
-    """Sizes out of their bounds: of the room, whose door is towards that side, and of its pieces."""
+    """Sizes out of their bounds: of a room, whose door is towards that side, and of its pieces.
+
+    ``side`` is empty for a room of no star: then a piece without a front may lie either way.
+    """
     along_x = side in {"north", "south"}
     if room.type in promises.rooms:
         width, depth = (room.width, room.height) if along_x else (room.height, room.width)
@@ -73,6 +95,8 @@ def size_violations(room: Room, side: str | None, names: list[str], promises: Pr
         )
         if not piece.orientation:  # It may lie either way.
             length, depth = (piece.width, piece.height) if along_x else (piece.height, piece.width)
+            if side == "" and not list(_out_of(name, depth, length, sizes)):
+                continue
         yield from _out_of(name, length, depth, sizes)
         if piece.type in promises.spans:
             wall = room.width if piece.orientation in {"N", "S"} else room.height

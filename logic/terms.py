@@ -67,13 +67,14 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
     return facts
 
 
-def wall_facts(extremes: Iterable[Sequence[Any]], door_width: float) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+def wall_facts(extremes: Iterable[Sequence[Any]], doorway: float) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
 
-    ``extremes``: see ``logic.placement.Placer.wall_lengths``. Clauses that only stage 2 knows have a fact too.
+    ``extremes``: see ``logic.placement.Placer.wall_lengths``; ``doorway``: metres. Clauses that only stage 2 knows have a fact too.
     """
-    door = Function("length", [Function("door_width"), Number(floor(1000 * door_width))])
-    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, (Function("length", [Function("door_width")]),))]
+    door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
+    clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))
+    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses)]
     only = [Function("house_size")]
     for type_, reach, bends, brims in extremes:
         kind = Function(type_)

@@ -6,7 +6,7 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.errors import GrammarError
-from logic.house import FARTHEST
+from logic.parts import FARTHEST
 
 SHORTEST = 0.01
 """Metres below which a length is likely to be in another unit, if it is not 0."""

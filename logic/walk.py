@@ -4,14 +4,15 @@ A square's centre keeps half a side, in x and in y, from every wall and piece: g
 what is left of the floor falls into spaces that the square cannot leave.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from logic.boxes import TOLERANCE, Box
-from logic.house import House, Rect, Room
+from logic.house import House
+from logic.parts import OUTSIDE, Door, Rect, Room
 
 
 def spaces(house: House, side: float) -> list[Polygon]:
@@ -21,7 +22,7 @@ def spaces(house: House, side: float) -> list[Polygon]:
     """
     half = side / 2 - TOLERANCE
     # Floors that touch within the tolerance are joined; the walls around them are far thicker, once grown.
-    floors = shapely.union_all([_grown(rect.box, TOLERANCE) for rect in (house.floor, *house.rooms)])
+    floors = shapely.union_all([_grown(rect.box, TOLERANCE) for rect in house.rooms])
     solids = [*_walls(house), *(piece.box for room in house.rooms for piece in room.pieces)]
     free = shapely.difference(floors, shapely.union_all([_grown(solid, half) for solid in solids]))
     return list(_polygons(free))
@@ -32,17 +33,45 @@ def swept(space: BaseGeometry, side: float) -> BaseGeometry:
     return space.buffer(side / 2, join_style="mitre")
 
 
-def main_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
-    """The space in which a square is in the main room: ``floor`` minus the rooms (ours only touch it).
+def first_room(house: House) -> Room:
+    """The room from which a body walks through a house: a star's main room; else that of the first entrance,
+    else the hub, else the first.
+    """
+    entered = [name for door in house.doors if door.is_entrance for name in door.between]
+    names = [house.hub] if house.is_star else [*(name for name in entered if name != OUTSIDE), house.hub]
+    return next((house.room(name) for name in names if name), house.rooms[0])
+
+
+def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
+    """The space in which a square is in the first room: in a star ``floor`` minus the rooms.
 
     Rooms that cut the main room in parts leave several: the one with most of it. Empty where a square of
-    this side (metres) does not fit into the main room.
+    this side (metres) does not fit into the first room.
     """
-    rooms = shapely.union_all([shapely.box(*room.box) for room in house.rooms])
-    main = shapely.difference(shapely.box(*house.floor.box), rooms)
-    places = _shrunk(main, side)
+    first = first_room(house)
+    others = [shapely.box(*room.box) for room in house.secondary] if house.is_star else []
+    floor = shapely.difference(shapely.box(*first.box), shapely.union_all(others))
+    places = _shrunk(floor, side)
     inside = [space for space in spaces if space.intersects(places)]
     return max(inside, key=lambda space: space.intersection(places).area, default=Polygon())
+
+
+def doorway(door: Door, side: float) -> BaseGeometry:
+    """Where the centre of a square is that goes through a door: the door itself, or as near as it comes to an
+    entrance, which is shut.
+    """
+    west, north, east, south = door.box
+    line = shapely.LineString([(west, north), (east, south)])
+    return line.buffer(side / 2, cap_style="flat") if door.is_entrance else line
+
+
+def joins_all(room: Room, doorways: Iterable[BaseGeometry], spaces: Iterable[Polygon]) -> bool:
+    """Whether a square, whose ``spaces`` in the house these are, can go from each of a room's doorways to
+    each other without leaving the room.
+    """
+    doorways, floor = list(doorways), shapely.box(*room.box)
+    parts = [part for space in spaces for part in _polygons(space.intersection(floor))]
+    return any(all(part.intersects(each) for each in doorways) for part in parts) or len(doorways) < 2
 
 
 def places_inside(room: Rect, side: float) -> BaseGeometry:
@@ -57,13 +86,18 @@ def free_floor(room: Room) -> BaseGeometry:
 
 
 def _walls(house: House) -> Iterator[Box]:
-    """Every wall as boxes without thickness: the rooms' but for their doors, the main room's elsewhere."""
-    rooms = shapely.union_all([_grown(room.box, TOLERANCE) for room in house.rooms])
-    for edge in _edges(house.floor):
-        yield from _segments(shapely.difference(edge, rooms))
-    for room in house.rooms:
+    """Every wall as boxes without thickness: the rooms' but for the doors between them. Of a star's main room
+    they are where no room is.
+    """
+    if house.is_star:
+        rooms = shapely.union_all([_grown(room.box, TOLERANCE) for room in house.secondary])
+        for edge in _edges(house.main):
+            yield from _segments(shapely.difference(edge, rooms))
+    for room in house.counted:
+        doors = [door.box for door in house.doors_of(room.name) if not door.is_entrance]
+        gaps = shapely.union_all([_grown(door, TOLERANCE) for door in doors])
         for edge in _edges(room):
-            yield from _segments(shapely.difference(edge, _grown(room.door.box, TOLERANCE)))
+            yield from _segments(shapely.difference(edge, gaps))
 
 
 def _edges(rect: Rect) -> Iterator[BaseGeometry]:

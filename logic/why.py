@@ -149,7 +149,7 @@ def explain_house(
 def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
     """The index of the target's room, None for the main room; and of its piece, or ``door``, or None."""
     name, _, part = target.partition(".")
-    rooms = [f"R{index}" for index in range(len(house.rooms))]
+    rooms = [room.name for room in house.secondary]
     if name not in ["main", *rooms]:
         hint = _hint("", name, ["main", *rooms])
         raise RequestError(f"there is no {name}: {hint}the house has main, {', '.join(rooms)}")
@@ -157,7 +157,7 @@ def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
         if part:
             raise RequestError(f"{target}: the main room has no parts: ask for main")
         return None, None
-    room = house.rooms[int(name[1:])]
+    room = house.room(name)
     listed = ["door", *part_names([piece.type for piece in room.pieces])]
     places: dict[str, int | str] = {"door": "door"}
     for index, type_ in enumerate(piece.type for piece in room.pieces):
@@ -166,7 +166,7 @@ def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
     if part and part not in places:
         hint = _hint(f"{name}.", part, listed)
         raise RequestError(f"there is no {target}: {hint}{name} has {', '.join(listed)}")
-    return int(name[1:]), places.get(part)
+    return rooms.index(name), places.get(part)
 
 
 def part_names(types: Sequence[str]) -> list[str]:

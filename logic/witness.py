@@ -35,7 +35,7 @@ class Witness:
             again, self._layout = builder.made(self._request, made.seed, made.index, inferences)
         except (RequestError, Unsatisfiable) as error:
             why = str(error)
-        if again is None or (again.floor, again.rooms) != (house.floor, house.rooms):
+        if again is None or (again.rooms, again.doors) != (house.rooms, house.doors):
             if made.versions != builder.versions:
                 why = f"it was made by other versions, {made.versions}, not {builder.versions}"
             if made.grammar_hash != builder.grammar.hash:
@@ -121,7 +121,7 @@ class Witness:
 
     def _main_room(self, target: str) -> Why:
         """Why the main room has its sizes: rules/main_room.pl."""
-        floor, rooms = self._house.floor, fixed_rooms(self._house)
+        floor, rooms = self._house.main, fixed_rooms(self._house)
         about = f"the main room, {floor.width:.3f} by {floor.height:.3f} m ({self._origin})"
         if self._request.fixed:
             return Why(target, f"{about}, between the rooms that the request keeps (keep)")

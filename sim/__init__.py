@@ -17,7 +17,7 @@ from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
 from sim.env import HouseEnv
 from sim.oracle import Oracle, shortest_path
-from sim.tasks import Collect, Cover, Reach, Task
+from sim.tasks import Collect, Cover, Reach, Rooms, Task
 from sim.vector import HouseVectorEnv
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "HouseVectorEnv",
     "Oracle",
     "Reach",
+    "Rooms",
     "Task",
     "check_autoreset_modes",
     "check_vector_env",

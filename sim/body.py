@@ -3,7 +3,7 @@
 import numpy as np
 
 from sim.config import Config
-from sim.runtime import ti
+from sim.runtime import constants, ti
 
 HEADINGS = np.array([(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)], np.int32)
 """Steps east and south that ``forward`` makes at each of the eight headings."""
@@ -20,8 +20,7 @@ class Body:
     def __init__(self, config: Config) -> None:
         """Take the body's sides, its eye and its step from the configuration."""
         self.step, self.sides, self.eyes = config.step, config.body, config.eye
-        self.headings = ti.Vector.field(2, ti.i32, shape=len(HEADINGS))
-        self.headings.from_numpy(HEADINGS)
+        self.headings = constants(HEADINGS)
 
     @ti.func
     def ahead(self, cell):

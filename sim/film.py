@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,6 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from logic import House
 from logic.canvas import DENSITY, Drawing, png
+from logic.files import write_whole
 from logic.labels import room_names
 from logic.plan import INK, Frame, house_shapes
 from sim.config import Config
@@ -174,13 +176,10 @@ def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int 
     strip = np.concatenate([np.asarray(frame.convert("RGB")) for frame in sample], axis=1)
     palette = Image.fromarray(strip).quantize(255, Image.Quantize.MEDIANCUT)
     few = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in pictures]
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}")
-    times = [1000 // fps] * (len(few) - 1) + [1000]
-    few[0].save(beside, "GIF", save_all=True, append_images=few[1:], duration=times, loop=0)
-    beside.replace(path)
-    return path
+    times, content = [1000 // fps] * (len(few) - 1) + [1000], BytesIO()
+    few[0].save(content, "GIF", save_all=True, append_images=few[1:], duration=times, loop=0)
+    write_whole(path, content.getvalue())
+    return Path(path)
 
 
 class View:

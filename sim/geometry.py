@@ -1,8 +1,6 @@
-"""A house as the simulator meets it: boxes that stop rays and bodies.
+"""A house as the simulator meets it: boxes that stop rays and bodies, whatever its topology.
 
-Two conventions of files, one geometry: rooms may touch the main room from outside (ours) or overlap it (the
-original's). In both, the walls are every room's boundary but for its door, and the main room's boundary
-where no room covers it.
+Walls stand once, and the doors between rooms are cut out of them. The doors to the outside are shut.
 """
 
 from collections.abc import Iterable
@@ -15,14 +13,13 @@ from logic import House
 TOLERANCE = 1e-6
 """Metres: lines nearer than this are one line."""
 
-Interval = tuple[float, float]
-
 
 @dataclass(frozen=True)
 class Geometry:
     """A house in rows of (x, y, half width, half height): a box's centre and half its sides, metres.
 
-    Walls have no thickness, so one half is zero. The original's collision rule asks for rooms and doors.
+    Walls have no thickness, so one half is zero. The original's collision rule asks for rooms and doors: in a
+    star the k-th door is that of the k-th room.
     """
 
     verticals: np.ndarray
@@ -32,11 +29,13 @@ class Geometry:
     pieces: np.ndarray
     """(P, 4) float64: pieces of furniture and their children, solid."""
     rooms: np.ndarray
-    """(R, 4) float64: the secondary rooms."""
+    """(R, 4) float64: the rooms but ``floor``, in a star the secondary rooms."""
     doors: np.ndarray
-    """(R, 4) float64: each room's door, a segment."""
+    """(D, 4) float64: the doors between rooms, segments."""
     floor: np.ndarray
-    """(4,) float64: the main room's rectangle."""
+    """(4,) float64: the room where bodies start, in a star the main room's rectangle."""
+    overlapping: bool = False
+    """Whether rooms overlap the main room's rectangle, as in the original's files."""
 
     @property
     def solids(self) -> np.ndarray:
@@ -59,50 +58,17 @@ class Geometry:
 
 def geometry(house: House) -> Geometry:
     """A house's boxes; ``geometry(house).solids`` is what stops rays and bodies."""
-    verticals: list[tuple[float, Interval]] = []
-    horizontals: list[tuple[float, Interval]] = []
-    for room in house.rooms:
-        west, north, east, south = room.box
-        doorway_x, doorway_y, doorway_east, doorway_south = room.door.box
-        door_x = min(west, east, key=lambda x: abs(x - doorway_x)) if room.door.width == 0 else None
-        door_y = min(north, south, key=lambda y: abs(y - doorway_y)) if room.door.height == 0 else None
-        for x in (west, east):
-            gaps = [(doorway_y, doorway_south)] if x == door_x else []
-            verticals += [(x, span) for span in _remaining((north, south), gaps)]
-        for y in (north, south):
-            gaps = [(doorway_x, doorway_east)] if y == door_y else []
-            horizontals += [(y, span) for span in _remaining((west, east), gaps)]
-    west, north, east, south = house.floor.box
-    boxes = [room.box for room in house.rooms]
-    for x in (west, east):
-        covers = [(b[1], b[3]) for b in boxes if b[0] - TOLERANCE <= x <= b[2] + TOLERANCE]
-        verticals += [(x, span) for span in _remaining((north, south), covers)]
-    for y in (north, south):
-        covers = [(b[0], b[2]) for b in boxes if b[1] - TOLERANCE <= y <= b[3] + TOLERANCE]
-        horizontals += [(y, span) for span in _remaining((west, east), covers)]
+    verticals, horizontals = house.walls
+    start = house.start
     return Geometry(
-        verticals=_rows((x, low, x, high) for x, (low, high) in verticals),
-        horizontals=_rows((low, y, high, y) for y, (low, high) in horizontals),
+        verticals=_rows((x, low, x, high) for x, low, high in verticals),
+        horizontals=_rows((low, y, high, y) for y, low, high in horizontals),
         pieces=_rows(piece.box for room in house.rooms for piece in room.pieces),
-        rooms=_rows(boxes),
-        doors=_rows(room.door.box for room in house.rooms),
-        floor=_rows([house.floor.box])[0],
+        rooms=_rows(room.box for room in house.rooms if room is not start),
+        doors=_rows(door.box for door in house.doors if not door.is_entrance),
+        floor=_rows([start.box])[0],
+        overlapping=house.topology == "original",
     )
-
-
-def _remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
-    """What is left of a span when the gaps are cut out of it, in order."""
-    low, high = span
-    left = []
-    for start, end in sorted(gaps):
-        if start - low > TOLERANCE:
-            left.append((low, min(start, high)))
-        low = max(low, end)
-        if low >= high:
-            break
-    if high - low > TOLERANCE:
-        left.append((low, high))
-    return left
 
 
 def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:

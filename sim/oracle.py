@@ -97,7 +97,7 @@ class _Anywhere:
 
     def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
-        west, north, east, south = np.array([house.floor.box, *(room.box for room in house.rooms)]).T
+        west, north, east, south = np.array([room.box for room in house.rooms]).T
         return [(west.min(), north.min(), east.max(), south.max())]
 
 

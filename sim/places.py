@@ -28,20 +28,22 @@ def places(
 ) -> Places:
     """Find a house's starts and a task's targets from what the body can do there.
 
-    Raises ``ValueError`` where the body has nowhere to stand in the main room, where it cannot come to a room
+    Bodies start in the main room of a star, in the hub of another house, or as ``House.start`` says.
+
+    Raises ``ValueError`` where the body has nowhere to stand there, where it cannot come to a room
     in which the task has targets, or where a target has nowhere to lie.
     """
     free = survey.part > 0
     body = max(config.body) / 2
     start = free & _within(geometry.floor, body, lattice) & ~_touched(geometry.rooms, body, lattice)
     if not start.any():
-        raise ValueError("the body has nowhere to stand in the main room")
-    # Of parts of the house that no path joins, the body lives in the one with most of the main room.
+        raise ValueError(f"the body has nowhere to stand in {_name(house.start.box, house)}")
+    # Of parts of the house that no path joins, the body lives in the one with most of that room.
     reached = survey.part == np.bincount(survey.part[start]).argmax()
 
-    spaces, boxes = list(task.spaces(house)), [room.box for room in house.rooms]
+    spaces, boxes = list(task.spaces(house)), [room.box for room in house.rooms if room is not house.start]
     if not spaces:
-        types = ", ".join(sorted({room.type for room in house.rooms}))
+        types = ", ".join(sorted({room.type for room in house.counted}))
         raise ValueError(f"it has no room for the targets of {task}: there are {types}")
     half = config.target / 2
     clear = reached & ~_touched(geometry.solids, half, lattice)
@@ -56,7 +58,7 @@ def places(
         )
         if space in boxes and not (reached & _within(row, body, lattice)).any():
             raise ValueError(f"the body cannot reach {_name(space, house)}")
-        chosen |= (main if space == house.floor.box else inside) & _within(row, half, lattice)
+        chosen |= (main if space == house.start.box else inside) & _within(row, half, lattice)
     if not chosen.any():
         where = ", ".join(_name(space, house) for space in spaces)
         raise ValueError(f"no target fits on free floor that the body can reach in {where}")
@@ -68,8 +70,10 @@ def places(
 
 def _name(space: Box, house: House) -> str:
     """A space in words."""
-    names = {room.box: f"room R{index} ({room.type})" for index, room in enumerate(house.rooms)}
-    return ({house.floor.box: "the main room"} | names).get(space, f"the rectangle {space}")
+    names = {room.box: f"room {room.name} ({room.type})" for room in reversed(house.rooms)}
+    if house.is_star:
+        names = {house.main.box: "the main room"} | {room.box: names[room.box] for room in house.secondary}
+    return names.get(space, f"the rectangle {space}")
 
 
 def _within(box: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
@@ -96,7 +100,7 @@ def _slices(box: np.ndarray, grow: float, lattice: Lattice) -> tuple[slice, slic
 
 
 def _nearest(start: np.ndarray, floor: np.ndarray, lattice: Lattice) -> np.ndarray:
-    """Only the start that is nearest to the main room's middle, the first of equals."""
+    """Only the start that is nearest to the floor's middle, the first of equals."""
     where = np.argwhere(start)
     away = lattice.origin + lattice.pitch * where - floor[:2]
     one = np.zeros_like(start)

@@ -9,7 +9,7 @@ one minimum does for two comparisons, and loops over rays have no branch: they b
 import numpy as np
 
 from sim.config import Config
-from sim.runtime import ti
+from sim.runtime import constants, ti
 
 SEAM = 2e-5
 """Metres by which a line reaches beyond its ends for a ray, so that none slips through where two meet."""
@@ -48,8 +48,7 @@ class Rays:
         outermost = max(config.first_ray, config.ray_spacing * (config.rays - 1) - config.first_ray)
         self.widest = float(np.cos(np.deg2rad(min(180.0, max(0.0, outermost)))))
         table = np.concatenate([1 / east, south / east, 1 / south, east / south]).astype(np.float32)
-        self.table = ti.field(ti.f32, shape=len(table))
-        self.table.from_numpy(table)
+        self.table = constants(table)
 
     @ti.func
     def first(self, heading, ray):

@@ -10,6 +10,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import CodeType
 from typing import TYPE_CHECKING, Any
@@ -32,7 +33,7 @@ with contextlib.redirect_stdout(io.StringIO()):
 LOCK_AGE = 60.0
 """Seconds; to write the kernels of a process takes less than one."""
 
-__all__ = ["Array", "Launch", "start", "ti"]
+__all__ = ["Array", "Launch", "constants", "start", "ti"]
 
 
 def _once(describe: Callable[[Any, Any], str]) -> Any:
@@ -82,37 +83,97 @@ def _require_threads() -> None:
         )
 
 
+_compiling = threading.RLock()
+"""Taichi compiles for one thread at a time. What is compiled runs in any, under Python's own lock."""
+
+
+class _Owner:
+    """The thread that starts Taichi, the only one in which Taichi then makes fields.
+
+    On the CPU it is a thread of ours: a caller's may end, or wait for another that needs a field. On a GPU it
+    is the caller's: if another thread starts it, the driver fails when the process ends.
+    """
+
+    def __init__(self, device: str) -> None:
+        """Begin a thread, which ends with the process."""
+        self.pool = ThreadPoolExecutor(1, "taichi") if device == "cpu" else None
+        self.caller = threading.current_thread()
+        self.program: Any = None
+
+    def call(self, make: Callable[[], Any]) -> Any:
+        """What ``make`` returns there."""
+        if self.pool:
+            return self.pool.submit(make).result()
+        if self.caller is not threading.current_thread():
+            raise RuntimeError(
+                f"Taichi was started on the GPU in the thread {self.caller.name}: make environments there; "
+                "they step in any thread"
+            )
+        return make()
+
+
+_owner: _Owner | None = None
+
+
 def start(device: str = "cpu", threads: int | None = None) -> Any:
     """Start Taichi, once: one that runs already, ours or the caller's, is left as it is. Returns its program.
 
     ``device``: ``cpu`` or ``cuda``; ``ValueError`` if it is not there, or another one runs already.
-    ``threads`` bounds its workers (all cores by default). Call it in the main thread: kernels compile there.
+    ``threads`` bounds its workers (all cores by default). Environments are made and stepped in any thread; on
+    a GPU, or after a caller's own ``ti.init``, they are made in the thread that started Taichi.
     Raises ``RuntimeError`` in a fork of a process in which it ran.
     """
+    global _owner  # noqa: PLW0603 - Taichi has one program a process
     _require_threads()
     arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
-    runtime = impl.get_runtime()
-    if runtime.prog is None:
-        # Without fast_math a hit is decided alike on every machine. Taichi's own passes do nothing for
-        # kernels that LLVM optimises again, and take half of the time to compile.
-        options = {"arch": arch, "fast_math": False, "log_level": ti.ERROR}
-        options |= {"advanced_optimization": False, "cfg_optimization": False}
-        # Kernels are kept on disk for the next process. Ours take more than the 100 MB that Taichi keeps.
-        options["offline_cache_max_size_of_files"] = 1 << 30
-        if threads is not None:
-            options["cpu_max_num_threads"] = threads
-        drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
-        before = _threads()
-        with contextlib.redirect_stdout(io.StringIO()):
-            ti.init(**options)
-        _spread(sorted(_threads() - before), threads)
-        runtime = impl.get_runtime()
+    with _compiling:
+        if impl.get_runtime().prog is None:
+            _owner = _Owner(device)
+            _owner.call(lambda: _begin(arch, threads))
+            _owner.program = impl.get_runtime().prog
     running = impl.current_cfg().arch
     if (running == ti.cuda) != (device == "cuda"):
         names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
         now = names.get(running, running.name)
         raise ValueError(f"device {device!r} cannot be had: Taichi runs on {now} in this process")
-    return runtime.prog
+    return impl.get_runtime().prog
+
+
+def _begin(arch: Any, threads: int | None) -> None:
+    # Without fast_math a hit is decided alike on every machine. Taichi's own passes do nothing for
+    # kernels that LLVM optimises again, and take half of the time to compile.
+    options = {"arch": arch, "fast_math": False, "log_level": ti.ERROR}
+    options |= {"advanced_optimization": False, "cfg_optimization": False}
+    # Kernels are kept on disk for the next process. Ours take more than the 100 MB that Taichi keeps.
+    options["offline_cache_max_size_of_files"] = 1 << 30
+    if threads is not None:
+        options["cpu_max_num_threads"] = threads
+    drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
+    before = _threads()
+    with contextlib.redirect_stdout(io.StringIO()):
+        ti.init(**options)
+    _spread(sorted(_threads() - before), threads)
+
+
+def constants(values: np.ndarray) -> Any:
+    """A field with these numbers (n,), or vectors (n, width), which kernels read.
+
+    Raises ``RuntimeError`` on a GPU in another thread than the one that called ``start`` first.
+    """
+
+    def make() -> Any:
+        dtype = _TYPES[values.dtype.type]
+        if values.ndim == 1:
+            field = ti.field(dtype, shape=len(values))
+        else:
+            field = ti.Vector.field(values.shape[1], dtype, shape=len(values))
+        field.from_numpy(values)
+        return field
+
+    with _compiling:
+        if _owner and _owner.program is impl.get_runtime().prog:
+            return _owner.call(make)
+        return make()
 
 
 def drop_stale_lock(folder: Path) -> None:
@@ -158,11 +219,12 @@ class Array:
         self.dtype: type = _NUMPY[dtype]
         # Taichi has no arrays of nothing.
         allotted = max(1, length)
-        if width == 1:
-            self.element, self.ndarray = dtype, ti.ndarray(dtype, allotted)
-        else:
-            self.element = ti.types.vector(width, dtype)
-            self.ndarray = ti.Vector.ndarray(width, dtype, allotted)
+        with _compiling:
+            if width == 1:
+                self.element, self.ndarray = dtype, ti.ndarray(dtype, allotted)
+            else:
+                self.element = ti.types.vector(width, dtype)
+                self.ndarray = ti.Vector.ndarray(width, dtype, allotted)
         self._view: np.ndarray | None = None
 
     @classmethod
@@ -245,8 +307,9 @@ class Launch:
             ti.graph.Arg(ti.graph.ArgKind.NDARRAY, name, arrays[name].element, ndim=1) for name in self.names
         ]
         builder = ti.graph.GraphBuilder()
-        builder.dispatch(kernel, *arguments)
-        self._graph = builder.compile()._compiled_graph  # its own ``run`` looks at each argument, 5 us in all
+        with _compiling:
+            builder.dispatch(kernel, *arguments)
+            self._graph = builder.compile()._compiled_graph  # its ``run`` looks at each argument, 5 us in all
         self.bind(arrays)
 
     def bind(self, arrays: Mapping[str, Array]) -> None:

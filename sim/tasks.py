@@ -34,23 +34,46 @@ class Task(Protocol):
     """Whether the first pick-up terminates the episode."""
 
     def spaces(self, house: House) -> list[Box]:
-        """The rectangles of which targets lie wholly in one: ``room.box``, ``house.floor.box`` for the main
-        room (that is the floor without the rooms, in all files), or any others.
+        """The rectangles of which targets lie wholly in one: ``room.box``, ``house.main.box`` for the hub (of
+        a star: the floor without the rooms, in all files), or any others.
         """
         ...
 
 
 @dataclass(frozen=True)
 class Collect:
-    """Pick up targets, as many as can be: in the main room, in secondary rooms, or in both."""
+    """Pick up targets, as many as can be: in the main room (the hub), in the other rooms, or in both."""
 
     main: bool = True
     secondary: bool = True
     ends_on_pick_up: ClassVar[bool] = False
 
     def spaces(self, house: House) -> list[Box]:
+        """See ``Task``. Raises ``ValueError`` for the main room of a house without a hub."""
+        if self.main and not self.secondary and not house.hub:
+            types = sorted({room.type for room in house.rooms})
+            raise ValueError(
+                f'it names no hub, so it has no main room: ask for targets="all" or {{"rooms": {types}}}'
+            )
+        hub = [house.main.box] if self.main and house.hub else []
+        return hub + [room.box for room in house.secondary] * self.secondary
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """Pick up targets, as many as can be, in rooms of these types."""
+
+    rooms: Sequence[str]
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` for what is no list of names."""
+        if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in self.rooms):
+            raise TypeError(f"rooms: a list of room types, not {self.rooms!r}")
+
+    def spaces(self, house: House) -> list[Box]:
         """See ``Task``."""
-        return [house.floor.box] * self.main + [room.box for room in house.rooms] * self.secondary
+        return [room.box for room in house.rooms if room.type in self.rooms]
 
 
 @dataclass(frozen=True)
@@ -65,10 +88,15 @@ class Reach:
         return [room.box for room in house.rooms if room.type == self.room]
 
 
-TARGETS = {"main": Collect(secondary=False), "secondary": Collect(main=False), "mixed": Collect()}
-"""Tasks that have a name."""
+TARGETS = {
+    "main": Collect(secondary=False),
+    "secondary": Collect(main=False),
+    "mixed": Collect(),
+    "all": Collect(),
+}
+"""Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
 
-TASKS = {"collect": Collect, "reach": Reach}
+TASKS = {"collect": Collect, "reach": Reach, "rooms": Rooms}
 """Tasks that take arguments."""
 
 Targets = str | dict[str, Any] | Task
@@ -77,7 +105,7 @@ Targets = str | dict[str, Any] | Task
 def task(targets: Targets) -> Task:
     """The task that is meant: by a name of ``TARGETS``, as ``{"task": name or "module:Class", **arguments}``,
     such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text, as ``"module:Class"`` alone, or
-    itself.
+    itself. ``{"rooms": ["bedroom", "study"]}`` is short for the task ``rooms``.
 
     All but the last go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if there is
     no such task, or not with these arguments.
@@ -95,7 +123,7 @@ def task(targets: Targets) -> Task:
             raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
         return given
     arguments = dict(given)
-    name = arguments.pop("task", None)
+    name = arguments.pop("task", "rooms" if list(arguments) == ["rooms"] else None)
     if name not in TASKS and (not isinstance(name, str) or ":" not in name):
         names = TASKS if given is targets else TARGETS
         raise ValueError(

@@ -89,8 +89,8 @@ class HouseVectorEnv(VectorEnv):
     ## Arguments
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
     ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
-    ``targets``: where they lie, ``main`` room, ``secondary`` rooms or ``mixed``, or another task, such as
-    ``{"task": "reach", "room": "kitchen"}``: see ``sim.tasks``.
+    ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
+    types, ``{"rooms": ["bedroom"]}``, or another task, ``{"task": "reach", "room": "hall"}``: ``sim.tasks``.
     ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
     ``seed``: of the first reset, if that is given none.
     """

@@ -222,10 +222,11 @@ FARTHEST = 100.0
 def _check(houses: Sequence[House]) -> None:
     """Raise ``ValueError`` where a length of a house is none, or too far off, before memory is taken."""
     for index, house in enumerate(houses):
-        rects: list[tuple[str, Any]] = [("the main room", house.floor)]
-        for k, room in enumerate(house.rooms):
-            rects += [(f"room R{k}", room), (f"the door of room R{k}", room.door)]
-            rects += [(f"a {piece.type} in room R{k}", piece) for piece in room.pieces]
+        rects: list[tuple[str, Any]] = []
+        for room in sorted(house.rooms, key=lambda room: room.name != house.hub):
+            rects.append(("the main room" if room.name == "main" else f"room {room.name}", room))
+            rects += [(f"a {piece.type} in room {room.name}", piece) for piece in room.pieces]
+        rects += [(f"the door of room {door.between[0]}", door) for door in house.doors]
         for name, rect in rects:
             if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
                 raise ValueError(

@@ -62,11 +62,18 @@ class Reference:
 
 
 def walls(house: House) -> shapely.Geometry:
-    """All walls as lines: rooms' boundaries without their doors, and the main room's where no room is."""
+    """All walls as lines: rooms' boundaries without the doors between them, but a star's main room's only
+    where no room is.
+    """
     # Doors and covers are a little wide, so that rounding leaves no splinter of a wall.
-    parts = [box(*room.box).boundary.difference(box(*room.door.box).buffer(1e-9)) for room in house.rooms]
-    covered = shapely.union_all([box(*room.box).buffer(1e-7, join_style="mitre") for room in house.rooms])
-    return shapely.union_all([*parts, box(*house.floor.box).boundary.difference(covered)])
+    if not house.is_star:
+        doors = [box(*door.box).buffer(1e-9) for door in house.doors if "outside" not in door.between]
+        outlines = [box(*room.box).boundary for room in house.rooms]
+        return shapely.union_all(outlines).difference(shapely.union_all(doors))
+    star = house.star
+    parts = [box(*room.box).boundary.difference(box(*room.door.box).buffer(1e-9)) for room in star.rooms]
+    covered = shapely.union_all([box(*room.box).buffer(1e-7, join_style="mitre") for room in star.rooms])
+    return shapely.union_all([*parts, box(*star.floor.box).boundary.difference(covered)])
 
 
 def sides(boxes: Iterable[np.ndarray]) -> np.ndarray:

@@ -2,10 +2,12 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
+import msgspec
 import numpy as np
 
-from logic import Door, House, Piece, Rect, Room
+from logic import House, Piece, Rect, Star, StarRoom
 from sim import DEFAULT
 from tests.reference import Reference
 
@@ -51,18 +53,23 @@ def drawn(text: str, cell: float = 0.9) -> House:
         room = next(c.lower() for c in around.values() if c.isalpha())
         dy, dx = next(way for way, c in around.items() if c == ".")
         west, north = (x + (dx > 0)) * cell, (y + (dy > 0)) * cell
-        doors[room] = Door(float(west), float(north), cell * (dx == 0), cell * (dy == 0))
+        doors[room] = Rect(float(west), float(north), cell * (dx == 0), cell * (dy == 0))
     rooms = []
     for name in sorted({c for c in letters.ravel() if c.islower()}):
         piece = letters == name.upper()
         pieces = (Piece(*box(piece), type="table"),) if piece.any() else ()
-        rooms.append(Room(*box(letters == name), type="bedroom", children=pieces, door=doors[name]))
-    return House(Rect(*box(letters == ".")), tuple(rooms))
+        rooms.append(StarRoom(*box(letters == name), type="bedroom", children=pieces, door=doors[name]))
+    return House.of_star(Star(Rect(*box(letters == ".")), tuple(rooms)))
 
 
-def example(whole_pixels: bool = False) -> House:
-    """The original program's house; with its lengths cut to whole pixels, as its simulator has them."""
-    path = FIXTURES / "example1.json"
+def changed_star(house: House, **changes: Any) -> House:
+    """A star with another ``floor`` or other ``rooms``."""
+    return House.of_star(msgspec.structs.replace(house.star, **changes), house.topology, house.provenance)
+
+
+def example(whole_pixels: bool = False, name: str = "example1") -> House:
+    """A house of the original program; with its lengths cut to whole pixels, as its simulator has them."""
+    path = FIXTURES / f"{name}.json"
 
     def cut(value: dict[str, float]) -> dict[str, float]:
         return {key: int(x) if isinstance(x, float) else x for key, x in value.items()}
@@ -90,20 +97,20 @@ def random_house(seed: int, original: bool = False) -> House:
             y = floor.y + before if side == 0 else floor.y + floor.height + after
             wall = y + depth if side == 0 else y
             room = Rect(floor.x + start, y, length, depth)
-            door = Door(floor.x + door_at, wall, 0.762, 0.0)
+            door = Rect(floor.x + door_at, wall, 0.762, 0.0)
         else:  # east, west
             x = floor.x + before if side == 3 else floor.x + floor.width + after
             wall = x + depth if side == 3 else x
             room = Rect(x, floor.y + start, depth, length)
-            door = Door(wall, floor.y + door_at, 0.0, 0.762)
-        rooms.append(Room(*_sides(room), type="hall", children=_pieces(rng, room, door), door=door))
-    return House(floor, tuple(rooms), "original" if original else "vitruvius-1")
+            door = Rect(wall, floor.y + door_at, 0.0, 0.762)
+        rooms.append(StarRoom(*_sides(room), type="hall", children=_pieces(rng, room, door), door=door))
+    return House.of_star(Star(floor, tuple(rooms)), "original" if original else "star")
 
 
 def free_poses(house: House, count: int, seed: int) -> np.ndarray:
     """Poses (count, 3) in a house where the default body is surely clear of everything."""
     rng, reference = np.random.default_rng(seed), Reference(house)
-    boxes = np.array([house.floor.box, *(room.box for room in house.rooms)])
+    boxes = np.array([room.box for room in house.rooms])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     poses = []
     while len(poses) < count:
@@ -114,7 +121,7 @@ def free_poses(house: House, count: int, seed: int) -> np.ndarray:
     return np.array(poses)
 
 
-def _pieces(rng: np.random.Generator, room: Rect, door: Door) -> tuple[Piece, ...]:
+def _pieces(rng: np.random.Generator, room: Rect, door: Rect) -> tuple[Piece, ...]:
     west, north, east, south = door.box
     pieces = []
     for _ in range(3):

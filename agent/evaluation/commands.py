@@ -175,12 +175,14 @@ class Record:
         from agent.evaluation.film import record
         from agent.progress import progress
         from logic import load
+        from logic.files import require_file
         from sim.film import require_gif
 
         try:
             require_gif(self.out)
         except ValueError as error:
             raise RequestError(f"--out {error}") from None
+        require_file(self.out, [self.out.suffix])
         agent, houses = checkpoint.load(self.agent), load(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")

@@ -57,7 +57,7 @@ def measure(
             report((number + place / len(policies)) / len(modes), f"{mode}: {name}")
             played = play(setting.envs, make(setting.envs, seed), seed, lookout=setting.lookout)
             scores[name] = (*scores.get(name, ()), played)
-        rooms = np.array([len(house.rooms) for house in houses])
+        rooms = np.array([len(house.secondary) for house in houses])
         yield Result(mode, rooms, shortest_ways(default.envs, seed), scores)
     report(1.0, f"{len(houses)} houses")
 

@@ -96,11 +96,11 @@ class Search:
         self.seen = self.watch.seen
         self.earlier = np.zeros_like(self.seen)
         self.rooms = np.full((len(shapes), rooms - 1, 4), np.nan)
-        self.doors = np.full((len(shapes), rooms - 1, 4), np.nan)
+        self.doors = np.full((len(shapes), max(len(shape.doors) for shape in shapes), 4), np.nan)
         self.masks = np.zeros((len(shapes), rooms, 8 * self.seen[0].nbytes), bool)
         for house, shape in enumerate(shapes):
             self.rooms[house, : len(shape.rooms)] = shape.rooms
-            self.doors[house, : len(shape.rooms)] = shape.doors
+            self.doors[house, : len(shape.doors)] = shape.doors
             places = self.watch.spots[house]
             self.masks[house, room_of(places, self.rooms[house]), np.arange(len(places))] = True
         self.total = self.masks.sum(axis=-1)

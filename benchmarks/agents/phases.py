@@ -73,7 +73,7 @@ class Phases:
                 np.savez(content, **vars(follow(envs, make(), self.seed)))
                 write_whole(path, content.getvalue())
             accounts[name] = Account(**np.load(path))
-        rooms = np.array([len(house.rooms) for house in houses])
+        rooms = np.array([len(house.secondary) for house in houses])
         page = "\n\n".join(sheet.markdown() for sheet in sheets(accounts, rooms))
         write_whole(self.out / "phases.md", f"{page}\n".encode())
         print(page)

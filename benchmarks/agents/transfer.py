@@ -142,7 +142,7 @@ class Transfer:
 
 def wider(houses: list[House]) -> float:
     """The share of the houses whose far ends lie on each other in a map, which is a torus."""
-    boxes = [np.array([house.floor.box, *(room.box for room in house.rooms)]) for house in houses]
+    boxes = [np.array([room.box for room in house.rooms]) for house in houses]
     across = [(box[:, 2:].max(axis=0) - box[:, :2].min(axis=0)).max() for box in boxes]
     return float((np.array(across) > reach()).mean())
 

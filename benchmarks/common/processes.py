@@ -19,7 +19,7 @@ from logic.files import write_whole
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
 """The environment of a process whose libraries use one thread each."""
 
-CLI = (sys.executable, "-m", "agent.cli")
+CLI = (sys.executable, "-P", "-m", "agent.cli")
 
 
 @dataclass(frozen=True)

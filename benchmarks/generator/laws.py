@@ -6,16 +6,19 @@ k things in a row leave k + 1 gaps. Uniform on their simplex, each is Beta(1,k) 
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from clingo import Function, parse_term
 from scipy.stats import beta, kstest
 
-from logic import House
+from logic import House, prolog
 from logic.builder import Builder
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.request import Request
+
+CHAINS = Path(__file__).with_name("chains.pl")
 
 SIDES = {"north": (0, 1), "east": (1, 1), "south": (0, -1), "west": (1, -1)}
 """Along which axis a side's rooms follow each other clockwise, and in which direction."""
@@ -42,15 +45,11 @@ def held(name: str, gaps: np.ndarray) -> Law:
     return Law(name, len(gaps), distance, min(1.0, least * len(found)))
 
 
-def on_a_chain(builder: Builder, pieces: int, samples: int) -> np.ndarray:
+def on_a_chain(pieces: int, samples: int) -> np.ndarray:
     """Shares of the gaps around ``pieces`` of 0.5 m on 10 m."""
-    names = [f"S{i}" for i in range(pieces)]
-    blocks = ",".join(f"block({name},0.5,[at_least(0.0)-[],at_most(9.5)-[]],[])" for name in names)
-    sampled = f"call(chain:chain_sample([{blocks}],0.0),Seed,_),Xs=[{','.join(names)}]"
     seeds = np.random.default_rng(pieces).integers(2**63, size=samples).tolist()
-    each = f"findall(Xs,(member(Seed,{seeds}),{sampled}),All)"
-    goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
-    starts = np.array(builder.placer._json(goal))
+    prolog.load(CHAINS)
+    starts = np.array(prolog.ask("starts", pieces, 0.5, 10.0, seeds, module="chains"))
     return _gaps(starts, starts + 0.5, 0.0, 10.0) / (10 - 0.5 * pieces)
 
 
@@ -93,7 +92,9 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
         }
         for side in SIDES:
             own = [
-                made for made, room in zip(house.rooms, layout.rooms, strict=True) if str(room.side) == side
+                made
+                for made, room in zip(house.star.rooms, layout.rooms, strict=True)
+                if str(room.side) == side
             ]
             if own:
                 gaps = _side_gaps(house, own, side, owners, between)
@@ -106,7 +107,7 @@ def _side_gaps(
 ) -> np.ndarray:
     """The gaps along one side that are free: what is left of each past the least that it must be."""
     axis, way = SIDES[side]
-    west, north, east, south = house.floor.box
+    west, north, east, south = house.main.box
     corner = {"north": west, "east": north, "south": east, "west": south}[side]
     length = (east - west, south - north)[axis]
 
@@ -133,8 +134,7 @@ def _gaps(starts: np.ndarray, ends: np.ndarray, first: float, last: float) -> np
 def laws(builder: Builder, samples: int) -> list[Law]:
     """The table of the study."""
     found = [
-        held(f"gaps on a chain of {k}, by `chain_sample`", on_a_chain(builder, k, samples))
-        for k in (1, 2, 3, 5, 8)
+        held(f"gaps on a chain of {k}, by `chain_sample`", on_a_chain(k, samples)) for k in (1, 2, 3, 5, 8)
     ]
     for k, pieces in enumerate((["toilet"], ["toilet", "sink"], ["toilet", "sink", "shower"]), start=1):
         shares, widths = on_a_wall(builder, pieces, samples // 5)

@@ -126,6 +126,7 @@ def by_rejection(program: Program, rng: np.random.Generator, tries: int) -> Coun
         np.cumsum(program._counts) - program._counts, program._counts
     )
     accepted = Counter[Layout]()
+    program.end_search()
     for _ in range(tries):
         keys = rng.exponential(size=len(variable)) / program._weights
         picked = program._choices[np.lexsort((keys, variable))[place < wanted]]

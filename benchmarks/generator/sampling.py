@@ -41,14 +41,14 @@ BINS = {"bins": 20, "range": ((0.3, 1.0), (0.0, 0.5))}
 
 def furnished(house: House) -> float:
     """The share of the rooms' floor that furniture covers."""
-    return sum(p.area for r in house.rooms for p in r.pieces) / sum(r.area for r in house.rooms)
+    return sum(p.area for r in house.rooms for p in r.pieces) / sum(r.area for r in house.secondary)
 
 
 def compact(house: House) -> float:
     """The share of the outline's rectangle that the house covers."""
-    boxes = np.array([house.floor.box, *(room.box for room in house.rooms)])
+    boxes = np.array([room.box for room in house.rooms])
     west, north, east, south = *boxes[:, :2].min(axis=0), *boxes[:, 2:].max(axis=0)
-    return (house.floor.area + sum(room.area for room in house.rooms)) / ((east - west) * (south - north))
+    return sum(room.area for room in house.rooms) / ((east - west) * (south - north))
 
 
 def expressive_range(count: int) -> tuple[dict[str, dict[str, float]], bytes]:

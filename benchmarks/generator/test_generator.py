@@ -17,7 +17,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import block_diag, coo_array, csr_array
 
-from logic import House, generate
+from logic import House, generate, prolog
 from logic.builder import Builder
 from logic.grammar import find
 from logic.placement import Layout
@@ -66,13 +66,13 @@ def measure(
     numbers, counts = itertools.count(), []
 
     def setup() -> Any:
-        counts.append(inferences(builder))
+        counts.append(inferences())
         return (next(numbers),), {}
 
     work(0)
-    asking = -inferences(builder) + inferences(builder)
+    asking = -inferences() + inferences(builder)
     benchmark.pedantic(work, setup=setup, rounds=rounds)
-    counts.append(inferences(builder))
+    counts.append(inferences())
     times = benchmark.stats.stats.data
     benchmark.extra_info.update(
         rooms=rooms,
@@ -84,9 +84,9 @@ def measure(
     )
 
 
-def inferences(builder: Builder) -> int:
+def inferences() -> int:
     """Those that SWI-Prolog has made so far."""
-    return builder.placer._ask("statistics(inferences,Count)")["Count"]
+    return prolog.ask("statistics", "inferences", module="system")
 
 
 # - the generator ------------------------------------------------------------------------------------------
@@ -163,21 +163,17 @@ def test_workers(benchmark: Any, workers: int) -> None:
 @study("baseline: the original's method, rooms only, sampled and rejected")
 @pytest.mark.parametrize("rooms", REJECTIONS)
 def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
-    consult(builder, "rejection.pl")
-    builder.placer._ask(f"set_random(seed({rooms}))")
+    prolog.load(Path(__file__).with_name("rejection.pl"))
+    prolog.run("set_random", ("seed", rooms), module="system")
     tries: list[int] = []
 
     def plan(_: int) -> None:
-        tries.append(builder.placer._ask(f"rejection:tries_until_valid({rooms},{LIMIT},Tries)")["Tries"])
+        tries.append(prolog.ask("tries_until_valid", rooms, LIMIT, module="rejection"))
 
     rounds = REJECTIONS[rooms]
     measure(benchmark, builder, rooms, plan, rounds=rounds)
     made = tries[-rounds:]
     benchmark.extra_info.update(censored=made.count(0), limit=LIMIT, tries=float(np.median(made)))
-
-
-def consult(builder: Builder, name: str) -> None:
-    builder.placer._ask(f"use_module('{Path(__file__).with_name(name)}')")
 
 
 # - other solvers of the same systems ----------------------------------------------------------------------
@@ -196,12 +192,12 @@ class System(NamedTuple):
 @pytest.fixture
 def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> list[list[System]]:
     """The linear systems of some houses' rooms with all sizes unknown; SWI-Prolog keeps them too."""
-    consult(builder, "systems.pl")
+    prolog.load(Path(__file__).with_name("systems.pl"))
     found = []
     for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
-        terms = [f"{room.type},[{','.join(map(str, room.furniture))}]" for room in layout.rooms]
-        builder.placer._ask(f"systems:stated({number},[{','.join(f'room({term})' for term in terms)}])")
-        found.append([matrices(builder.placer._json(f"room_system({term},Json)")) for term in terms])
+        each = [("room", room.type, list(room.furniture)) for room in layout.rooms]
+        prolog.run("stated", number, each, module="systems")
+        found.append([matrices(prolog.ask("room_system", *room)) for _, *room in each])
     return found
 
 
@@ -210,7 +206,7 @@ def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> li
 @pytest.mark.usefixtures("systems")
 def test_decide_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def decide(turn: int) -> None:
-        builder.placer._ask(f"systems:decided({turn % HOUSES})")
+        prolog.run("decided", turn % HOUSES, module="systems")
 
     measure(benchmark, builder, rooms, decide, panel=SOLVERS)
 
@@ -246,7 +242,7 @@ def test_decide_with_highs_at_once(
 @pytest.mark.usefixtures("systems")
 def test_sample_with_clpr(benchmark: Any, builder: Builder, rooms: int) -> None:
     def sample(turn: int) -> None:
-        builder.placer._ask(f"systems:sampled({turn % HOUSES},{turn})")
+        prolog.run("sampled", turn % HOUSES, turn, module="systems")
 
     measure(benchmark, builder, rooms, sample, panel=SOLVERS)
 

@@ -30,7 +30,7 @@ class Thousand:
                 for index, house in enumerate(houses(grammar, cell)):
                     for violation in check(house):
                         violations += 1
-                        print(f"{grammar}, {len(house.rooms)} rooms, house {index}: {violation}")
+                        print(f"{grammar}, {len(house.secondary)} rooms, house {index}: {violation}")
                     made = index + 1
                 total += made
                 where = f"on a grid of {cell} m" if cell else "anywhere"

@@ -98,7 +98,7 @@ class Explorers:
         agents = list(dict.fromkeys((AS_IS, *self.set, *priors, *[SEARCHER] * self.searcher)))
         for agent in (ORACLE, *agents):
             self.play(agent)
-        rooms, page = np.array([len(house.rooms) for house in self.bank]), []
+        rooms, page = np.array([len(house.secondary) for house in self.bank]), []
         for mode in self.targets:
             kept = {agent: np.load(self.path(mode, agent)) for agent in (ORACLE, *agents)}
             # Where the oracle finds none, as if it found one in all of the episodes.

@@ -183,15 +183,10 @@ class Generate:
 
 def _require_writable(out: Path | None, count: int) -> None:
     """Say before the work, not after it, that its place cannot take it."""
-    from logic.files import HOUSE_FILES, require_ending
+    from logic.files import HOUSE_FILES, require_file
 
     if out is None:
         return
-    if out.is_dir():
-        raise RequestError(f"--out {out}: is a folder: name a file in it, as in {out / 'houses.jsonl'}")
-    require_ending(out, HOUSE_FILES)
+    require_file(out, HOUSE_FILES)
     if out.name.removesuffix(".gz").endswith(".json") and count != 1:
         raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")
-    folder = next(parent for parent in out.absolute().parents if parent.exists())
-    if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise RequestError(f"--out {out}: {folder} cannot be written to")

@@ -1,4 +1,4 @@
-"""``vitruvius check`` and ``draw``: what is done with a file of houses."""
+"""``vitruvius check``, ``draw``, ``convert`` and ``schema``: what is done with files of houses."""
 
 import json
 from dataclasses import dataclass
@@ -72,7 +72,43 @@ class Draw:
         """Write a picture of each house, numbered from 0 as in the file, and one of all."""
         from logic import load
         from logic.draw import draw
+        from logic.files import require_folder
 
+        require_folder(self.out)
         pictures = draw(load(self.file), self.out, format=self.format, one_scale=self.one_scale)
         say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
+        return 0
+
+
+@dataclass(frozen=True)
+class Convert:
+    """Write a house file of any format as one of today's, ``vitruvius-2``. Its houses simulate as before."""
+
+    file: tyro.conf.Positional[Path]
+    """House file."""
+
+    out: Path
+    """The new house file (.jsonl, .jsonl.gz, or .json for one house)."""
+
+    def run(self) -> int:
+        """Read the houses and write them."""
+        from logic import load, save
+        from logic.files import HOUSE_FILES, require_ending
+
+        require_ending(self.out, HOUSE_FILES)
+        houses = [house.converted() for house in load(self.file)]
+        save(houses, self.out)
+        say(f"{self.out}: {len(houses)} converted")
+        return 0
+
+
+@dataclass(frozen=True)
+class Schema:
+    """Print the JSON Schema of a house: docs/house.schema.json."""
+
+    def run(self) -> int:
+        """Print it, indented."""
+        from logic.records import schema
+
+        print(json.dumps(schema(), indent=2))
         return 0

@@ -1,14 +1,14 @@
-:- module(core, [grammar_problems/2, grammar_lengths/3, grammar_origins/2, grammar_sized/1, set_cell/1, placed/3,
+:- module(core, [grammar_problems/3, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
                  room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
-                 main_lengths/4]).
+                 main_lengths/4, solver_version/1]).
 
 /** <module> Stage 2: from a layout to a house
 
 The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
-    written.pl         a grammar's .pl files as they are written
-    lint.pl            what must not be in them, found without loading them; braces.pl: in constraints
-    grammar_files.pl   the files, loaded
+    written.pl         a grammar's .pl files as they are written: read once, as terms
+    lint.pl            what must not be in them; braces.pl: in constraints
+    grammar_files.pl   the same terms, stated as clauses
     origins.pl         where their clauses stand
     grid.pl            metres, or cells of a grid
     lengths.pl         the grammar's lengths, and the extremes of its sizes
@@ -23,6 +23,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     chain.pl           things in a row, at least a gap apart: furniture along a wall, rooms along a side
     linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
     sample.pl          random numbers
+    filled.pl          how long a wall can be that furniture fills
     furnish.pl         a random solution for a room, or why it has none
     bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
@@ -50,7 +51,6 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(lengths).
 :- use_module(linear).
 :- reexport(given_rooms).
-:- use_module(lint).
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
@@ -59,19 +59,16 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(records).
 :- use_module(reports).
 
-%!  grammar_problems(+Files, -Json) is det.
+%!  grammar_problems(+Files, +Cell, -Json) is det.
 %
 %   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
-%   not known, or "". They are read first, and loaded only where they hold nothing that must not be run. Of a grammar loaded
-%   before nothing is left.
+%   not known, or "". Where there is none they are loaded, for houses on a grid of such cells (m) if not 0.0.
+%   Of a grammar loaded before nothing is left.
 
-grammar_problems(Files, Json) :-
-    drop_grammar,
-    file_problems(Files, Read),
-    (   Read == []
-    ->  load_grammar(Files, Problems),
-        findall([F,L,C,T,""], member(problem(F,L,C,T), Problems), List)
-    ;   findall([F,L,C,T,N], member(problem(F,L,C,T,N), Read), List) ),
+grammar_problems(Files, Cell, Json) :-
+    load_grammar(Files, Problems),
+    set_cell(Cell),
+    findall([F,L,C,T,N], member(problem(F,L,C,T,N), Problems), List),
     as_json(List, Json).
 
 %!  grammar_lengths(+Furniture, +Names, -Json) is det.
@@ -257,3 +254,9 @@ main_lengths(Outlines, Corners, Width, Json) :-
               law:[File,Line]}, Json).
 
 free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(rounded_up, [W0,D0,Door0], [W,D,Door]).
+
+%!  solver_version(-Json) is det.
+%
+%   Json is SWI-Prolog's version as a number, 90004 for 9.0.4.
+
+solver_version(Json) :- current_prolog_flag(version, Version), as_json(Version, Json).

@@ -2,9 +2,9 @@
 
 /** <module> Sizes and places for a room's furniture: a random solution, or why there is none
 
-Sizes are sampled by their own clauses first, and kept if CLP(R) finds that all can stand so: most can, and what is
-left to solve is small then. Try after try the room is sampled nearer to its largest and the furniture nearer to its
-least. Where that does not help, CLP(R) decides with every size unknown: it finds a conflict, or the sizes are
+Sizes are sampled by their own clauses first (filled.pl), and kept if CLP(R) finds that all can stand so: most can, and
+what is left to solve is small then. Try after try the room is sampled nearer to its largest and the furniture nearer to
+its least. Where that does not help, CLP(R) decides with every size unknown: it finds a conflict, or the sizes are
 sampled one by one in what is left for each. Places are sampled last, by the gap law of chain.pl.
 */
 
@@ -14,6 +14,7 @@ sampled one by one in what is left for each. Places are sampled last, by the gap
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
 :- use_module(chain).
+:- use_module(filled).
 :- use_module(grammar_files).
 :- use_module(grid).
 :- use_module(laws).
@@ -62,12 +63,15 @@ try(6, 0.2).
 try(7, 0.0).
 
 tries_sample(Room, Constraints, S0, S) :-
+    room_type(Room, Type), room_items(Room, Items),
+    room_law(Type, Law0),
+    filled_law(Room, Law0, Law),
     try(Try, Ease),
     Seed is S0 xor (Try << 32),            % each try with random numbers of its own
-    call(try_sample(Ease, Room, Constraints), Seed, S), !.
+    call(try_sample(Ease, Room, Items, Law, Constraints), Seed, S), !.
 
-try_sample(Ease, Room, Constraints) -->
-    { room_type(Room, Type), room_items(Room, Items), room_law(Type, Law) },
+try_sample(Ease, Room, Items, Law, Constraints) -->
+    { room_type(Room, Type) },
     room_sample(Law, Ease, Room),
     items_sample(Items, Type, Ease, Filling),
     { widest_core(Room),
@@ -98,8 +102,7 @@ room_sizes_sample(clause, Type, _, W, D) --> own_store(W-D, room_clause_sample(T
 
 room_clause_sample(Type, W, D) -->
     { once(grammar:room_size(Type, W, D)) },
-    projection_sample(W),
-    projection_sample(D).
+    all_projections_sample([W,D]).
 
 %   large_sample(+Range, +Ease, -Size)// and small_sample: in the upper or lower part of a range of metres.
 
@@ -136,8 +139,7 @@ item_clause_sample(F, L, D, Wall) -->
 
 %   own_store(?Result, :Sample)//: what Sample posts is in a store of its own, which ends with it; Result is numbers.
 
-own_store(Result, Sample, S0, S) :-
-    findall(Result-S1, once(call(Sample, S0, S1)), [Result-S]).
+own_store(Result, Sample, S0, S) :- findall(Result-S1, once(call(Sample, S0, S1)), [Result-S]).
 
 filling_constraints([], _, [], []).
 filling_constraints([fill(Law,Along,Item)|Filling], Type, [Along|Alongs], Constraints) :-
@@ -161,34 +163,40 @@ places_sample(Room) --> { length_of(passage, P), room_chains(Room, Chains) }, al
 % - with every size unknown --------------------------------------------------------------------------------
 
 solution_sample(Room, Constraints, Proof, Answer) -->
-    { room_items(Room, Items),
+    { room_items(Room, Items), room_width(Room, W), room_depth(Room, D),
+      ( lattice(whole), var(W) -> Kind = whole ; Kind = real ),
       system(Room, Items, Constraints, System) },
-    (   { lattice(whole), conflict(Proof, System, Conflict) }   % before all pairs of whole sizes are tried
-    ->  { infeasible(Conflict, Answer) }
-    ;   { room_width(Room, W), room_depth(Room, D) },
-        own_store(Items-W-D, sizes_sample(Room, Items, Constraints, System))
-    ->  { widest_core(Room), room_door(Room, Door) },
+    own_store(Outcome, sizes_sample(Kind, Room, Items, Constraints, System, Outcome)),
+    (   { Outcome = sizes(Items,W,D) }
+    ->  { widest_core(Room), room_door(Room, Door), Answer = Room },
         own_store(Door, door_sample([], Constraints, Door)),
-        { Answer = Room },
         places_sample(Room)
-    ;   { conflict(Proof, System, Conflict) }
+    ;   { Outcome = fitting(Count), conflict_at(Proof, System, Count, Conflict) }
     ->  { infeasible(Conflict, Answer) }
     ;   { infeasible(System, Answer) } ).
 
-%   sizes_sample(?Room, ?Items, +Constraints, +System)// is semidet: every size in what the others leave. On a grid some
-%   whole width and depth may take the furniture where others do not: all are tried, in random order. Where none does,
-%   though lengths that are not whole could, the reasons are those of the whole system.
+%   sizes_sample(+Kind, ?Room, ?Items, +Constraints, +System, -Outcome)//: Outcome is sizes(Items,Width,Depth), every size in
+%   what the others leave, or fitting(Count) where only the first Count of the System fit. On a grid some whole width and
+%   depth may take the furniture where others do not: all are tried, in random order, and Count is all if none does.
 
-sizes_sample(Room, Items, Constraints, _) -->
-    { lattice(whole), room_width(Room, Width), var(Width) }, !,
-    { room_type(Room, Type),
-      room_extent(Type, W1-W2, D1-D2), numlist(W1, W2, Ws), numlist(D1, D2, Ds),
-      findall(A-B, ( member(A, Ws), member(B, Ds) ), Pairs) },
-    order_sample(Pairs, Order),
-    whole_sizes_sample(Order, Room, Items, Constraints).
-sizes_sample(Room, Items, _, System) -->
-    { posted(System) },
-    unknown_sizes_sample(Room, Items).
+sizes_sample(real, Room, Items, _, System, Outcome) -->
+    { posted(System, Count) },
+    (   { length(System, Count) },
+        unknown_sizes_sample(Room, Items)
+    ->  { sizes(Room, Items, Outcome) }
+    ;   { Outcome = fitting(Count) } ).
+sizes_sample(whole, Room, Items, Constraints, System, Outcome) -->
+    { findall(C, posted(System, C), [Count]) },
+    (   { length(System, Count),
+          room_type(Room, Type),
+          room_extent(Type, W1-W2, D1-D2), numlist(W1, W2, Ws), numlist(D1, D2, Ds),
+          findall(A-B, ( member(A, Ws), member(B, Ds) ), Pairs) },
+        order_sample(Pairs, Order),
+        whole_sizes_sample(Order, Room, Items, Constraints)
+    ->  { sizes(Room, Items, Outcome) }
+    ;   { Outcome = fitting(Count) } ).
+
+sizes(Room, Items, sizes(Items,W,D)) :- room_width(Room, W), room_depth(Room, D).
 
 whole_sizes_sample(Pairs, Room, Items, Constraints, S0, S) :-
     room_width(Room, W), room_depth(Room, D),
@@ -221,11 +229,6 @@ system(Room, Items, Constraints, All) :-
     append(Sizes, Constraints, All).
 
 kind_item_system(Type, _-Item, System) :- item_size_system(Type, Item, System).
-
-%   conflict(+Proof, +System, -Conflict) is semidet.
-
-conflict(minimal, System, Conflict) :- minimal_conflict(System, Conflict).
-conflict(quick, System, Conflict) :- quick_conflict(System, Conflict).
 
 infeasible(Conflict, infeasible(Reasons)) :-
     findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),

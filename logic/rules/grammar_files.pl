@@ -1,14 +1,17 @@
-:- module(grammar_files, [load_grammar/2, drop_grammar/0, grammar_terms/1]).
+:- module(grammar_files, [load_grammar/2, state_grammar/1, drop_grammar/0, grammar_terms/1]).
 
 /** <module> A grammar's .pl files, loaded
 
-They are loaded into the module `grammar`: the predicates that are declared here. A grammar may state its clauses in any
-order, in one file or several.
+The clauses that were read (written.pl) and judged (lint.pl) are added to the module `grammar`: SWI-Prolog's own loader never
+reads the files, which would run directives and expand terms. A grammar may state its clauses in any order, in one file
+or several.
 */
 
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(library(sandbox)).
+:- use_module(lint).
 :- use_module(written).
 
 %!  room_size(?Type, -Width, -Depth)
@@ -23,6 +26,12 @@ order, in one file or several.
 %   room_size/3 allows.
 %
 %       room_area(cellar, 6.0, 14.0).
+
+%!  door_margin(-Distance)
+%
+%   how far a door is from the corners of its rooms at least, in metres, in a wall that they share; without it, 0.
+%
+%       door_margin(0.1).
 
 %!  house_size(-Width, -Depth)
 %
@@ -71,65 +80,65 @@ order, in one file or several.
 %       room_gap(0.6).
 
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
-:- multifile grammar:room_size/3, grammar:piece_size/4.
-:- discontiguous grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
-:- multifile grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 
-:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:window_size/3.
-:- multifile grammar:room_area/3, grammar:house_size/2, grammar:window_size/3.
-:- discontiguous grammar:room_area/3, grammar:house_size/2, grammar:window_size/3.
+:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:window_size/3, grammar:door_margin/1.
 
-:- dynamic loaded/1, problem/4.
-:- dynamic user:message_hook/3.
-:- multifile user:message_hook/3.
+% Nothing but what a body may call is visible to a grammar.
+:- set_module(grammar:base(system)).
+:- grammar:use_module(library(clpr), [{}/1]).
+:- grammar:use_module(library(lists), [member/2,memberchk/2]).
+
+:- dynamic file_text/2, written/3, stated/1.
 
 %!  load_grammar(+Files, -Problems) is det.
 %
-%   Problems are problem(File,Line,Column,Text) for all that SWI-Prolog remarks while it loads the files: it
-%   would otherwise drop a clause with a syntax error and go on.
+%   Problems are those of the files' terms (lint.pl). Where there are none, these terms are the grammar, and what was loaded
+%   before is dropped.
 
 load_grammar(Files, Problems) :-
-    retractall(problem(_,_,_,_)),
-    grammar:use_module(library(clpr)),
-    setup_call_cleanup(
-        asserta((user:message_hook(Term, Kind, Lines) :- grammar_files:noted(Term, Kind, Lines)), Hook),
-        forall(member(File, Files), ( assertz(loaded(File)), load_files(grammar:File, [if(true),encoding(utf8)]) )),
-        erase(Hook)),
-    findall(problem(F,L,C,T), problem(F,L,C,T), Problems).
+    drop_grammar,
+    written_terms(Files, Terms),
+    term_problems(Terms, Problems),
+    ( Problems == [] -> state_grammar(Terms) ; true ).
+
+%!  state_grammar(+Terms) is det.
+%
+%   The grammar is the clauses among these Terms, as they are: no other reader sees them. library(sandbox) holds once more
+%   that whatever they call is harmless; it raises an error, and the grammar is dropped, if not.
+
+state_grammar(Terms) :-
+    maplist(state, Terms),
+    convlist(generic_head, Terms, Heads), list_to_set(Heads, Distinct),
+    catch(forall(member(Name/Arity, Distinct), safe(Name/Arity)), Error, ( drop_grammar, throw(Error) )).
+
+state(term(source(File,Text),Position,Kind)) :-
+    ( file_text(File, _) -> true ; assertz(file_text(File, Text)) ),
+    assertz(written(File, Position, Kind)),
+    (   Kind = clause(Head,Body,_,_,_,_)
+    ->  ( Body == true -> Clause = Head ; Clause = (Head :- Body) ),
+        assertz(grammar:Clause, Reference), assertz(stated(Reference))
+    ;   true ).
+
+generic_head(term(_,_,clause(Head,_,_,_,_,_)), Name/Arity) :- functor(Head, Name, Arity).
+
+safe(Name/Arity) :- functor(Head, Name, Arity), safe_goal(grammar:Head).
 
 %!  drop_grammar is det.
 %
-%   The files that load_grammar/2 has loaded are unloaded.
+%   The grammar has no clause.
 
-drop_grammar :- forall(retract(loaded(File)), unload_file(File)).
+drop_grammar :-
+    forall(retract(stated(Reference)), erase(Reference)),
+    retractall(file_text(_,_)), retractall(written(_,_,_)).
 
 %!  grammar_terms(-Terms) is det.
 %
-%   Terms are those of the loaded files, as they are written.
+%   Terms are those that are stated, as they are written.
 
 grammar_terms(Terms) :-
-    findall(File, ( loaded(File), exists_file(File) ), Files),
-    written_terms(Files, Terms).
+    findall(File-Text, file_text(File, Text), Texts),
+    findall(File-term(_,Position,Kind), written(File, Position, Kind), Found),
+    maplist(term_in(Texts), Found, Terms).
 
-%   noted(+Term, +Kind, +Lines) is semidet: a message is a problem, and SWI-Prolog prints it no more.
-
-noted(Term, Kind, Lines) :-
-    memberchk(Kind, [error, warning]),
-    message_place(Term, File, Line, Column),
-    message_text(Term, Lines, Text),
-    assertz(problem(File, Line, Column, Text)).
-
-message_place(error(_, file(File,Line,Before,_)), File, Line, Column) :- !, Column is Before + 1.
-message_place(_, File, Line, 1) :- source_location(File, Line), !.
-message_place(_, File, 1, 1)    :- prolog_load_context(source, File), !.
-message_place(_, '', 1, 1).
-
-message_text(error(syntax_error(Which), _), _, Text) :- !,
-    format(string(Text), "syntax error: ~w", [Which]).
-message_text(_, Lines, Text) :-
-    with_output_to(string(Raw), print_message_lines(current_output, '', Lines)),
-    split_string(Raw, "\n", " \t", Parts),
-    exclude(==(""), Parts, Said),
-    atomic_list_concat(Said, ' ', Atom),
-    atom_string(Atom, Text).
+term_in(Texts, File-Term, Term) :- memberchk(File-Text, Texts), Term = term(source(File,Text),_,_).

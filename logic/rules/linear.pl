@@ -1,4 +1,4 @@
-:- module(linear, [posted/1, interval/3, minimal_conflict/2, quick_conflict/2, rows/2]).
+:- module(linear, [posted/1, posted/2, interval/3, minimal_conflict/2, conflict_at/4, rows/2]).
 
 /** <module> A linear system as data
 
@@ -24,6 +24,19 @@ post(A =< B) :- ground(A-B), !, A - B < 1.0e-9.
 post(A = B)  :- ground(B), !, V is B, ( var(A), \+ attvar(A) -> A = V ; ground(A) -> abs(A-V) < 1.0e-9 ; {A = V} ).
 post(A =< B) :- {A =< B}.
 post(A = B)  :- {A = B}.
+
+%!  posted(+Constraints, -Count) is det.
+%
+%   CLP(R) holds the first Count of them: all, or those before the first that has no solution together with them.
+
+posted(Constraints, Count) :- fitting(Constraints, 0, Count).
+
+fitting([], Count, Count).
+fitting([Constraint-_|Constraints], Count0, Count) :-
+    (   post(Constraint)
+    ->  Count1 is Count0 + 1,
+        fitting(Constraints, Count1, Count)
+    ;   Count = Count0 ).
 
 %!  interval(+X, +Constraints, -Range) is semidet.
 %
@@ -53,25 +66,21 @@ conflict_with(Constraints, Needed, Conflict) :-
     ;   culprit(Constraints, Needed, Before, Culprit),
         conflict_with(Before, [Culprit|Needed], Conflict) ).
 
-%!  quick_conflict(+Constraints, -Conflict) is semidet.
-%
-%   Conflict is the constraints up to the first that does not fit: found at once, but not a minimal one.
-
-quick_conflict(Constraints, [Culprit|Before]) :- culprit(Constraints, [], Before, Culprit).
-
 culprit(Constraints, Needed, Before, Culprit) :-
-    findall(Count, ( posted(Needed), fitting(Constraints, 0, Count) ), [Count]),
+    findall(Count, ( posted(Needed), posted(Constraints, Count), \+ length(Constraints, Count) ), [Count]),
+    conflict_at(quick, Constraints, Count, [Culprit|Before]).
+
+%!  conflict_at(+Proof, +Constraints, +Count, -Conflict) is det.
+%
+%   Conflict is one among the constraints up to the first that does not fit, after Count that do: a minimal one, or all
+%   of them where Proof is `quick`.
+
+conflict_at(quick, Constraints, Count, [Culprit|Before]) :-
     length(Before, Count),
     append(Before, [Culprit|_], Constraints).
-
-%   fitting(+Constraints, +Count0, -Count): Count - Count0 of them, in order, can be posted.
-
-fitting([], Count, Count).
-fitting([C|Cs], Count0, Count) :-
-    (   posted([C])
-    ->  Count1 is Count0 + 1,
-        fitting(Cs, Count1, Count)
-    ;   Count = Count0 ).
+conflict_at(minimal, Constraints, Count, Conflict) :-
+    conflict_at(quick, Constraints, Count, [Culprit|Before]),
+    conflict_with(Before, [Culprit], Conflict).
 
 %!  rows(+Constraints, -Rows) is det.
 %

@@ -1,9 +1,9 @@
-:- module(lint, [file_problems/2]).
+:- module(lint, [term_problems/2]).
 
-/** <module> What is wrong with a grammar's .pl files, found without loading them
+/** <module> What is wrong with the terms of a grammar's .pl files, found before any is run
 
 A file holds the clauses of room_size/3, piece_size/4 and the named lengths, and of predicates of its own that these
-call: CLP(R) constraints, arithmetic, comparison, unification, control. Nothing else is run.
+call: CLP(R) constraints, arithmetic, comparison, unification, control. Nothing else is ever stated: see grammar_files.pl.
 */
 
 :- use_module(library(apply)).
@@ -12,20 +12,18 @@ call: CLP(R) constraints, arithmetic, comparison, unification, control. Nothing 
 :- use_module(braces).
 :- use_module(written).
 
-%!  file_problems(+Files, -Problems) is det.
+%!  term_problems(+Terms, -Problems) is det.
 %
-%   Problems are problem(File,Line,Column,Text,Name), in order, for what a grammar's file must not hold. Name is that of a
-%   predicate that is not known, or ''.
+%   Problems are problem(File,Line,Column,Text,Name), in order, for what a grammar's files must not hold, of which these are
+%   all Terms (written.pl). Name is that of a predicate that is not known, or ''.
 
-file_problems(Files, Problems) :-
-    written_terms(Files, Terms),
-    maplist(term_head, Terms, Heads0), append(Heads0, Heads),
-    findall(Called, called_by(Terms, Called), Calls),
+term_problems(Terms, Problems) :-
+    convlist(term_head, Terms, Heads0), list_to_set(Heads0, Heads),
+    findall(Called, called_by(Terms, Called), Calls0), list_to_set(Calls0, Calls),
     maplist(problems(Heads, Calls), Terms, Found),
     append(Found, Problems).
 
-term_head(term(_,_,clause(Head,_,_,_,_,_)), [Name/Arity]) :- callable(Head), !, functor(Head, Name, Arity).
-term_head(_, []).
+term_head(term(_,_,clause(Head,_,_,_,_,_)), Name/Arity) :- \+ bad_head(Head, _), functor(Head, Name, Arity).
 
 called_by(Terms, Name/Arity) :-
     member(term(_,_,clause(Head,Body,_,P,_,_)), Terms),
@@ -36,6 +34,7 @@ called_by(Terms, Name/Arity) :-
 % - judging ------------------------------------------------------------------
 
 role(room_size/3).   role(piece_size/4).  role(room_area/3).  role(house_size/2).  role(window_size/3).
+role(door_margin/1).
 role(door_width/1).  role(door_clearance/1).  role(passage/1).  role(room_gap/1).
 
 problems(Heads, Calls, term(Source,Position,Kind), Problems) :-
@@ -51,11 +50,11 @@ problems(Heads, Calls, term(Source,Position,Kind), Problems) :-
 problem(error(Text), _, _, P, P, Text).
 problem(syntax(What), _, _, P, P, Text) :- format(string(Text), "syntax error: ~w", [What]).
 problem(directive(Goal), _, _, P, P, Text) :-
-    \+ harmless(Goal),
+    \+ ( nonvar(Goal), harmless(Goal) ),
     (   Goal = use_module(library(Other)), memberchk(Other, [clpfd,clpq,clpb])
     ->  format(string(Text), "lengths are real numbers: write library(clpr) for library(~w), or leave the line out", [Other])
     ;   format(string(Text), "a directive runs code when the file is read: ~p. A .pl file holds clauses; a rule that begins with :- belongs in a .lp file", [Goal]) ).
-problem(clause(Head,_,_,_,_,_), _, _, P, P, "a clause without a name") :- \+ callable(Head), !.
+problem(clause(Head,_,_,_,_,_), _, _, P, P, Text) :- bad_head(Head, Text), !.
 problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text)) :-
     functor(Head, Name, Arity),
     \+ role(Name/Arity), \+ memberchk(Name/Arity, Calls),
@@ -64,14 +63,19 @@ problem(clause(Head,_,At,_,_,_), Source, Heads-Calls, _, At, unknown(Name,Text))
     format(string(Text), "nothing uses ~w/~w~w", [Name, Arity, Hint]).
 problem(clause(_,Body,_,P,Names,_), Source, Heads-_, _, At, Fault) :-
     goal_in(Body, P, Goal, GoalAt),
-    (   nonvar(Goal), Goal = {Constraints}, GoalAt = brace_term_position(_,_,Inner)
+    (   nonvar(Goal), Goal = {Constraints}, braced(GoalAt, Inner)
     ->  constraint_fault(Source, Names, Constraints, Inner, At-Fault)
-    ;   At = GoalAt, bad_goal(Goal, Heads, Fault) ).
+    ;   At = GoalAt, ( bad_goal(Goal, Heads, Fault) ; uncomputed(Goal, Source, At, Fault) ) ).
 problem(clause(Head,Body,H,B,Names,Singletons), _, _, _, At, Text) :-
     member(Name=Variable, Singletons), \+ sub_atom(Name, 0, _, _, '_'),
     once(( part(Head-Body, term_position(0,0,0,0,[H,B]), Part, At), Part == Variable )),
     findall(Other, ( member(Other=V, Names), V \== Variable ), Others),
     lone(Name, Variable, Head, Others, Text).
+
+braced(brace_term_position(_,_,Inner), Inner).
+braced(term_position(_,_,_,_,[Inner]), Inner).
+
+%   harmless(+Goal) is semidet: the directive is superfluous. No directive is run, this one neither.
 
 harmless(use_module(library(clpr))).
 harmless(use_module(library(clpr), _)).
@@ -99,6 +103,23 @@ lone(Name, _, _, _, Text) :-
 size(room_size(_,W,D), Size)    :- member(Size, [W,D]).
 size(piece_size(_,L,D,_), Size) :- member(Size, [L,D]).
 
+%   bad_head(+Head, -Text) is semidet: no grammar may define it.
+
+bad_head(Head, "a clause without a name") :- \+ callable(Head), !.
+bad_head(Head, Text) :-
+    functor(Head, Name, Arity),
+    (   \+ plain(Name)
+    ->  format(string(Text), "a clause begins with a name in lower case, as in room_size(hall, W, D): ~q/~w is none", [Name,Arity])
+    ;   ( pure(Name/Arity) ; built_in(Head) )
+    ->  format(string(Text), "~w/~w is SWI-Prolog's own: choose another name", [Name,Arity]) ).
+
+built_in(Head) :-
+    functor(Head, Name, _), current_predicate(Name, system:Head),
+    \+ predicate_property(system:Head, dynamic),
+    predicate_property(system:Head, implementation_module(Module)), module_property(Module, class(system)).
+
+plain(Name) :- atom_codes(Name, [First|Codes]), code_type(First, lower), forall(member(Code, Codes), code_type(Code, csym)).
+
 bad_goal(Goal, _, "a goal that is not known until it is run") :- var(Goal), !.
 bad_goal(Goal, _, "no goal: a clause holds CLP(R) constraints, arithmetic and comparison") :- \+ callable(Goal), !.
 bad_goal([_|_], _, "a list is no goal: constraints stand in braces, { }") :- !.
@@ -117,6 +138,30 @@ pure({}/1).     pure(true/0).   pure(fail/0).  pure(false/0).  pure(!/0).
 pure((=)/2).    pure((\=)/2).   pure((==)/2).  pure((\==)/2).  pure((is)/2).
 pure((<)/2).    pure((>)/2).    pure((=<)/2).  pure((>=)/2).   pure((=:=)/2).   pure((=\=)/2).
 pure(member/2). pure(memberchk/2).  pure(between/3).  pure(number/1).  pure(atom/1).  pure(var/1).  pure(nonvar/1).
+
+%   uncomputed(+Goal, +Source, +Position, -Text) is semidet: what is to be computed holds a part that has no value, or another
+%   one each time.
+
+uncomputed(Goal, Source, At, Text) :-
+    computed(Goal, Expressions), member(Expression, Expressions),
+    once(( expression_part(Expression, Part), \+ var(Part), \+ number(Part), \+ evaluable(Part) )),
+    wording(Source, At, Said),
+    (   atom(Part)
+    ->  format(string(Text), "~w: ~w is a name and no number", [Said,Part])
+    ;   format(string(Text), "~w: ~p is no arithmetic of a grammar", [Said,Part]) ).
+
+computed(_ is E, [E]).
+computed(A < B, [A,B]).   computed(A =< B, [A,B]).   computed(A =:= B, [A,B]).
+computed(A > B, [A,B]).   computed(A >= B, [A,B]).   computed(A =\= B, [A,B]).
+
+expression_part(E, E).
+expression_part(E, Part) :- compound(E), evaluable(E), arg(_, E, Inner), expression_part(Inner, Part).
+
+evaluable(E) :-
+    callable(E), functor(E, Name, Arity),
+    memberchk(Name/Arity, [pi/0,e/0,inf/0,(+)/1,(-)/1,(+)/2,(-)/2,(*)/2,(/)/2,(//)/2,(mod)/2,(rem)/2,(**)/2,(^)/2,min/2,max/2,
+                           abs/1,sign/1,sqrt/1,exp/1,log/1,sin/1,cos/1,tan/1,asin/1,acos/1,atan/1,atan2/2,
+                           floor/1,ceiling/1,round/1,truncate/1,integer/1,float/1]).
 
 %   meant(+Indicator, +Others, -Hint): a constraint without its braces, the same name with another arity, or a name that
 %   looks like it.

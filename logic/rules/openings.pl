@@ -20,7 +20,7 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 %!  all_openings(+Atoms, +Rooms)// describes the constraints: both rooms reach past both ends of a door.
 
 all_openings(Atoms, Rooms) -->
-    { length_of(door_width, Door),
+    { length_of(door_width, Width), length_of(door_margin, Margin), Door is Width + 2*Margin,
       findall(A, ( member(A, Atoms), opening(A) ), Openings) },
     openings(Openings, Rooms, Door).
 
@@ -35,11 +35,11 @@ opening_constraints(door(R,Q,Line), Rooms, W) -->
     { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesQ, EdgesQ, B1, B2, WhyQ),
-      append([[door(R,Q,Line),length(door_width)],WhyR,WhyQ], Why) },
+      append([[door(R,Q,Line),length(door_width),length(door_margin)],WhyR,WhyQ], Why) },
     [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why].
 opening_constraints(entrance(R,Side), Rooms, W) -->
     { wall(R, Side, Rooms, _, A1, A2, Why) },
-    [(A1+W =< A2)-[entrance(R,Side),length(door_width)|Why]].
+    [(A1+W =< A2)-[entrance(R,Side),length(door_width),length(door_margin)|Why]].
 opening_constraints(window(R,Side), Rooms, _) -->
     { wall(R, Side, Rooms, Type, A1, A2, Why), least_wall(Type, W) },
     [(A1+W =< A2)-[window(R,Side),room(R,Type),window_size(Type)|Why]].
@@ -87,11 +87,14 @@ door_sample(door(R,Q,Line), Rooms, Width, door(Box,R,Q)) -->
     { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, _), span(Axis, SidesQ, EdgesQ, B1, B2, _),
-      Low is max(A1, B1), High is min(A2, B2) - Width,
+      length_of(door_margin, Margin),
+      Low is max(A1, B1) + Margin, High is min(A2, B2) - Width - Margin,
       line_side(Line, EdgesR, Side), side_place(Side, SidesR, At) },
     interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Width, Box) }.
-door_sample(entrance(R,Side), Rooms, Width, door(Box,R,outside)) --> wall_sample(R, Side, Rooms, Width, Box).
+door_sample(entrance(R,Side), Rooms, Width, door(Box,R,outside)) -->
+    { length_of(door_margin, Margin) },
+    wall_sample(R, Side, Rooms, Width, Margin, Box).
 
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
     ( Line == W -> Side = west ; Line == E -> Side = east ; Line == N -> Side = north ; Side = south ).
@@ -104,13 +107,13 @@ side_place(south, sides(_,_,_,Y), Y).
 segment(x, Y, X, Length, box(X,Y,Length,0.0)).
 segment(y, X, Y, Length, box(X,Y,0.0,Length)).
 
-%   wall_sample(+Room, +Side, +Rooms, +Length, -Box)//: somewhere along the whole wall.
+%   wall_sample(+Room, +Side, +Rooms, +Length, +Margin, -Box)//: somewhere along the whole wall, so far from its corners.
 
-wall_sample(R, Side, Rooms, Length, Box) -->
+wall_sample(R, Side, Rooms, Length, Margin, Box) -->
     { wall(R, Side, Rooms, _, A1, A2, _),
       memberchk(room(R,_,Sides,_), Rooms), side_place(Side, Sides, At), side_axis(Side, Axis),
-      High is A2 - Length },
-    interval_sample(A1, High, 1, Start),
+      Low is A1 + Margin, High is A2 - Length - Margin },
+    interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
 
 windows_sample([], _, []) --> [].
@@ -119,7 +122,7 @@ windows_sample([window(R,Side)|Panes], Rooms, [window(Box,R)|Windows]) -->
       Wall is A2 - A1,
       window_range(Type, Wall, Low-High) },
     interval_sample(Low, High, 1, Length),
-    wall_sample(R, Side, Rooms, Length, Box),
+    wall_sample(R, Side, Rooms, Length, 0.0, Box),
     windows_sample(Panes, Rooms, Windows).
 
 window_range(Type, Wall, Range) :-

@@ -12,13 +12,14 @@
 %   Clauses are length(Name), size(RoomType), size(RoomType,Piece), or named by their predicates. Origins are [Clause,File,Line] for those that the
 %   grammar states, each with the place of the first clause for it.
 
-clause_origins(Clauses, Origins) :- convlist(clause_origin, Clauses, Origins).
+clause_origins(Clauses, Origins) :-
+    grammar_terms(Terms),
+    convlist(clause_origin(Terms), Clauses, Origins).
 
-clause_origin(Clause, [Text,File,Line]) :-
+clause_origin(Terms, Clause, [Text,File,Line]) :-
     clause_head(Clause, Head),
-    once(clause(grammar:Head, _, Reference)),
-    clause_property(Reference, file(File)),
-    clause_property(Reference, line_count(Line)),
+    member(term(source(File,Written),_,clause(H,_,Position,_,_,_)), Terms), \+ H \= Head, !,
+    place(source(File,Written), Position, Line, _),
     term_string(Clause, Text).
 
 %!  size_clauses(-Clauses) is det.

@@ -47,10 +47,13 @@ box_record(box(X,Y,W,H), _{x:X, y:Y, width:W, height:H}).
 
 %!  plan_lengths(+Types, -Json) is det.
 %
-%   Json lists [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
+%   Json is [Doorway,Extremes]: the wall that a door takes with its margins, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
 %   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
 
-plan_lengths(Types, Json) :- maplist(type_extremes, Types, Records), as_json(Records, Json).
+plan_lengths(Types, Json) :-
+    length_of(door_width, Width), length_of(door_margin, Margin), Doorway is Width + 2*Margin,
+    maplist(type_extremes, Types, Records),
+    as_json([Doorway,Records], Json).
 
 type_extremes(Type, [Type,[W1,W2,D1,D2],Bends,Brims]) :-
     room_system(Type, W, D, System),

@@ -9,7 +9,6 @@ used; or null where the grammar has no clause.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
-:- use_module(library(solution_sequences)).
 :- use_module(faults).
 :- use_module(grammar_files).
 :- use_module(grid).
@@ -25,7 +24,7 @@ length_report(Name, Report) :-
     judged(length_found(Name, Found), Found, []-Head, Report).
 
 length_found(Name, Found) :-
-    findall(M, limit(2, stated_length(Name, M)), Stated),
+    once(findnsols(2, M, stated_length(Name, M), Stated)),
     stated(Stated, Found).
 
 stated([],    fault(empty)).
@@ -94,7 +93,7 @@ found_error(_, fault(raised)).
 %   sizes_found(:Clause, +Sizes, +Given, -Found): of Sizes under the one solution of Clause, which may use the Given.
 
 sizes_found(Clause, _, _, fault(empty)) :- \+ grammar:Clause, !.
-sizes_found(Clause, _, _, fault(several)) :- findall(x, limit(2, grammar:Clause), [_,_]), !.
+sizes_found(Clause, _, _, fault(several)) :- findnsols(2, x, grammar:Clause, [_,_]), !.
 sizes_found(Clause, Sizes, Given, Found) :-
     once(grammar:Clause),
     append(Sizes, Given, All),

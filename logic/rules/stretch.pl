@@ -1,4 +1,4 @@
-:- module(stretch, [stretch/5, stretch_constraints//2, stretch_items/2, deepest/2]).
+:- module(stretch, [stretch/5, stretch_constraints//2, stretch_items/2, filled_between/3, deepest/2]).
 
 /** <module> A stretch of wall as a chain of blocks, each of links (links.pl) that are joined to each other
 
@@ -178,10 +178,17 @@ stand_within([Link|Links], Depth) -->
 %
 %   Items are Kind-Item: free, or filling(Along,Out) where nothing but sizes fills the stretch from end to end.
 
-stretch_items(stretch(_,Links,Blocks), Items) :-
-    (   Blocks = [block(_,_,[at(_)-_|Bounds],_)], memberchk(at(_)-_, Bounds)
+stretch_items(Stretch, Items) :-
+    Stretch = stretch(_,Links,_),
+    (   filled_between(Stretch, _, _)
     ->  maplist(filling_item, Links, Items)
     ;   maplist(free_item, Links, Items) ).
+
+%!  filled_between(+Stretch, -Start, -Last) is semidet.
+%
+%   Nothing but sizes fills the stretch from end to end: what stands there starts at Start, which is the same place as Last.
+
+filled_between(stretch(_,_,[block(_,_,[at(Start)-_|Bounds],_)]), Start, Last) :- memberchk(at(Last)-_, Bounds).
 
 free_item(Link, free-Item) :- link_item(Link, Item).
 

@@ -2,13 +2,14 @@
 
 /** <module> A grammar's .pl files as they are written: terms with the places and the words of all their parts
 
-Nothing is loaded. A source is source(File,Text); the parts of a term have positions as read_term/2 gives them, characters
+Each file is read once, and nothing in it changes how: no directive is run, no term is expanded, and the operators are those
+of this module. A source is source(File,Text); the parts of a term have positions as read_term/2 gives them, characters
 from the start of the text. What looks like a constraint, but is none, is read too: so it can be named.
 */
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(library(readutil)).
+:- use_module(library(occurs)).
 
 :- op(700, xfx, [=>, <=, ≤, ≥, <>, #=, #\=, #<, #>, #=<, #>=]).
 :- op(900, xfy, [and, or]).
@@ -23,23 +24,33 @@ written_terms(Files, Terms) :-
     append(Each, Terms).
 
 file_terms(File, Terms) :-
-    read_file_to_string(File, Text, [encoding(utf8)]),
+    setup_call_cleanup(open(File, read, Rules, [encoding(utf8)]), read_string(Rules, _, Text), close(Rules)),
     setup_call_cleanup(open_string(Text, In), stream_terms(In, source(File,Text), Terms), close(In)).
 
 stream_terms(In, Source, Terms) :-
     catch(read_term(In, Term, [module(written), subterm_positions(Position), variable_names(Names), singletons(Singletons),
-                               syntax_errors(error)]),
+                               syntax_errors(error), cycles(false), dotlists(false), quasi_quotations(Quotations)]),
           error(syntax_error(What), Where), true),
     (   nonvar(What)
     ->  Where = stream(_,_,_,Last),
         Source = source(_,Text), string_length(Text, Length), From is min(Last + 1, Length),
         Terms = [term(Source,From-From,syntax(What))|Rest],
         stream_terms(In, Source, Rest)
-    ;   Term == end_of_file
+    ;   Term == end_of_file, at_end_of_stream(In)
     ->  Terms = []
-    ;   kind(Term, Position, Names, Singletons, Kind),
+    ;   ( foreign(Term, Quotations, Text) -> Kind = error(Text) ; kind(Term, Position, Names, Singletons, Kind) ),
         Terms = [term(Source,Position,Kind)|Rest],
         stream_terms(In, Source, Rest) ).
+
+%   foreign(+Term, +Quotations, -Text) is semidet: Term holds what SWI-Prolog adds to Prolog's terms.
+
+foreign(_, [_|_], "a grammar has no quasi quotations").
+foreign(Term, _, Text) :-
+    sub_term(Part, Term), compound(Part),
+    compound_name_arity(Part, Name, Arity),
+    (   ( \+ atom(Name) ; Name/Arity == ('.')/2 )
+    ->  Text = "a grammar has no dicts, and no point between two names"
+    ;   Arity == 0, format(string(Text), "~q has no arguments: leave its brackets out", [Part]) ), !.
 
 kind((:- Goal), _, _, _, directive(Goal)) :- !.
 kind((?- Goal), _, _, _, directive(Goal)) :- !.

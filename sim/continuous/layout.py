@@ -7,8 +7,8 @@ turned away, or hidden behind one wall from every place of the cell. So it loses
 about a sixth of a house.
 
     numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, middle, reach, kind), where
-              reach is half of a line's length and a seam | by house: floor, then each room and its door
-              (x, y, half width, half height)
+              reach is half of a line's length and a seam | by house: the floor and where a body
+              astride a room's boundary must be, then each room and its door (x, y, half width, half height)
     indices   H x header | for each cell where its block is | blocks; all cells out of doors share the first
     header    first box, boxes, first piece, floor, rooms, first cell, columns, rows, first line
     block     how many numbers the lists have up to the end of each | lists; numbers of 16 bits, two in each

@@ -28,7 +28,7 @@ from sim.continuous.layout import (
     Numbers,
     end_of,
 )
-from sim.runtime import Array, Launch, start, ti
+from sim.runtime import Array, Launch, constants, start, ti
 
 
 def listed_arrays(
@@ -76,8 +76,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
     )
     narrow = config.ray_spacing * (config.rays - 1) < 175
     edges = np.column_stack([np.cos(left), -np.sin(left), np.cos(right), -np.sin(right)])
-    sides = ti.Vector.field(4, ti.f32, shape=8)
-    sides.from_numpy(edges.astype(np.float32))
+    sides = constants(edges.astype(np.float32))
     each = HEADER + 2
 
     @ti.func

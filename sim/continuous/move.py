@@ -95,7 +95,8 @@ class Motion:
     def original(self, numbers: ti.template(), indices: ti.template(), house, centre, half):
         """The original program's rule at the new place, with its gaps: a body astride a room's boundary must
         be within the span of that room's door, whichever wall the door is in; one inside a room must not
-        meet furniture; one in no room must be inside the main room's rectangle.
+        meet furniture; one that is inside no room, astride or not, must be inside the main room's rectangle.
+        In our own files rooms lie outside of that rectangle, so a body astride need not be in it.
         """
         header = house * HEADER
         floor = indices[header + FLOOR]
@@ -123,9 +124,10 @@ class Motion:
             while piece < last:
                 met |= self.meets(numbers, piece, centre, centre, half)
                 piece += 4
-        if not touched:
-            x, y = ti.abs(centre[0] - numbers[floor]), ti.abs(centre[1] - numbers[floor + 1])
-            width, height = numbers[floor + 2], numbers[floor + 3]
+        if not inside:
+            area = floor + 4 * touched
+            x, y = ti.abs(centre[0] - numbers[area]), ti.abs(centre[1] - numbers[area + 1])
+            width, height = numbers[area + 2], numbers[area + 3]
             within = (x <= width - half + ti.static(SKIN)) & (y <= height - half + ti.static(SKIN))
             met |= ti.cast(not within, ti.i32)
         return met

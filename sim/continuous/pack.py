@@ -13,11 +13,20 @@ from sim.continuous.lists import listed_arrays
 from sim.geometry import Geometry, geometry
 from sim.rays import SEAM
 
+ANYWHERE = np.array([0, 0, 1e6, 1e6])
+"""A rectangle that holds every house."""
+
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
     """Bring houses to the device: boxes, lines and lists."""
     shapes = [geometry(house) for house in houses]
-    parts = [_Part.of(shape) for shape in shapes]
+    for index, house in enumerate(houses):
+        if config.collision == "original" and not house.is_star:
+            raise ValueError(
+                f"house {index} of {len(houses)}: the original's collision rule is for rooms with one door, "
+                f"to a main room, not for the topology {house.topology!r}: use the preset 'default'"
+            )
+    parts = [_Part.of(shape, house.is_star) for shape, house in zip(shapes, houses, strict=True)]
     count = len(parts)
     numbers, at = [np.array([part.corner for part in parts], np.float32).ravel()], 2 * count
     header = np.zeros((count, HEADER), np.int32)
@@ -48,14 +57,16 @@ class _Part:
     rooms: np.ndarray
 
     @classmethod
-    def of(cls, shape: Geometry) -> "_Part":
+    def of(cls, shape: Geometry, one_door: bool) -> "_Part":
         solids = shape.solids
         boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
         walls = len(shape.verticals) + len(shape.horizontals)
         west, north, east, south = shape.bounds
         across = [_lines(boxes[: len(shape.verticals)], boxes[walls:], axis=0)]
         across += [_lines(boxes[len(shape.verticals) : walls], boxes[walls:], axis=1)]
-        doors = np.vstack([shape.floor, shape.doors])
+        astride = shape.floor if shape.overlapping else ANYWHERE
+        # Only the original's rule reads doors, and it is for rooms with one.
+        doors = np.vstack([astride, shape.doors if one_door else shape.rooms])
         rooms = np.stack([np.vstack([shape.floor, shape.rooms]), doors], axis=1)
         columns, rows = int((east - west) / CELL) + 1, int((south - north) / CELL) + 1
         return cls((west, north), (columns, rows), boxes, walls, np.vstack(across), len(across[0]), rooms)

@@ -8,7 +8,7 @@ from agent import banks
 from agent.banks import TEST, TRAINING, VALIDATION, bank_hash, benchmark, geometry_hash, require_training
 from agent.commands import Train
 from agent.config import PQNConfig
-from logic import House, HouseFileError, Rect, check, generate, load, save
+from logic import House, HouseFileError, Rect, Star, check, generate, load, save
 from logic.promises import PROMISES
 from sim.arguments import BANK
 
@@ -19,7 +19,7 @@ def bank():
 
 
 def test_the_benchmark_bank_is_256_houses_of_family_with_2_to_6_rooms(bank):
-    assert [len(house.rooms) for house in bank] == [2 + i % 5 for i in range(256)]
+    assert [len(house.star.rooms) for house in bank] == [2 + i % 5 for i in range(256)]
     assert {house.provenance.grammar for house in bank} == {"family"}
     assert all(house.provenance.seed in TEST for house in bank)
 
@@ -50,9 +50,11 @@ def test_another_bank_in_its_place_is_refused(bank, tmp_path, monkeypatch):
 
 
 def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(bank):
-    seeded = House(Rect(0, 0, 5, 5), (), provenance=msgspec.structs.replace(bank[0].provenance, index=10**6))
+    seeded = House.of_star(
+        Star(Rect(0, 0, 5, 5)), provenance=msgspec.structs.replace(bank[0].provenance, index=10**6)
+    )
     nameless = msgspec.structs.replace(bank[7], provenance=None)
-    innocent = House(Rect(0, 0, 5, 5), ())
+    innocent = House.of_star(Star(Rect(0, 0, 5, 5)))
     require_training([innocent], "mine.jsonl")
     with pytest.raises(HouseFileError, match=r"mine.jsonl: house 1: its seed 2000000000 is kept"):
         require_training([innocent, seeded], "mine.jsonl")
@@ -73,7 +75,7 @@ def test_the_houses_that_come_with_the_simulator_may_be_learnt_from_and_have_a_k
     assert len(houses) == 32
     require_training(houses, BANK)
     assert not any(check(house) for house in houses)
-    assert all("kitchen" in [room.type for room in house.rooms] for house in houses)
+    assert all("kitchen" in [room.type for room in house.star.rooms] for house in houses)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from agent.banks import geometry_hash
 from agent.checkpoint import load as load_checkpoint
 from agent.demo import FILES, banks, demo, gain
 from agent.evaluation.commands import Record
-from logic import House, Rect, RequestError, check, load
+from logic import House, Rect, RequestError, Star, check, load
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 
 
@@ -28,7 +28,7 @@ def made(tmp_path_factory):
             patch.setattr(module, name, value)
         patch.setattr(module, "Console", lambda: console)
         out.mkdir()
-        (out / "report.md").write_text("of an older run")
+        (out / "report.md").write_text(f"{module.TITLE}\n\nof an older run")
         code = demo(out, seed=3)
     return out, code, console.file.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -37,6 +37,15 @@ def test_the_demo_writes_all_its_files_and_nothing_else(made):
     out, code, _ = made
     assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, "training"])
     assert code == 1  # 2,000 steps teach nothing
+
+
+def test_a_folder_that_holds_something_else_than_a_demo_is_refused_and_left_as_it_is(tmp_path):
+    (tmp_path / "training").mkdir()
+    (tmp_path / "training/notes.txt").write_text("mine")
+    (tmp_path / "houses.jsonl").write_text("mine")
+    with pytest.raises(RequestError, match="holds something else than a demo: give another folder"):
+        demo(tmp_path)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["houses.jsonl", "notes.txt", "training"]
 
 
 def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
@@ -90,7 +99,7 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
 
 
 def test_two_equal_houses_are_refused(monkeypatch):
-    house = House(Rect(0, 0, 5, 5), ())
+    house = House.of_star(Star(Rect(0, 0, 5, 5)))
     monkeypatch.setattr(module, "generate", lambda *args, **options: [house])
     monkeypatch.setattr(module, "check", lambda house: [])
     with pytest.raises(Exception, match="same house twice"):
@@ -98,9 +107,9 @@ def test_two_equal_houses_are_refused(monkeypatch):
 
 
 def test_the_hash_is_of_the_shape_alone():
-    house = House(Rect(0, 0, 5, 5), ())
-    assert geometry_hash(house) == geometry_hash(House(Rect(0, 0, 5, 5), (), format="original"))
-    assert geometry_hash(house) != geometry_hash(House(Rect(0, 0, 5, 5.001), ()))
+    house = House.of_star(Star(Rect(0, 0, 5, 5)))
+    assert geometry_hash(house) == geometry_hash(House.of_star(Star(Rect(0, 0, 5, 5)), "original"))
+    assert geometry_hash(house) != geometry_hash(House.of_star(Star(Rect(0, 0, 5, 5.001))))
 
 
 def test_the_networks_gain_is_the_paired_difference_to_the_planner():

@@ -14,7 +14,7 @@ from agent.dqn import DQN, double_q_targets, huber_loss, n_step_returns
 from agent.evaluation.episodes import play
 from agent.policies import QPolicy, RandomPolicy
 from agent.world import shield
-from logic import House, Rect
+from logic import House, Rect, Star
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 
@@ -151,7 +151,7 @@ def test_a_run_of_another_config_or_in_other_houses_cannot_go_on(envs):
 
 def test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk(envs):
     """By 40 times as much; a run of seconds."""
-    envs = HouseVectorEnv([House(Rect(0, 0, 4, 4), ())], 32, max_episode_steps=300)
+    envs = HouseVectorEnv([House.of_star(Star(Rect(0, 0, 4, 4)))], 32, max_episode_steps=300)
     config = replace(
         PRESET,
         num_envs=32,

@@ -14,7 +14,7 @@ from agent.evaluation.episodes import play
 from agent.policies import RandomPolicy
 from agent.simulator import sensor, simulator
 from agent.world import make_envs, shield
-from logic import Door, House, HouseFileError, Rect, Room
+from logic import House, HouseFileError, Rect, Star, StarRoom
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from tests.sample_houses import random_house
 
@@ -39,9 +39,10 @@ def mirror(house: House) -> House:
 def envs() -> HouseVectorEnv:
     """For all tests, as each compiles its kernels: 12 random houses and those named above."""
     torch.set_num_threads(1)  # batches of 16: a second thread only costs
-    door = Door(4.0, 2.0 - 0.381, 0.0, 0.762)
-    two_rooms = House(Rect(0, 0, 4, 4), (Room(4.0, 0.5, 3.0, 3.0, type="hall", children=(), door=door),))
-    corridor = House(Rect(0, 0, 8, 0.9), ())
+    door = Rect(4.0, 2.0 - 0.381, 0.0, 0.762)
+    hall = StarRoom(4.0, 0.5, 3.0, 3.0, type="hall", children=(), door=door)
+    two_rooms = House.of_star(Star(Rect(0, 0, 4, 4), (hall,)))
+    corridor = House.of_star(Star(Rect(0, 0, 8, 0.9)))
     furnished = [random_house(seed) for seed in range(13)]
     return make_envs([*furnished[:12], corridor, two_rooms, furnished[12], mirror(furnished[12])], E)
 
@@ -98,7 +99,7 @@ def test_in_furnished_houses_hardly_a_step_that_the_shield_allows_is_blocked(env
 
 
 def test_in_a_flipped_house_the_rays_are_the_flipped_rays(envs):
-    floor = envs.houses[MIRRORED].floor
+    floor = envs.houses[MIRRORED].star.floor
     x, y = floor.x + floor.width / 2, floor.y + floor.height / 2
     poses, targets = np.array([[x, y, NORTH], [-x, y, NORTH]]), np.array([[x, y - 0.9], [-x, y - 0.9]])
     options = {
@@ -116,4 +117,4 @@ def test_in_a_flipped_house_the_rays_are_the_flipped_rays(envs):
 
 def test_a_house_where_nothing_can_stand_is_refused_as_a_wrong_file():
     with pytest.raises(HouseFileError, match="house 0"):
-        make_envs([House(Rect(0, 0, 0.2, 0.2), ())], 1)
+        make_envs([House.of_star(Star(Rect(0, 0, 0.2, 0.2)))], 1)

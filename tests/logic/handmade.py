@@ -6,8 +6,9 @@ from typing import TypeVar, cast
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from logic import Door, House, Piece, Rect, Room
-from logic.house import Orientation
+from logic import House, Piece, Rect, Star, StarRoom
+from logic.parts import Orientation
+from tests.sample_houses import changed_star
 
 Placed = TypeVar("Placed", bound=Rect)
 
@@ -39,9 +40,9 @@ def turned(rect: Placed, quarters: int) -> Placed:
         changes: dict = {"x": -rect.y - rect.height, "y": rect.x, "width": rect.height, "height": rect.width}
         if isinstance(rect, Piece):
             changes["orientation"] = TURNED[rect.orientation]
-        if isinstance(rect, Piece | Room):
+        if isinstance(rect, Piece | StarRoom):
             changes["children"] = tuple(turned(child, 1) for child in rect.children)
-        if isinstance(rect, Room):
+        if isinstance(rect, StarRoom):
             changes["door"] = turned(rect.door, 1)
         rect = replace(rect, **changes)
     return rect
@@ -50,9 +51,9 @@ def turned(rect: Placed, quarters: int) -> Placed:
 def moved(rect: Placed, x: float, y: float) -> Placed:
     """A rectangle moved, with all that it holds."""
     changes: dict = {"x": rect.x + x, "y": rect.y + y}
-    if isinstance(rect, Piece | Room):
+    if isinstance(rect, Piece | StarRoom):
         changes["children"] = tuple(moved(child, x, y) for child in rect.children)
-    if isinstance(rect, Room):
+    if isinstance(rect, StarRoom):
         changes["door"] = moved(rect.door, x, y)
     return replace(rect, **changes)
 
@@ -64,17 +65,17 @@ def built(width: float, height: float, sides: tuple[tuple[Sketch, ...], ...]) ->
         half, out = (width / 2, height / 2) if side % 2 == 0 else (height / 2, width / 2)
         for sketch in sketches:
             x, y = sketch.shift - half, -out - sketch.depth
-            room = Room(
+            room = StarRoom(
                 x,
                 y,
                 sketch.width,
                 sketch.depth,
                 sketch.type,
                 tuple(moved(item, x, y) for item in sketch.pieces),
-                Door(x + sketch.door, -out, DOOR, 0.0),
+                Rect(x + sketch.door, -out, DOOR, 0.0),
             )
             rooms.append(turned(room, side))
-    return House(Rect(-width / 2, -height / 2, width, height), tuple(rooms))
+    return House.of_star(Star(Rect(-width / 2, -height / 2, width, height), tuple(rooms)))
 
 
 def sketches(bedroom=(3.6, 3.8), bathroom=(3.0, 2.6), kitchen=(3.5, 3.7), hall=(3.7, 3.9)) -> list[Sketch]:
@@ -140,5 +141,5 @@ def replace_sketch(sketch: Sketch, shift: float) -> Sketch:
 
 def turned_house(house: House, quarters: int, x: float = 0.0, y: float = 0.0) -> House:
     """The same house turned clockwise by quarters, then moved (metres)."""
-    rooms = tuple(moved(turned(room, quarters), x, y) for room in house.rooms)
-    return replace(house, floor=moved(turned(house.floor, quarters), x, y), rooms=rooms)
+    rooms = tuple(moved(turned(room, quarters), x, y) for room in house.star.rooms)
+    return changed_star(house, floor=moved(turned(house.star.floor, quarters), x, y), rooms=rooms)

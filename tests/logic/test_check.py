@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from msgspec.structs import replace
 
-from logic import House, Piece, Room, check, load
+from logic import House, Piece, StarRoom, check, load
 from logic.check import Promises
-from logic.house import ORIGINAL, Provenance
+from logic.parts import ORIGINAL, Provenance
 from tests.logic.handmade import (
     DOOR,
     TURNED,
@@ -23,6 +23,7 @@ from tests.logic.handmade import (
     turned,
     turned_house,
 )
+from tests.sample_houses import changed_star
 
 EXAMPLE = Path(__file__).parents[1] / "fixtures" / "example1.json"
 BEDROOM, BATHROOM, KITCHEN, HALL = range(4)
@@ -30,19 +31,24 @@ BEDROOM, BATHROOM, KITCHEN, HALL = range(4)
 
 def original(house: House) -> House:
     """The same rooms after the original's convention: the main room reaches a metre behind every wall."""
-    x, y, width, height = house.floor.x, house.floor.y, house.floor.width, house.floor.height
-    floor = replace(house.floor, x=x - 1, y=y - 1, width=width + 2, height=height + 2)
-    return replace(house, floor=floor, format=ORIGINAL)
+    x, y, width, height = (
+        house.star.floor.x,
+        house.star.floor.y,
+        house.star.floor.width,
+        house.star.floor.height,
+    )
+    floor = replace(house.star.floor, x=x - 1, y=y - 1, width=width + 2, height=height + 2)
+    return House.of_star(replace(house.star, floor=floor), ORIGINAL, house.provenance)
 
 
 def with_room(house: House, index: int, **changes: Any) -> House:
-    rooms = list(house.rooms)
+    rooms = list(house.star.rooms)
     rooms[index] = replace(rooms[index], **changes)
-    return replace(house, rooms=tuple(rooms))
+    return changed_star(house, rooms=tuple(rooms))
 
 
 def with_piece(house: House, index: int, place: int, new: Piece) -> House:
-    children = list(house.rooms[index].children)
+    children = list(house.star.rooms[index].children)
     children[place] = new
     return with_room(house, index, children=tuple(children))
 
@@ -65,14 +71,14 @@ def test_a_correct_house_has_no_violation_in_our_format_and_in_the_original_s(ho
 
 
 def narrow_door(house: House) -> tuple[House, list[str]]:
-    door = house.rooms[BEDROOM].door
+    door = house.star.rooms[BEDROOM].door
     width, height = (0.7 if door.width else 0.0), (0.7 if door.height else 0.0)
     wrong = with_room(house, BEDROOM, door=replace(door, width=width, height=height))
     return wrong, ["R0 (bedroom): its door is 0.700 m wide (must be 0.762)"]
 
 
 def door_on_another_wall(house: House) -> tuple[House, list[str]]:
-    room = house.rooms[BATHROOM]
+    room = house.star.rooms[BATHROOM]
     rooms_own = turned(room, -quarter(house, room))
     side_door = replace(rooms_own.door, x=rooms_own.x, y=rooms_own.y + 1.2, width=0.0, height=DOOR)
     wrong = with_room(house, BATHROOM, door=turned(side_door, quarter(house, room)))
@@ -82,37 +88,37 @@ def door_on_another_wall(house: House) -> tuple[House, list[str]]:
     ]
 
 
-def quarter(house: House, room: Room) -> int:
+def quarter(house: House, room: StarRoom) -> int:
     """How many quarters a room north of the main room was turned to stand on its side."""
     if room.door.height == 0:
-        return 0 if room.y < house.floor.y else 2
-    return 3 if room.x < house.floor.x else 1
+        return 0 if room.y < house.star.floor.y else 2
+    return 3 if room.x < house.star.floor.x else 1
 
 
 def room_on_a_room(house: House) -> tuple[House, list[str]]:
-    twin = house.rooms[BEDROOM]
+    twin = house.star.rooms[BEDROOM]
     depth = min(twin.width, twin.height)
-    wrong = replace(house, rooms=(*house.rooms, twin))
+    wrong = changed_star(house, rooms=(*house.star.rooms, twin))
     return wrong, [f"R0 (bedroom) overlaps R4 (bedroom) by {depth:.2f} m"]
 
 
 def room_into_the_main_room(house: House) -> tuple[House, list[str]]:
-    x, y = [(0, 0.2), (-0.2, 0), (0, -0.2), (0.2, 0)][quarter(house, house.rooms[BEDROOM])]
-    rooms = (moved(house.rooms[BEDROOM], x, y), *house.rooms[1:])
-    return replace(house, rooms=rooms), [
+    x, y = [(0, 0.2), (-0.2, 0), (0, -0.2), (0.2, 0)][quarter(house, house.star.rooms[BEDROOM])]
+    rooms = (moved(house.star.rooms[BEDROOM], x, y), *house.star.rooms[1:])
+    return changed_star(house, rooms=rooms), [
         "R0 (bedroom): its door is not on a wall that it shares with the main room",
         "R0 (bedroom) overlaps the main room by 0.20 m",
     ]
 
 
 def room_larger_than_the_main_room(house: House) -> tuple[House, list[str]]:
-    room = house.rooms[HALL]
+    room = house.star.rooms[HALL]
     own = turned(room, -quarter(house, room))
-    deep = house.floor.area / own.width + 0.5
+    deep = house.star.floor.area / own.width + 0.5
     own = replace(own, y=own.y + own.height - deep, height=deep)
     wrong = with_room(house, HALL, **{k: getattr(turned(own, quarter(house, room)), k) for k in SIZES})
     return wrong, [
-        f"R3 (hall) is larger ({deep * own.width:.2f} m²) than the main room ({house.floor.area:.2f} m²)"
+        f"R3 (hall) is larger ({deep * own.width:.2f} m²) than the main room ({house.star.floor.area:.2f} m²)"
     ]
 
 
@@ -120,7 +126,7 @@ SIZES = ("x", "y", "width", "height")
 
 
 def no_kitchen(house: House) -> tuple[House, list[str]]:
-    cupboard = replace(house.rooms[KITCHEN].children[0], type="cupboard")
+    cupboard = replace(house.star.rooms[KITCHEN].children[0], type="cupboard")
     wrong = with_room(house, KITCHEN, type="hall", children=(cupboard,))
     return wrong, ["house: has no kitchen (at least 1 from 3 rooms on)"]
 
@@ -135,40 +141,40 @@ def no_furniture(house: House) -> tuple[House, list[str]]:
 
 
 def unsuited_piece(house: House) -> tuple[House, list[str]]:
-    wrong = with_piece(house, BATHROOM, 0, replace(house.rooms[BATHROOM].children[0], type="sofa"))
+    wrong = with_piece(house, BATHROOM, 0, replace(house.star.rooms[BATHROOM].children[0], type="sofa"))
     return wrong, ["R1 (bathroom): sofa does not suit the room"]
 
 
 def piece_through_the_wall(house: House) -> tuple[House, list[str]]:
-    toilet = house.rooms[BATHROOM].children[0]
-    x, y = [(0, -0.1), (0.1, 0), (0, 0.1), (-0.1, 0)][quarter(house, house.rooms[BATHROOM])]
+    toilet = house.star.rooms[BATHROOM].children[0]
+    x, y = [(0, -0.1), (0.1, 0), (0, 0.1), (-0.1, 0)][quarter(house, house.star.rooms[BATHROOM])]
     wrong = with_piece(house, BATHROOM, 0, replace(moved(toilet, x, y), orientation=""))
     return wrong, ["R1 (bathroom): toilet juts 0.10 m out of the room"]
 
 
 def piece_on_a_piece(house: House) -> tuple[House, list[str]]:
-    toilet, sink, shower = house.rooms[BATHROOM].children
+    toilet, sink, shower = house.star.rooms[BATHROOM].children
     twin = replace(toilet, width=toilet.width, type="sink")
     wrong = with_room(house, BATHROOM, children=(toilet, sink, shower, twin))
     return wrong, ["R1 (bathroom): toilet overlaps sink 2 by 0.50 m"]
 
 
 def child_on_its_parent(house: House) -> tuple[House, list[str]]:
-    _, table = house.rooms[KITCHEN].children
+    _, table = house.star.rooms[KITCHEN].children
     chairs = (replace(table, width=0.3, height=0.3, type="chair", children=()),)
     wrong = with_piece(house, KITCHEN, 1, replace(table, children=chairs))
     return wrong, ["R2 (kitchen): table overlaps chair by 0.30 m"]
 
 
 def bed_in_the_middle(house: House) -> tuple[House, list[str]]:
-    bed = replace(house.rooms[BEDROOM].children[0], children=())
-    x, y = [(0, 0.3), (-0.3, 0), (0, -0.3), (0.3, 0)][quarter(house, house.rooms[BEDROOM])]
+    bed = replace(house.star.rooms[BEDROOM].children[0], children=())
+    x, y = [(0, 0.3), (-0.3, 0), (0, -0.3), (0.3, 0)][quarter(house, house.star.rooms[BEDROOM])]
     wrong = with_piece(house, BEDROOM, 0, moved(bed, x, y))
     return wrong, ["R0 (bedroom): bed stands in the middle of the room (must touch a wall)"]
 
 
 def front_to_the_wall(house: House) -> tuple[House, list[str]]:
-    sofa = house.rooms[HALL].children[0]
+    sofa = house.star.rooms[HALL].children[0]
     opposite = {"N": "S", "S": "N", "E": "W", "W": "E"}[sofa.orientation]
     wall = {"N": "north", "S": "south", "E": "east", "W": "west"}[opposite]
     wrong = with_piece(house, HALL, 0, replace(sofa, orientation=opposite))
@@ -259,7 +265,7 @@ def test_reaching_too_little_floor_is_a_violation_even_without_a_closed_passage(
 
 def test_a_door_that_leads_outdoors_is_a_violation_in_the_original_s_format() -> None:
     house = original(plain((piece("wardrobe", 0.0, 0.0, 1.0, 0.6, front="S"),)))
-    room = house.rooms[BEDROOM]
+    room = house.star.rooms[BEDROOM]
     outdoors = with_room(house, BEDROOM, door=replace(room.door, y=room.y))
     assert check(outdoors)[-1:] == [
         "R0 (bedroom): the body (0.287 m square) cannot get into it from the main room"
@@ -318,7 +324,7 @@ def test_what_stands_nearer_than_a_passage_before_a_piece_that_is_used_from_ther
 
 def turned_piece(house: House, quarters: int, front: str) -> Piece:
     """The bedroom's second piece in the turned house, with another front."""
-    return replace(turned(house.rooms[BEDROOM].children[1], quarters), orientation=front)
+    return replace(turned(house.star.rooms[BEDROOM].children[1], quarters), orientation=front)
 
 
 def test_a_piece_may_have_its_own_companions_before_it_and_none_before_its_back() -> None:
@@ -346,5 +352,5 @@ def test_the_original_s_example_keeps_every_promise() -> None:
     (house,) = load(EXAMPLE)
     assert check(house) == []
     # It is the convention that saves it: read as one of ours, its rooms stand in the main room.
-    ours = check(replace(house, format="vitruvius-1"))
+    ours = check(House.of_star(house.star))
     assert sum("overlaps the main room" in line for line in ours) == 4

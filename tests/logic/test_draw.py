@@ -16,10 +16,11 @@ from logic import House, Rect
 from logic.boxes import excess, overlap
 from logic.canvas import DENSITY, Block, Drawing, Line, Text, png, text_width
 from logic.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
-from logic.house import ORIGINAL, Provenance
 from logic.labels import LEAST, abbreviations
+from logic.parts import ORIGINAL, Provenance
 from logic.plan import MARK, PAPER, WALL, room_colour
 from tests.logic.handmade import Sketch, built, sketches, turned_house
+from tests.sample_houses import changed_star
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
 FLOORS = {room_colour(sketch.type) for sketch in sketches()}
@@ -34,8 +35,8 @@ class Picture:
         drawing = plan(house, self.image.width // DENSITY, self.image.height // DENSITY)
         floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
         left, top, right, _ = floor.box
-        self.scale = (right - left) / house.floor.width
-        self.left, self.top = left - self.scale * house.floor.x, top - self.scale * house.floor.y
+        self.scale = (right - left) / house.star.floor.width
+        self.left, self.top = left - self.scale * house.star.floor.x, top - self.scale * house.star.floor.y
 
     def shows(self, colour: str, x: float, y: float) -> bool:
         """Whether the point at these metres is of this colour."""
@@ -51,7 +52,7 @@ def words(drawing: Drawing) -> dict[str, Text]:
 def metre(drawing: Drawing, house: House) -> float:
     """CSS pixels to a metre: the main room's floor is drawn first."""
     floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
-    return (floor.box[2] - floor.box[0]) / house.floor.width
+    return (floor.box[2] - floor.box[0]) / house.star.floor.width
 
 
 def many_rooms(sides: list[int]) -> House:
@@ -72,7 +73,7 @@ def middle(rect: Rect) -> tuple[float, float]:
 def test_walls_are_drawn_with_a_gap_at_each_door(quarters: int) -> None:
     house = turned_house(HOUSE, quarters, 3.0, -2.0)
     picture = Picture(house)
-    for room in house.rooms:
+    for room in house.star.rooms:
         x, y = middle(room.door)
         assert picture.shows(PAPER, x, y)
         beyond = 0.45 if room.door.width else 0.0, 0.45 if room.door.height else 0.0
@@ -85,7 +86,7 @@ def test_a_mark_shows_where_each_front_faces(quarters: int) -> None:
     house = turned_house(HOUSE, quarters)
     picture = Picture(house)
     ways = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
-    for piece in (piece for room in house.rooms for piece in room.pieces if piece.orientation):
+    for piece in (piece for room in house.star.rooms for piece in room.pieces if piece.orientation):
         (x, y), (east, south) = middle(piece), ways[piece.orientation]
         ahead, aside = east * piece.width / 2, south * piece.height / 2
         assert picture.shows(MARK, x + ahead, y + aside)
@@ -95,7 +96,7 @@ def test_a_mark_shows_where_each_front_faces(quarters: int) -> None:
 def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
     """Its ``floor`` reaches under the rooms, and the words for its fronts are not to be trusted."""
     floor = Rect(-3.1, -3.1, 6.2, 6.2)
-    house = replace(HOUSE, floor=floor, format=ORIGINAL)
+    house = House.of_star(replace(HOUSE.star, floor=floor), ORIGINAL)
     picture = Picture(house)
     assert picture.shows(WALL, -3.1, 3.0)
     assert picture.shows(room_colour("bedroom"), 0.9, -3.1)
@@ -152,7 +153,7 @@ def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_bet
     assert contact_sheet([house], cell=cell).size == (DENSITY * cell, DENSITY * cell)
     ET.fromstring(contact_sheet_svg([house], cell=cell))
     drawing = plan(house, cell, cell)
-    short = abbreviations(room.type for room in house.rooms)
+    short = abbreviations(room.type for room in house.star.rooms)
     floors = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.fill in FLOORS]
     for word in (shape for shape in drawing.shapes if isinstance(shape, Text)):
         if word.text in {*short, *short.values()} and word.anchor == "middle":
@@ -161,11 +162,11 @@ def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_bet
             assert word.size >= LEAST
             assert any(excess(box, floor) <= 0 for floor in floors)
     named = {word.text for word in drawing.shapes if isinstance(word, Text) and word.anchor == "middle"}
-    if not {room.type for room in house.rooms} <= named:
+    if not {room.type for room in house.star.rooms} <= named:
         keyed = {
             shape.text for shape in drawing.shapes if isinstance(shape, Text) and shape.anchor == "start"
         }
-        assert {room.type for room in house.rooms} <= keyed
+        assert {room.type for room in house.star.rooms} <= keyed
 
 
 @given(
@@ -190,13 +191,13 @@ def test_one_scale_makes_a_metre_as_long_in_all_plans(tmp_path: Path) -> None:
     for apart in (False, True):
         root = ET.fromstring(contact_sheet_svg(houses, one_scale=apart))
         metres = [
-            float(cell[0].attrib["width"]) / house.floor.width
+            float(cell[0].attrib["width"]) / house.star.floor.width
             for cell, house in zip(root.findall(f"{NAMESPACE}g"), houses, strict=True)
         ]
         assert (max(metres) - min(metres) < 0.05) == apart
     plans = [ET.parse(path).getroot() for path in draw(houses, tmp_path, one_scale=True)[:-1]]
     widths = [float(root.findall(f"{NAMESPACE}g")[0][0].attrib["width"]) for root in plans]
-    metres = [width / house.floor.width for width, house in zip(widths, houses, strict=True)]
+    metres = [width / house.star.floor.width for width, house in zip(widths, houses, strict=True)]
     assert max(metres) - min(metres) < 0.05
 
 
@@ -207,8 +208,10 @@ def test_an_unknown_type_always_has_the_same_colour_and_shows_its_name() -> None
     code = f"from logic.plan import room_colour; print(*map(room_colour, {names!r}))"
     other = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert other.stdout.split() == colours
-    lamp = replace(HOUSE.rooms[3].children[0], type="piano", orientation="")
-    strange = replace(HOUSE, rooms=(replace(HOUSE.rooms[3], type="<salon> & co", children=(lamp,)),))
+    lamp = replace(HOUSE.star.rooms[3].children[0], type="piano", orientation="")
+    strange = changed_star(
+        HOUSE, rooms=(replace(HOUSE.star.rooms[3], type="<salon> & co", children=(lamp,)),)
+    )
     texts = [element.text for element in ET.fromstring(plan_svg(strange)).iter(f"{NAMESPACE}text")]
     assert {"<salon> & co", "piano"} <= set(texts)
 

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from logic import House, HouseFileError, Piece, load, save
 from logic.files import write_whole
-from logic.house import ORIGINAL, PIXEL, Provenance
+from logic.parts import ORIGINAL, PIXEL, Provenance
 from tests.logic.handmade import built, houses, sketches
 
 EXAMPLE = Path(__file__).parents[1] / "fixtures" / "example1.json"
@@ -74,22 +74,22 @@ def test_a_record_without_a_unit_is_the_original_s_in_pixels() -> None:
     del record["format"], record["unit"]
     house = House.from_dict(record)
     assert house.format == ORIGINAL
-    assert house.floor.width == pytest.approx(4.2 * PIXEL)
-    assert house.rooms[0].children[0].children[0].width == pytest.approx(0.4 * PIXEL)
+    assert house.star.floor.width == pytest.approx(4.2 * PIXEL)
+    assert house.star.rooms[0].children[0].children[0].width == pytest.approx(0.4 * PIXEL)
 
 
 def test_the_original_s_example_reads_in_metres_and_reads_back() -> None:
     (house,) = load(EXAMPLE)
-    assert [room.type for room in house.rooms] == ["bedroom", "bathroom", "kitchen", "hall"]
-    assert house.rooms[0].door.height == pytest.approx(0.762)
-    assert len(house.rooms[3].pieces) == 8
+    assert [room.type for room in house.star.rooms] == ["bedroom", "bathroom", "kitchen", "hall"]
+    assert house.star.rooms[0].door.height == pytest.approx(0.762)
+    assert len(house.star.rooms[3].pieces) == 8
     assert House.from_dict(house.to_dict()) == house
 
 
 def test_pieces_within_pieces_all_count() -> None:
     lamp = Piece(0.1, 0.1, 0.1, 0.1, "lamp")
     bedside = Piece(0.0, 0.0, 0.4, 0.4, "bedside", children=(lamp,))
-    room = replace(HOUSE.rooms[0], children=(Piece(0.5, 0.0, 1.5, 2.0, "bed", children=(bedside,)),))
+    room = replace(HOUSE.star.rooms[0], children=(Piece(0.5, 0.0, 1.5, 2.0, "bed", children=(bedside,)),))
     assert [piece.type for piece in room.pieces] == ["bed", "bedside", "lamp"]
 
 

@@ -60,7 +60,7 @@ def test_houses_of_every_size_keep_every_promise(rooms: int) -> None:
     """300 houses in all: 19 of each size, one less for the last four."""
     houses = list(generate(rooms=rooms, seed=rooms, count=19 if rooms <= 12 else 18, workers=2))
     assert [check(house) for house in houses] == [[]] * len(houses)
-    assert {len(house.rooms) for house in houses} == {rooms}
+    assert {len(house.star.rooms) for house in houses} == {rooms}
 
 
 def test_a_house_is_a_function_of_its_seed_and_index() -> None:
@@ -75,19 +75,22 @@ def test_a_seed_gives_the_golden_house() -> None:
     """The same seed gives the same house on every machine, to a millionth of a metre."""
     made, golden = next(generate(rooms=4, seed=2026)), load(GOLDEN)[0]
     assert flat(made) == pytest.approx(flat(golden), abs=1e-6)
-    assert [[piece.type for piece in room.pieces] for room in made.rooms] == [
-        [piece.type for piece in room.pieces] for room in golden.rooms
+    assert [[piece.type for piece in room.pieces] for room in made.star.rooms] == [
+        [piece.type for piece in room.pieces] for room in golden.star.rooms
     ]
 
 
 def flat(house: House) -> list[float]:
-    rects = [house.floor, *(rect for room in house.rooms for rect in (room, room.door, *room.pieces))]
+    rects = [
+        house.star.floor,
+        *(rect for room in house.star.rooms for rect in (room, room.door, *room.pieces)),
+    ]
     return [value for rect in rects for value in rect.box]
 
 
 def test_types_are_exact_counts() -> None:
     for house in generate(rooms=6, types={"bedroom": 3, "hall": 0}, count=5):
-        types = [room.type for room in house.rooms]
+        types = [room.type for room in house.star.rooms]
         assert (types.count("bedroom"), types.count("hall")) == (3, 0)
 
 
@@ -95,10 +98,10 @@ def test_houses_have_types_and_furniture_within_the_ranges_asked_for() -> None:
     asked = {"bed": 1, "bedroom.wardrobe": (1, None), "shower": (0, 0)}
     houses = list(generate(rooms=7, types={"bedroom": (2, 3), "hall": (1, None)}, furniture=asked, count=5))
     for house in houses:
-        types = [room.type for room in house.rooms]
+        types = [room.type for room in house.star.rooms]
         assert types.count("bedroom") in {2, 3}
         assert types.count("hall") >= 1
-        for room in house.rooms:
+        for room in house.star.rooms:
             pieces = [piece.type for piece in room.pieces]
             assert "shower" not in pieces
             if room.type == "bedroom":
@@ -133,7 +136,7 @@ def test_a_new_room_type_needs_two_files_and_no_python(edited: Edit) -> None:
             rules.write(lines)
     assert lint(folder) == []
     (house,) = generate(rooms=4, types={"study": 1}, grammar=folder)
-    (study,) = (room for room in house.rooms if room.type == "study")
+    (study,) = (room for room in house.star.rooms if room.type == "study")
     assert [piece.type for piece in study.pieces] == ["lectern"]
     assert check(house) == []
 
@@ -146,10 +149,10 @@ def test_houses_on_a_grid_keep_every_promise_with_every_edge_on_a_cell(cell: flo
             assert check(house) == []
             assert house.provenance
             assert house.provenance.request["cell"] == cell
-            corner = (house.floor.x, house.floor.y) * 2
+            corner = (house.star.floor.x, house.star.floor.y) * 2
             assert all(
                 (edge - origin) / cell == pytest.approx(round((edge - origin) / cell), abs=1e-6)
-                for room in house.rooms
+                for room in house.star.rooms
                 for rect in (room, room.door, *room.pieces)
                 for edge, origin in zip(rect.box, corner, strict=True)
             )
@@ -182,7 +185,7 @@ def test_a_room_too_small_for_its_furniture_is_proved_impossible(edited: Edit) -
         next(generate(rooms=3, grammar=folder))
     texts = [reason.text for reason in caught.value.reasons]
     assert {"passage(0.42).", "room_size(bedroom, 2.0, 2.0).", "may(bedroom,bed,1,2)."} < set(texts)
-    assert [room.type for room in next(generate(rooms=1, grammar=folder, seed=1)).rooms] != ["bedroom"]
+    assert [room.type for room in next(generate(rooms=1, grammar=folder, seed=1)).star.rooms] != ["bedroom"]
 
 
 def test_a_limit_of_inferences_is_stated() -> None:

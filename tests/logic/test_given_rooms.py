@@ -13,7 +13,7 @@ from logic.builder import Builder
 from logic.errors import LimitReached
 from logic.given_rooms import Frame, GivenRoom, Unfurnishable, furnished
 from logic.grammar import SHIPPED, find
-from logic.house import Rect
+from logic.parts import Rect
 
 NEAR = 1e-6
 PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8

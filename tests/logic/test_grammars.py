@@ -25,7 +25,7 @@ def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) ->
     """Those of family: test_generate.py."""
     for house in generate(rooms=rooms, grammar=grammar, seed=rooms, count=8, workers=2):
         assert check(house) == []
-        assert len(house.rooms) == rooms
+        assert len(house.star.rooms) == rooms
 
 
 @pytest.mark.parametrize("name", ["rooms.lp", "sizes.pl"])
@@ -43,8 +43,12 @@ def test_little_is_read_of_a_rule_file_of_many_gigabytes(tmp_path: Path, name: s
 
 
 def test_the_clinic_grammar_has_room_types_that_family_lacks() -> None:
-    clinic = {room.type for house in generate(rooms=12, grammar="clinic", count=5) for room in house.rooms}
-    family = {room.type for house in generate(rooms=12, grammar="family", count=5) for room in house.rooms}
+    clinic = {
+        room.type for house in generate(rooms=12, grammar="clinic", count=5) for room in house.secondary
+    }
+    family = {
+        room.type for house in generate(rooms=12, grammar="family", count=5) for room in house.secondary
+    }
     assert len(clinic) >= 6
     assert not clinic & family
 

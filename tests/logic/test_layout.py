@@ -82,6 +82,7 @@ def bedroom() -> Program:
 
 def size(made: Program) -> tuple[int, int, int]:
     """The variables and constraints of the solver, and the nogoods that it has learnt and keeps."""
+    made.end_search()
     statistics = made._control.statistics
     problem, learnt = statistics["problem"]["generator"], statistics["accu"]["solving"]["solvers"]["extra"]
     return problem["vars"], problem["constraints"], learnt["lemmas"] - learnt["lemmas_deleted"]
@@ -102,6 +103,35 @@ def test_a_solver_is_as_small_after_hundreds_of_houses_as_after_one(worn: Progra
     assert worn_variables <= variables
     assert worn_constraints <= constraints
     assert learnt < 1500  # of about 2,000
+
+
+def test_one_search_gives_the_layouts_of_many() -> None:
+    """It goes from one to the next, past the time of forgetting, and none depends on those before it."""
+    made, single = bedroom(), bedroom()
+    for seed in range(1010):
+        layout = made.sample(np.random.default_rng(seed))
+        if seed % 20 == 0 or seed > 995:
+            single.end_search()
+            assert layout == single.sample(np.random.default_rng(seed))
+
+
+def test_a_program_can_be_asked_anything_between_two_layouts() -> None:
+    made, assumed = house(4, bedroom=2)
+    fresh, _ = house(4, bedroom=2)
+    wanted = [fresh.sample(np.random.default_rng(seed)) for seed in range(3)]
+    assert made.possible(assumed)
+    assert made.sample(np.random.default_rng(0)) == wanted[0]
+    assert made.sample(np.random.default_rng(9), assumed)
+    assert not made.possible(without=made.atoms("room", 2))
+    assert made.sample(np.random.default_rng(1)) == wanted[1]
+    assert made.sample(np.random.default_rng(9), without=made.atoms("room", 2)) is None
+    assert made.sample(np.random.default_rng(2)) == wanted[2]
+
+
+def test_a_program_with_one_layout_gives_it_again_and_again(tmp_path: Path) -> None:
+    """Nothing is left to choose, so a search has no other model to go on to."""
+    made = program(tmp_path, "#program toys. option(colour,red,1). #show pick/2.")
+    assert samples(made, 5) == [("pick(colour,red)",)] * 5
 
 
 def test_only_layouts_with_the_whole_conflict_are_excluded(tmp_path: Path) -> None:

@@ -33,14 +33,11 @@ MISTAKES = {each.title: each for table in TABLES for each in table.MISTAKES if i
 
 def linted(folder: Path) -> tuple[list[Finding], float]:
     """What lint says of a grammar outside of this package, and the CPU seconds that it took."""
-    from pyswip import Prolog
-
     from logic.linter import findings
 
     begin = time.process_time()
     found = findings(find(folder))
     seconds = time.process_time() - begin
-    list(Prolog.query(f"forall((source_file(F), sub_atom(F,0,_,_,'{folder}')), unload_file(F))"))
     return found, seconds
 
 

@@ -13,10 +13,12 @@ import pytest
 from logic.boxes import BACK, TOLERANCE, WALLS, is_on_wall, walls_touched
 from logic.errors import Finding
 from logic.grammar import SHIPPED, find
-from logic.house import House, Piece, Room
+from logic.house import House
 from logic.least_main_room import side_of
+from logic.parts import Piece
 from logic.reference import Recipe, asp_entries, prolog_entries, recipes
 from logic.request import Request
+from logic.star import StarRoom
 
 SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 """Numbers of rooms of the houses in which a recipe is looked for."""
@@ -24,17 +26,11 @@ SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 
 def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
     """What lint says of a grammar, and its houses, a number of times the sample."""
-    from pyswip import Prolog
-
     from logic.builder import Builder
     from logic.linter import findings
 
-    try:
-        found, builder = findings(find(folder)), Builder(find(folder))
-        houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
-    finally:
-        list(Prolog.query(f"forall((source_file(F), sub_atom(F,0,_,_,'{folder}')), unload_file(F))"))
-    return found, houses
+    found, builder = findings(find(folder)), Builder(find(folder))
+    return found, [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +53,7 @@ class Standing(NamedTuple):
     """A piece as seen from the door: its wall or the middle, metres along that wall and out from it."""
 
     piece: Piece
-    room: Room
+    room: StarRoom
     wall: str
     length: float
     depth: float
@@ -68,33 +64,33 @@ class Standing(NamedTuple):
         return abs(self.piece.box[side] - self.room.box[side])
 
 
-def seen(room: Room) -> list[str]:
+def seen(room: StarRoom) -> list[str]:
     """What the west, north, east and south wall are, seen from the door."""
     door = next(wall for wall in range(4) if is_on_wall(room.door, room, wall))
     return [("front", "left", "back", "right")[(wall - door) % 4] for wall in range(4)]
 
 
-def size(box: Piece | Room, wall: int) -> tuple[float, float]:
+def size(box: Piece | StarRoom, wall: int) -> tuple[float, float]:
     """Metres along this wall of it, and away from it."""
     return (box.width, box.height) if wall % 2 else (box.height, box.width)
 
 
-def width_and_depth(room: Room) -> tuple[float, float]:
+def width_and_depth(room: StarRoom) -> tuple[float, float]:
     return size(room, seen(room).index("front"))
 
 
-def stands(piece: Piece, room: Room) -> Standing:
+def stands(piece: Piece, room: StarRoom) -> Standing:
     back = BACK[piece.orientation] if piece.orientation else seen(room).index("front")
     wall = seen(room)[back] if back in walls_touched(piece, room) else "middle"
     return Standing(piece, room, wall, *size(piece, back))
 
 
 def sides(house: House) -> list[tuple[str, str | None]]:
-    return [(room.type, side_of(house, room)) for room in house.rooms]
+    return [(room.type, side_of(house.star, room)) for room in house.star.rooms]
 
 
 def count(house: House, type_: str) -> int:
-    return sum(room.type == type_ for room in house.rooms)
+    return sum(room.type == type_ for room in house.star.rooms)
 
 
 CLAIMS: dict[str, tuple[Callable, Callable]] = {}
@@ -112,14 +108,14 @@ def claim(of: Callable[[list[House]], Iterable[Any]]) -> Callable[[Callable], Ca
 
 
 def rooms(*types: str) -> Callable:
-    return lambda houses: [room for house in houses for room in house.rooms if room.type in types]
+    return lambda houses: [room for house in houses for room in house.star.rooms if room.type in types]
 
 
 def pieces(*types: str) -> Callable:
     return lambda houses: [
         stands(piece, room)
         for house in houses
-        for room in house.rooms
+        for room in house.star.rooms
         for piece in room.children
         if piece.type in types
     ]
@@ -136,11 +132,11 @@ def across(house: House) -> bool:
 
 @claim(list)
 def at_most_two_in_a_row(house: House) -> bool:
-    types = [room.type for room in house.rooms]
+    types = [room.type for room in house.star.rooms]
     return not any(a == b == c for a, b, c in zip(types, types[1:], types[2:], strict=False))
 
 
-@claim(lambda houses: [house for house in houses if len(house.rooms) < 5])
+@claim(lambda houses: [house for house in houses if len(house.star.rooms) < 5])
 def from_five_rooms_on(house: House) -> bool:
     return count(house, "hall") == 0
 
@@ -163,22 +159,22 @@ def on_one_side(house: House) -> bool:
 
 @claim(list)
 def one_for_three(house: House) -> bool:
-    return count(house, "bathroom") == -(-len(house.rooms) // 3)
+    return count(house, "bathroom") == -(-len(house.star.rooms) // 3)
 
 
 @claim(lambda houses: [houses])
 def weight_by_rooms(houses: list[House]) -> bool:
-    return sum(count(house, "hall") for house in houses) > sum(len(house.rooms) for house in houses) / 3
+    return sum(count(house, "hall") for house in houses) > sum(len(house.star.rooms) for house in houses) / 3
 
 
 @claim(rooms("bathroom"))
-def different_walls(room: Room) -> bool:
+def different_walls(room: StarRoom) -> bool:
     walls = [stands(piece, room).wall for piece in room.children if piece.type in {"toilet", "shower"}]
     return len(walls) == len(set(walls))
 
 
 @claim(rooms("hall"))
-def either_or(room: Room) -> bool:
+def either_or(room: StarRoom) -> bool:
     return len({piece.type for piece in room.children} & {"sofa", "hallTable"}) == 1
 
 
@@ -204,7 +200,7 @@ def not_opposite_the_door(toilet: Standing) -> bool:
 
 
 @claim(rooms("hall"))
-def not_side_by_side(room: Room) -> bool:
+def not_side_by_side(room: StarRoom) -> bool:
     """At the left, back and right wall: the front wall is parted by the door."""
     for wall, end in (("left", "front"), ("back", "left"), ("right", "front")):
         there = [each for piece in room.children if (each := stands(piece, room)).wall == wall]
@@ -229,20 +225,22 @@ def companions(sofa: Standing) -> bool:
 
 @claim(lambda houses: [house for house in houses if count(house, "suite")])
 def largest_bedroom(house: House) -> bool:
-    largest = max(house.rooms, key=lambda room: room.area * (room.type in {"bedroom", "suite"}))
-    with_armchair = [room for room in house.rooms if "armchair" in {piece.type for piece in room.children}]
+    largest = max(house.secondary, key=lambda room: room.area * (room.type in {"bedroom", "suite"}))
+    with_armchair = [
+        room for room in house.secondary if "armchair" in {piece.type for piece in room.children}
+    ]
     return with_armchair == [largest]
 
 
 @claim(rooms("study"))
-def new_room(room: Room) -> bool:
+def new_room(room: StarRoom) -> bool:
     width, depth = width_and_depth(room)
     lecterns = [stands(piece, room).wall for piece in room.children if piece.type == "lectern"]
     return 2.5 <= depth <= width <= 4 and len(lecterns) == 1 and lecterns[0] in {"back", "left"}
 
 
 @claim(rooms("gallery"))
-def proportions(room: Room) -> bool:
+def proportions(room: StarRoom) -> bool:
     width, depth = width_and_depth(room)
     benches = [stands(piece, room) for piece in room.children]
     return 2 * depth <= width + TOLERANCE <= 3 * depth + 2 * TOLERANCE and all(
@@ -251,7 +249,7 @@ def proportions(room: Room) -> bool:
 
 
 @claim(rooms("cell", "chapel"))
-def square_rooms(room: Room) -> bool:
+def square_rooms(room: StarRoom) -> bool:
     return abs(room.width - room.height) < TOLERANCE
 
 
@@ -290,5 +288,5 @@ def test_all_examples_of_the_page_together_are_a_grammar(solver: ProcessPoolExec
     findings, houses = solver.submit(made, folder).result()
     assert findings == []
     assert {"rack", "keg"} <= {
-        piece.type for house in houses for room in house.rooms for piece in room.pieces
+        piece.type for house in houses for room in house.star.rooms for piece in room.pieces
     }

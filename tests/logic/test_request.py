@@ -16,7 +16,7 @@ RANGES = st.tuples(st.integers(0, 99), st.integers(0, 99)).map(sorted).map(tuple
 
 def counted(house: House, type_: str, piece: str) -> list[int]:
     """How many of a piece each room of this type has, companions of others too."""
-    rooms = [room for room in house.rooms if room.type == type_]
+    rooms = [room for room in house.star.rooms if room.type == type_]
     return [sum(each.type == piece for each in room.pieces) for room in rooms]
 
 

@@ -11,7 +11,7 @@ import pytest
 from clingo import Function, Symbol, parse_term
 
 from agent.cli import main
-from logic import Door, House, HouseFileError, Piece, Rect, RequestError, Room, explain_house, save
+from logic import House, HouseFileError, Piece, Rect, RequestError, Star, StarRoom, explain_house, save
 from logic.builder import Builder
 from logic.fixed import fixed_rooms
 from logic.grammar import find
@@ -21,6 +21,7 @@ from logic.request import Request
 from logic.support import Support
 from logic.why import Derivation, Why, part_names, target_in
 from logic.witness import Witness
+from tests.sample_houses import changed_star
 
 INFERENCES = 100_000_000
 
@@ -57,13 +58,13 @@ class Explained:
 
     def pieces(self) -> Iterator[tuple[str, RoomLayout, Piece]]:
         """Each piece and companion with its target."""
-        for number, room in enumerate(self.house.rooms):
+        for number, room in enumerate(self.house.star.rooms):
             names = part_names([piece.type for piece in room.pieces])
             for name, piece in zip(names, room.pieces, strict=True):
                 yield f"R{number}.{name}", self.layout.rooms[number], piece
 
     def targets(self) -> list[str]:
-        rooms = [f"R{number}" for number in range(len(self.house.rooms))]
+        rooms = [f"R{number}" for number in range(len(self.house.star.rooms))]
         return ["main", *rooms, *(f"{room}.door" for room in rooms), *(name for name, _, _ in self.pieces())]
 
 
@@ -231,7 +232,7 @@ def test_what_a_room_could_be_instead_is_what_the_rules_allow(family: Explained)
     program, granted = family.builder.programs.rooms_for(family.request)
     assert program.models
     picks = [atom for atom in program.models[-1][1] if atom.match("pick", 2)]
-    for number in range(len(family.house.rooms)):
+    for number in range(len(family.house.star.rooms)):
         type_, side = family.why(f"R{number}").choices
         for choice, name in ((type_, f"pick(type({number}),%s)"), (side, f"side({number},%s)")):
             for other in choice.instead:
@@ -260,7 +261,7 @@ def test_a_rule_that_forbids_is_named(builder: Builder) -> None:
 
 def measures(family: Explained, number: int) -> dict[str, float]:
     """The lengths of a room and of its parts in its own frame, by name as in ``bed.depth``."""
-    room, layout = family.house.rooms[number], family.layout.rooms[number]
+    room, layout = family.house.star.rooms[number], family.layout.rooms[number]
     side = layout.side.name
     south, east = room.y + room.height, room.x + room.width
 
@@ -357,7 +358,7 @@ def value(text: str, measured: dict[str, float]) -> float:
 
 def test_the_main_room_lies_between_what_its_rooms_need_and_what_is_allowed(family: Explained) -> None:
     width, height = family.why("main").lengths
-    floor = family.house.floor
+    floor = family.house.star.floor
     assert (width.value, height.value) == (floor.width, floor.height)
     rooms = fixed_rooms(family.house)
     for length, sides in ((width, ("north", "south")), (height, ("east", "west"))):
@@ -375,8 +376,8 @@ def test_the_main_room_lies_between_what_its_rooms_need_and_what_is_allowed(fami
 
 
 def test_an_edited_house_is_refused(builder: Builder, family: Explained) -> None:
-    moved = msgspec.structs.replace(family.house.rooms[0], x=family.house.rooms[0].x + 0.01)
-    edited = msgspec.structs.replace(family.house, rooms=(moved, *family.house.rooms[1:]))
+    moved = msgspec.structs.replace(family.house.star.rooms[0], x=family.house.star.rooms[0].x + 0.01)
+    edited = changed_star(family.house, rooms=(moved, *family.house.star.rooms[1:]))
     with pytest.raises(HouseFileError, match="seed 24, house 0: it was edited"):
         Witness(builder, edited, INFERENCES)
 
@@ -414,15 +415,16 @@ def test_a_house_without_provenance_is_refused(family: Explained) -> None:
     ],
 )
 def test_a_part_that_is_not_there_is_refused_with_what_is(family: Explained, target: str, words: str) -> None:
-    bedroom = [room.type for room in family.house.rooms].index("bedroom")
+    bedroom = [room.type for room in family.house.star.rooms].index("bedroom")
     with pytest.raises(RequestError, match=words):
         target_in(family.house, target.format(bedroom=bedroom))
 
 
 def test_the_second_of_a_kind_has_a_number() -> None:
     bed = Piece(0, 0, 1, 1, "bed")
-    room = Room(0, 0, 9, 9, "bedroom", (bed, Piece(0, 0, 1, 1, "sofa", "N", (bed,)), bed), Door(1, 0, 1, 0))
-    house = House(Rect(0, 9, 9, 9), (room,))
+    sofa = Piece(0, 0, 1, 1, "sofa", "N", (bed,))
+    room = StarRoom(0, 0, 9, 9, "bedroom", (bed, sofa, bed), Rect(1, 0, 1, 0))
+    house = House.of_star(Star(Rect(0, 9, 9, 9), (room,)))
     targets = {
         "R0.bed": 0,
         "R0.bed1": 0,
@@ -436,9 +438,9 @@ def test_the_second_of_a_kind_has_a_number() -> None:
 
 
 def test_a_fixed_room_says_that_the_request_keeps_it(builder: Builder, family: Explained) -> None:
-    kept = msgspec.to_builtins(family.house.rooms[1])
+    kept = msgspec.to_builtins(family.house.star.rooms[1])
     house = Explained(builder, {"rooms": 4, "keep": [kept]}, 0)
-    number = house.house.rooms.index(family.house.rooms[1])
+    number = house.house.star.rooms.index(family.house.star.rooms[1])
     for target in (f"R{number}", f"R{number}.door"):
         assert "the request keeps it (keep)" in house.why(target).about
         assert not house.why(target).lengths
@@ -503,7 +505,7 @@ def test_the_answer_reads_as_sections_with_files_and_lines(family: Explained) ->
 
 
 def test_a_choice_is_explained_once_by_the_comment_above_it(family: Explained) -> None:
-    text = str(family.why(f"R{len(family.house.rooms) - 1}"))
+    text = str(family.why(f"R{len(family.house.star.rooms) - 1}"))
     assert "pick(bars," in text
     assert text.count("the rooms in a row, cut by three bars into the four sides.") == 1
 

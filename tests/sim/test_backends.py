@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from logic import House
+from logic import House, Star
 from sim import HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.backend import METHODS
 from tests import sample_houses
@@ -17,7 +17,7 @@ from tests import sample_houses
 PAGE = Path(__file__).parents[2] / "docs/backends.md"
 NAME = "main_room:MainRoom"
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
-EMPTY = [House(house.floor, ()) for house in HOUSES]
+EMPTY = [House.of_star(Star(house.star.floor)) for house in HOUSES]
 """Their main rooms alone."""
 
 

@@ -226,15 +226,15 @@ def test_wrong_seeds_are_refused_and_change_nothing(envs, usual):
 
 
 CRAMPED = sample_houses.drawn("a+\n..", cell=0.5)
-ROOM = HOUSES[0].rooms[0]
+ROOM = HOUSES[0].star.rooms[0]
 
 
 def with_floor(**changes) -> House:
-    return replace(HOUSES[0], floor=replace(HOUSES[0].floor, **changes))
+    return sample_houses.changed_star(HOUSES[0], floor=replace(HOUSES[0].star.floor, **changes))
 
 
 def with_room(**changes) -> House:
-    return replace(HOUSES[0], rooms=(replace(ROOM, **changes),))
+    return sample_houses.changed_star(HOUSES[0], rooms=(replace(ROOM, **changes),))
 
 
 WRONG_HOUSES = {
@@ -242,7 +242,7 @@ WRONG_HOUSES = {
     "a list of House, not of str": ["house"],
     "house 1 of 2: the body cannot reach room R0 (bedroom)": [HOUSES[0], CRAMPED],
     "house 0 of 1: the main room is at (nan, ": [
-        replace(HOUSES[0], floor=replace(HOUSES[0].floor, x=np.nan))
+        sample_houses.changed_star(HOUSES[0], floor=replace(HOUSES[0].star.floor, x=np.nan))
     ],
     "house 1 of 2: room R0 is at (0.0, 0.0), inf x ": [HOUSES[0], with_room(width=np.inf)],
     "house 0 of 1: the door of room R0 is at": [with_room(door=replace(ROOM.door, height=np.nan))],
@@ -351,7 +351,7 @@ WRONG_ARGUMENTS = {
         "backend": "grids"
     },
     "backend 'sim.grids:Grid' cannot be had": {"backend": "sim.grids:Grid"},
-    "there is no task all: there are main, secondary, mixed": {"targets": "all"},
+    "there is no task any: there are main, secondary, mixed, all": {"targets": "any"},
     "there is no preset papers: did you mean paper": {"preset": "papers"},
     "num_envs is 0": {"num_envs": 0},
     "a path, a request or a list of House, not House": {"houses": HOUSES[0]},

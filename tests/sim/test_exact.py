@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace as changed
 
-from logic import House, Piece, Rect, Room
+from logic import House, Piece, Rect, StarRoom
 from sim import DEFAULT, HouseVectorEnv
 from tests import sample_houses
 from tests.logic.handmade import turned_house
@@ -29,16 +29,16 @@ Placed = TypeVar("Placed", bound=Rect)
 def mirrored(rect: Placed) -> Placed:
     """A rectangle with all that it holds, as it is in a mirror: x becomes -x."""
     changes: dict = {"x": -rect.x - rect.width}
-    if isinstance(rect, Room | Piece):
+    if isinstance(rect, StarRoom | Piece):
         changes["children"] = tuple(mirrored(child) for child in rect.children)
-    if isinstance(rect, Room):
+    if isinstance(rect, StarRoom):
         changes["door"] = mirrored(rect.door)
     return changed(rect, **changes)
 
 
 def mirrored_house(house: House) -> House:
-    rooms = tuple(mirrored(room) for room in house.rooms)
-    return changed(house, floor=mirrored(house.floor), rooms=rooms)
+    rooms = tuple(mirrored(room) for room in house.star.rooms)
+    return sample_houses.changed_star(house, floor=mirrored(house.star.floor), rooms=rooms)
 
 
 class Change:

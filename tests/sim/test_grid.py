@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from logic import House, generate
-from logic.house import Provenance
+from logic.parts import Provenance
 from sim import DEFAULT, HouseVectorEnv
 from sim.body import HEADINGS
 from sim.oracle import Oracle

@@ -28,11 +28,11 @@ def test_no_package_imports_one_above_it(package, above):
     assert not {module for module, _ in imported(package) if module.split(".")[0] in above}
 
 
-def test_sim_imports_from_logic_only_houses_how_plans_draw_them_and_the_hints_of_messages():
+def test_sim_imports_from_logic_only_houses_how_plans_draw_them_what_writes_files_and_the_hints_of_messages():
     taken = {(module, name) for module, name in imported("sim") if module.split(".")[0] == "logic"}
     assert {name for module, name in taken if module == "logic"} <= ALLOWED
     drawing = {"logic.canvas", "logic.labels", "logic.plan"}
-    assert {module for module, _ in taken} == {"logic", "logic.spelling", *drawing}
+    assert {module for module, _ in taken} == {"logic", "logic.files", "logic.spelling", *drawing}
     users = {path.name for path in (ROOT / "sim").rglob("*.py") if "logic.plan" in path.read_text()}
     assert users == {"film.py"}
 
@@ -44,7 +44,8 @@ def test_taichi_is_imported_in_one_place():
 
 def test_the_public_names_are_these():
     """What needs a library that is not ours is imported by its own name: ``sim.stable_baselines``."""
-    classes = ["Collect", "Config", "Cover", "HouseEnv", "HouseVectorEnv", "Oracle", "Reach", "Task"]
+    tasks = ["Reach", "Rooms", "Task"]
+    classes = ["Collect", "Config", "Cover", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
     functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
     assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
     assert all(hasattr(sim, name) for name in sim.__all__)

@@ -8,10 +8,12 @@ import pytest
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from sim.continuous.layout import CELL
 from tests import sample_houses
+from tests.plans import PLANS
 from tests.reference import Boxes, sights, stopped
 
 HOUSES = [
-    sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)
+    *(sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)),
+    *PLANS.values(),
 ]
 EACH = 100
 """Poses in each house."""

@@ -7,13 +7,15 @@ import pytest
 
 from sim import DEFAULT, HouseVectorEnv
 from tests import sample_houses
+from tests.plans import PLANS
 from tests.reference import Reference
 
 LEFT, RIGHT, FORWARD = 0, 1, 2
 
 
 ROOM = sample_houses.drawn("a+a\n...\n...", cell=1.0)
-HOUSES = [*sample_houses.RANDOM, ROOM]
+WALKED = [*sample_houses.RANDOM, *PLANS.values()]
+HOUSES = [*WALKED, ROOM]
 EACH = 100
 """Poses in each house."""
 
@@ -40,7 +42,7 @@ def stepped():
 def test_moves_equal_those_of_the_reference(stepped, step):
     """At steps of any length: a swept body tunnels through nothing."""
     config, decided = replace(DEFAULT, step=step), 0
-    for house in sample_houses.RANDOM:
+    for house in WALKED:
         reference, pose = Reference(house), sample_houses.free_poses(house, EACH, seed=1)
         before, after, blocked = stepped(house, pose, np.full(len(pose), FORWARD), config)
         way = np.round(np.column_stack([np.cos(before[:, 2]), -np.sin(before[:, 2])]))
@@ -50,7 +52,7 @@ def test_moves_equal_those_of_the_reference(stepped, step):
             decided += expected is not None
             assert expected is None or blocked[e] == expected
             np.testing.assert_allclose(after[e, :2], before[e, :2] if blocked[e] else there, atol=1e-5)
-    assert decided > 0.98 * EACH * len(sample_houses.RANDOM)
+    assert decided > 0.98 * EACH * len(WALKED)
 
 
 def test_turns_are_by_45_degrees_and_never_blocked(stepped):

@@ -177,9 +177,9 @@ def found(path: np.ndarray | None) -> np.ndarray:
 
 def replace_door(house):
     """The house with the first room's door too narrow for the body."""
-    room = house.rooms[0]
+    room = house.star.rooms[0]
     narrow = msgspec.structs.replace(room, door=msgspec.structs.replace(room.door, width=0.1))
-    return msgspec.structs.replace(house, rooms=(narrow, *house.rooms[1:]))
+    return sample_houses.changed_star(house, rooms=(narrow, *house.star.rooms[1:]))
 
 
 def test_an_oracle_follows_its_environments_to_another_bank():

@@ -10,6 +10,7 @@ import pytest
 from logic import House, generate, load
 from sim import DEFAULT, HouseVectorEnv
 from tests import sample_houses
+from tests.plans import PLANS
 from tests.reference import Boxes, sights
 
 SEEING = replace(DEFAULT, sees_kind=True)
@@ -49,6 +50,7 @@ BANKS = {
     ],
     "generated": furnished,
     "golden": lambda: load(GOLDEN),
+    "plans": lambda: list(PLANS.values()),
 }
 
 

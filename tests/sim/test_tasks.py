@@ -29,8 +29,8 @@ class Largest:
 
     def spaces(self, house: House) -> list[Box]:
         if self.first:
-            return [room.box for room in house.rooms[: self.first]]
-        return [max(house.rooms, key=lambda room: room.width * room.height).box]
+            return [room.box for room in house.star.rooms[: self.first]]
+        return [max(house.star.rooms, key=lambda room: room.width * room.height).box]
 
 
 def lie_in(targets: np.ndarray, boxes: list[Box]) -> np.ndarray:
@@ -59,10 +59,10 @@ def test_targets_lie_in_the_tasks_spaces(targets):
     envs = HouseVectorEnv(houses, num_envs=len(houses), targets=targets)
     envs.reset(seed=0, options={"house": np.arange(len(houses))})
     for house, coming in zip(houses, envs.targets(30), strict=True):
-        rooms = [room.box for room in house.rooms]
-        spaces = {"main": [house.floor.box], "secondary": rooms, "mixed": [house.floor.box, *rooms]}
+        rooms = [room.box for room in house.star.rooms]
+        spaces = {"main": [house.star.floor.box], "secondary": rooms, "mixed": [house.star.floor.box, *rooms]}
         if isinstance(targets, dict):
-            spaces = [room.box for room in house.rooms if room.type == "hall"]
+            spaces = [room.box for room in house.star.rooms if room.type == "hall"]
         else:
             spaces = spaces[targets] if targets in spaces else Largest().spaces(house)
         assert lie_in(coming, spaces).all()

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from logic import House, Rect
+from logic import House, Rect, Star
 from sim import HouseVectorEnv
 from sim.philox import Words, philox
 from sim.runtime import start, ti
@@ -120,7 +120,7 @@ def test_targets_lie_wholly_where_they_should(targets):
     world, side, checked = envs.world, envs.config.target, 0
     for house, lattice, here in zip(HOUSES, world.lattices, world.places, strict=True):
         reference = Reference(house)
-        rooms = np.array([room.box for room in house.rooms])
+        rooms = np.array([room.box for room in house.star.rooms])
         for place in lattice.origin + lattice.pitch * here.targets[::37]:
             low, high = place - side / 2, place + side / 2
             touched = ((rooms[:, :2] + 1e-5 < high) & (low < rooms[:, 2:] - 1e-5)).all(axis=1)
@@ -155,7 +155,7 @@ def test_set_houses_refuses_a_task_whose_episodes_end_otherwise():
     with pytest.raises(ValueError, match="episodes of that task end otherwise"):
         envs.set_houses(HOUSES, {"task": "reach", "room": "kitchen"})
     with pytest.raises(ValueError, match="house 0 of 1"):
-        envs.set_houses([House(Rect(0, 0, 4, 4), ())], "secondary")
+        envs.set_houses([House.of_star(Star(Rect(0, 0, 4, 4)))], "secondary")
     envs.reset(seed=1)
     assert np.array_equal(envs.targets(5), before)
 

@@ -53,7 +53,7 @@ def places(image: Image.Image, colour: tuple[int, int, int]) -> np.ndarray:
 @pytest.mark.parametrize("eighth", range(8))
 def test_the_map_lies_as_the_house_does_whatever_the_heading_at_the_start(envs, explorer, eighth) -> None:
     image = filmed(envs, explorer, eighth)
-    shape, (table,) = geometry(HOUSE), HOUSE.rooms[0].pieces
+    shape, (table,) = geometry(HOUSE), HOUSE.star.rooms[0].pieces
     solid = [table.x + table.width / 2, table.y + table.height / 2, table.width / 2, table.height / 2]
     middle, half = np.split(np.vstack([shape.verticals, shape.horizontals, solid]), 2, axis=1)
     occupied = places(image, OCCUPIED)

@@ -9,7 +9,7 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.world import make_envs
-from logic import Door, House, Piece, Rect, Room
+from logic import House, Piece, Rect, Star, StarRoom
 from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
 from sim.grid.pack import STANDS, middle, pack
@@ -148,8 +148,8 @@ def test_floor_on_the_map_is_floor_of_the_house(continuous: Walk) -> None:
     """Every wall is in its cell or within a centimetre of it; hardly a free cell has one in its midst."""
     for e, house in enumerate(continuous.houses):
         memory = last(continuous)[e]
-        boxes = [house.floor.box, *(room.box for room in house.rooms)]
-        boxes += [piece.box for room in house.rooms for piece in room.pieces]
+        boxes = [house.star.floor.box, *(room.box for room in house.star.rooms)]
+        boxes += [piece.box for room in house.star.rooms for piece in room.pieces]
         w, n, east, s = np.array(boxes).T
         sides = [
             np.stack(side, 1) for side in ((w, n, east, n), (w, s, east, s), (w, n, w, s), (east, n, east, s))
@@ -209,9 +209,9 @@ def test_what_was_never_seen_is_not_on_the_map() -> None:
     """A room in the east that the body never turns to: small and empty, or large and furnished."""
     memories, table = [], Piece(8.5, 1.0, 0.5, 0.5, type="table")
     for depth, pieces in ((2.0, ()), (3.5, (table,))):
-        hidden = Room(6.0, 0.5, depth, 2.5, "hall", pieces, Door(6.0, 1.0, 0.0, 0.762))
-        near = Room(0.0, 4.0, 4.0, 3.0, "hall", (), Door(1.0, 4.0, 0.762, 0.0))
-        envs = make_envs([House(Rect(0, 0, 6.0, 4.0), (near, hidden))], E, "main")
+        hidden = StarRoom(6.0, 0.5, depth, 2.5, "hall", pieces, Rect(6.0, 1.0, 0.0, 0.762))
+        near = StarRoom(0.0, 4.0, 4.0, 3.0, "hall", (), Rect(1.0, 4.0, 0.762, 0.0))
+        envs = make_envs([House.of_star(Star(Rect(0, 0, 6.0, 4.0), (near, hidden)))], E, "main")
         options = {"house": [0] * E, "pose": [[3.0, 2.0, np.pi]] * E, "target": [[0.6, 0.6]] * E}
         turns = [LEFT, RIGHT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT] * 4
         planner = Planner(envs.config, E)
@@ -236,8 +236,8 @@ def test_where_no_wall_is_in_sight_an_episode_begins_at_the_first_wall(continuou
     """In the midst of a hall of 20 m, straight and diagonal: only there does it know how it lies to the
     walls.
     """
-    room = Room(0.0, 20.0, 4.0, 3.0, "hall", (), Door(1.0, 20.0, 0.762, 0.0))
-    envs = make_envs([House(Rect(0, 0, 20.0, 20.0), (room,))], E, "main")
+    room = StarRoom(0.0, 20.0, 4.0, 3.0, "hall", (), Rect(1.0, 20.0, 0.762, 0.0))
+    envs = make_envs([House.of_star(Star(Rect(0, 0, 20.0, 20.0), (room,)))], E, "main")
     pose = [10.0, 10.0, slant * np.pi / 4]
     options = {"house": [0] * E, "pose": [pose] * E, "target": [[2.0, 18.0]] * E}
     assert (envs.reset(seed=0, options=options)[0][..., 0] == 1.0).all()

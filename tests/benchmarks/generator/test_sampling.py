@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from agent.cli import main
-from benchmarks.generator.laws import along_sides, held, on_a_chain, on_a_wall
+from benchmarks.generator.laws import CHAINS, along_sides, held, on_a_chain, on_a_wall
 from benchmarks.generator.layouts import by_rejection, entropy, every_layout
-from logic import RequestError, count_layouts
+from logic import RequestError, count_layouts, prolog
 from logic.builder import Builder
 from logic.grammar import find
 from logic.layout import EVERY, Program
@@ -50,9 +50,9 @@ def builder() -> Builder:
 
 
 @pytest.mark.parametrize("pieces", [1, 2, 3, 5])
-def test_gaps_on_a_chain_are_uniform_on_their_simplex(builder: Builder, pieces: int) -> None:
+def test_gaps_on_a_chain_are_uniform_on_their_simplex(pieces: int) -> None:
     """With k pieces of a half metre on 10 m there are k + 1 gaps: each is Beta(1, k) of what they share."""
-    gaps = on_a_chain(builder, pieces, 2000)
+    gaps = on_a_chain(pieces, 2000)
     assert gaps.shape == (2000, pieces + 1)
     assert np.allclose(gaps.sum(axis=1), 1)
     assert held("", gaps).p > ALPHA
@@ -85,13 +85,14 @@ def test_rooms_stand_anywhere_along_their_side(builder: Builder) -> None:
         assert held("", shares).p > ALPHA
 
 
-def test_on_a_grid_whole_gaps_come_from_the_whole_range(builder: Builder) -> None:
+def test_on_a_grid_whole_gaps_come_from_the_whole_range() -> None:
     """The law rounded down: of one piece of 1 cell on 5, every place is as likely."""
     seeds = np.random.default_rng(0).integers(2**63, size=2000).tolist()
-    drawn = "call(chain:chain_sample([block(S,1,[at_least(0)-[],at_most(4)-[]],[])],0),Seed,_)"
-    each = f"set_cell(1.0),findall(S,(member(Seed,{seeds}),{drawn}),All),set_cell(0.0)"
-    goal = f"({each},with_output_to(string(Json),json:json_write(current_output,All)))"
-    counted = Counter(map(int, builder.placer._json(goal)))
+    prolog.load(CHAINS)
+    prolog.run("set_cell", 1.0, module="grid")
+    starts = prolog.ask("starts", 1, 1, 5, seeds, module="chains")
+    prolog.run("set_cell", 0.0, module="grid")
+    counted = Counter(int(start) for (start,) in starts)
     assert sorted(counted) == [0, 1, 2, 3, 4]
     assert min(counted.values()) > 330
 

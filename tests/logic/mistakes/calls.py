@@ -17,6 +17,7 @@ from logic import (
     HouseFileError,
     Rect,
     RequestError,
+    Star,
     check,
     count_layouts,
     generate,
@@ -25,7 +26,7 @@ from logic import (
 )
 from sim import HouseEnv, HouseVectorEnv
 
-HOUSE = House(Rect(0, 0, 4, 4), ())
+HOUSE = House.of_star(Star(Rect(0, 0, 4, 4)))
 ENVIRONMENT = "sim:Vitruvius/House-v0"
 
 

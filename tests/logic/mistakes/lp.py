@@ -311,6 +311,14 @@ MISTAKES = (
         says="the core picks type/1 itself: state a constraint",
     ),
     Mistake(
+        "an option of a choice without a name",
+        "furniture.lp",
+        old="",
+        new="#program room.\noption(X,middle,5) :- X = place(bed,1).",
+        says="name the choice by a word, as in option(mine(X),..)",
+        at="option",
+    ),
+    Mistake(
         "a number of values of the core's choice",
         "rooms.lp",
         old="",

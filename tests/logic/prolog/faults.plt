@@ -15,7 +15,7 @@
 
 while_loaded(Text, Goal) :-
     setup_call_cleanup(
-        ( tmp_file_stream(File, Out, [extension(pl)]), write(Out, Text), close(Out), load_grammar([File], _) ),
+        ( tmp_file_stream(File, Out, [extension(pl)]), write(Out, Text), close(Out), written_terms([File], Terms), state_grammar(Terms) ),
         once(Goal),
         ( drop_grammar, delete_file(File) )).
 

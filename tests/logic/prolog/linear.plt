@@ -19,12 +19,17 @@ test(without_any_part_of_it_there_is_a_solution) :-
     system(S), minimal_conflict(S, Conflict),
     forall(select(_, Conflict, Rest), \+ \+ posted(Rest)).
 test(a_quick_conflict_holds_a_minimal_one, Whys == [[a],[b],[c],[d]]) :-
-    quick_conflict([(0 =< _)-[d], (3 =< X)-[a], (X =< Y)-[b], (Y =< 2)-[c], (Y =< 5)-[g]], Conflict),
+    S = [(0 =< _)-[d], (3 =< X)-[a], (X =< Y)-[b], (Y =< 2)-[c], (Y =< 5)-[g]],
+    findall(Count, posted(S, Count), [Count]), conflict_at(quick, S, Count, Conflict),
     whys(Conflict, Whys).
+test(below_where_posting_stops_lies_the_minimal_conflict, Whys == Minimal) :-
+    system(S), findall(Count, posted(S, Count), [Count]), conflict_at(minimal, S, Count, Conflict), whys(Conflict, Whys),
+    minimal_conflict(S, Whole), whys(Whole, Minimal).
 test(a_false_constraint_between_numbers_is_a_conflict_alone, Whys == [[b]]) :-
     minimal_conflict([(0 =< _)-[a], (3 =< 2)-[b]], Conflict), whys(Conflict, Whys).
 test(a_system_with_a_solution_has_no_conflict, fail) :- minimal_conflict([(0 =< X)-[a], (X =< 2)-[b]], _).
-test(a_system_with_a_solution_has_no_quick_conflict, fail) :- quick_conflict([(0 =< X)-[a], (X =< 2)-[b]], _).
+test(a_system_with_a_solution_has_no_quick_conflict, fail) :-
+    S = [(0 =< X)-[a], (X =< 2)-[b]], posted(S, Count), conflict_at(quick, S, Count, _).
 test(searching_for_a_conflict_posts_nothing, X == free) :- minimal_conflict([(1 =< X)-[a], (X =< 0)-[b]], _), X = free.
 test(the_interval_of_one_unknown_is_that_of_the_solver_bit_for_bit) :-
     forall(( between(1, 50, I), A is I/7, B is A+0.45, C is 9.3+I/11 ),

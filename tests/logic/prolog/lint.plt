@@ -1,5 +1,6 @@
-% What must not stand in a grammar's files, found without loading them.
+% What must not stand in a grammar's files, found before anything of them is run.
 :- use_module('../../../logic/rules/lint').
+:- use_module('../../../logic/rules/written').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
@@ -10,7 +11,7 @@
 
 found(Texts, Found) :-
     maplist(written, Texts, Files),
-    file_problems(Files, Problems),
+    written_terms(Files, Terms), term_problems(Terms, Problems),
     findall(N/Line/Column-Text, ( member(problem(File,Line,Column,Text,_), Problems), nth1(N, Files, File) ), Found),
     maplist(delete_file, Files).
 

@@ -5,7 +5,8 @@
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
-:- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).
+:- dynamic tiny/1.
+:- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), assertz(tiny(File)), load_grammar([File], []).
 
 :- begin_tests(reports, [cleanup(set_cell(0))]).
 
@@ -14,10 +15,11 @@
 :- meta_predicate stated(+, 0).
 
 stated(Text, Goal) :-
+    tiny(Tiny),
     setup_call_cleanup(
-        ( tmp_file_stream(File, Out, [extension(pl)]), write(Out, Text), nl(Out), close(Out), load_grammar([File], []) ),
+        ( tmp_file_stream(File, Out, [extension(pl)]), write(Out, Text), nl(Out), close(Out), load_grammar([Tiny,File], []) ),
         Goal,
-        ( unload_file(File), delete_file(File) )).
+        ( load_grammar([Tiny], []), delete_file(File) )).
 
 says(Text, Part) :- sub_string(Text, _, _, _, Part), !.
 

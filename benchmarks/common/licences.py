@@ -1,0 +1,124 @@
+"""The notice of the licences of all that ``requirements.lock`` names, from what the installed packages say.
+
+``./run python -m benchmarks.common.licences > THIRD_PARTY_LICENSES.md``, on Linux: all is installed there.
+"""
+
+import re
+from collections.abc import Iterator
+from importlib.metadata import Distribution, distribution
+from pathlib import Path
+from typing import Any
+
+LOCK = Path(__file__).parents[2] / "requirements.lock"
+
+USED = "vitruvius (pyproject.toml)"
+"""By whom the lock says that a package is needed, where it is no tool of development."""
+
+SPDX = {
+    "3-Clause BSD License": "BSD-3-Clause",
+    "Apache 2.0": "Apache-2.0",
+    "Apache Software License": "Apache-2.0",
+    "BSD": "BSD-3-Clause",
+    "BSD License": "BSD-3-Clause",
+    "MIT License": "MIT",
+    "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
+    "NVIDIA Proprietary Software": "LicenseRef-NVIDIA-Proprietary",
+    "Python Software Foundation License": "PSF-2.0",
+}
+"""What packages write in place of a licence's name."""
+
+UNSTATED = {"array-api-compat": "MIT", "cuda-toolkit": "LicenseRef-NVIDIA-Proprietary"}
+"""Licences that packages neither name nor bring the text of: as their projects have them."""
+
+ASKS_MORE = re.compile(r"GPL|MPL|EPL|CDDL|Proprietary")
+"""In the names of licences that ask for more than a notice."""
+
+HEADING = re.compile(
+    r"(?:GNU (?:LESSER |AFFERO |LIBRARY )?GENERAL PUBLIC LICENSE|Mozilla Public License)\s+Version [\d.]*\d"
+)
+"""Of the text of such a licence, in a file of a package that has parts under it."""
+
+EXCEPTION = "GCC Runtime Library Exception"
+"""Under it a program may carry parts of its compiler and is not under the compiler's licence."""
+
+NOTICE = """# Licences of what Vitruvius uses
+
+Vitruvius is under the MIT licence (`LICENSE`). What follows is no part of it: `./run` or pip installs it.
+Made from `requirements.lock` and the installed packages, which bring the texts, by
+`./run python -m benchmarks.common.licences > THIRD_PARTY_LICENSES.md`.
+
+## Licences that ask for more than a notice
+
+Read them before you pass these on, for instance in an image with all of it.
+
+- **CLP(R) of SWI-Prolog**, `library(clpr)`, which the solver processes load: the GNU General Public License,
+  version 2 or later, with an exception: "if you link this library with other files, compiled with a Free
+  Software compiler, to produce an executable, this library does not by itself cause the resulting executable
+  to be covered by the GNU General Public License". So the header of `clpr.pl` says.
+- **SWI-Prolog** itself is under BSD-2-Clause; libgmp, which it links, under the GNU LGPL, version 3 or later,
+  or the GNU GPL, version 2 or later.
+"""
+
+
+def locked() -> dict[str, tuple[list[str], bool]]:
+    """Of each package of the lock its versions, one for each Python, and whether users need it."""
+    entries = re.findall(r"^([\w.-]+)==(\S+)(.*?)(?=^\S|\Z)", LOCK.read_text(), re.MULTILINE | re.DOTALL)
+    needed_by = {
+        name: set(re.findall(r"^ +# +(?:via )?(\S.*)$", rest, re.MULTILINE)) for name, _, rest in entries
+    }
+    used = {USED}
+    while more := {name for name, by in needed_by.items() if by & used} - used:
+        used |= more
+    return {name: ([v for other, v, _ in entries if other == name], name in used) for name in needed_by}
+
+
+def licence(package: Distribution) -> str:
+    """What a package says that its licence is, as an SPDX expression."""
+    said: Any = package.metadata  # a mapping whose keys repeat
+    classes = [words.split(" :: ")[-1] for words in said.get_all("Classifier", []) if "License ::" in words]
+    for words in (said.get("License-Expression"), *classes, said.get("License", "").strip().split("\n")[0]):
+        if words:
+            return SPDX.get(words, words)
+    if any(text.startswith("MIT License") for _, text in _texts(package)):
+        return "MIT"
+    return UNSTATED[said["Name"]]
+
+
+def parts(package: Distribution) -> list[str]:
+    """Licences that ask for more, of parts of a package, and the files with their texts."""
+    found = set()
+    for name, text in _texts(package):
+        excepted = f" with the {EXCEPTION}" if EXCEPTION.lower() in text.lower() else ""
+        found |= {f"{' '.join(words.split())}{excepted}, in `{name}`" for words in HEADING.findall(text)}
+    return sorted(found)
+
+
+def _texts(package: Distribution) -> Iterator[tuple[str, str]]:
+    """The names and the texts of the files on licences that a package brings."""
+    for file in package.files or []:
+        if re.fullmatch(
+            r"(?i)(licen[sc]e|copying|notice|third)[^.]*(\.eigen|\.external|\.md|\.txt)?", file.name
+        ):
+            yield file.name, Path(str(file.locate())).read_text(errors="replace")
+
+
+def notice() -> str:
+    """The page, the same from the same lock and packages."""
+    packages = {name: distribution(name) for name in locked()}
+    licences = {name: licence(package) for name, package in packages.items()}
+    lines = [NOTICE.rstrip()]
+    for more in sorted({words for words in licences.values() if ASKS_MORE.search(words)}):
+        lines.append(f"- **{more}**: {', '.join(name for name in packages if licences[name] == more)}.")
+    for name, package in packages.items():
+        if not ASKS_MORE.search(licences[name]) and (found := parts(package)):
+            lines.append(f"- Parts of **{name}**: {'; '.join(found)}.")
+    for title, wanted in (("What users install", True), ("What development adds", False)):
+        lines += ["", f"## {title}", "", "| package | version | licence |", "|---|---|---|"]
+        for name, (versions, used) in locked().items():
+            if used == wanted:
+                lines.append(f"| {name} | {', '.join(versions)} | {licences[name]} |")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    print(notice(), end="")

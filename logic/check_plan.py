@@ -1,0 +1,132 @@
+"""What the check asks of a house that is no star: rooms that tile its outline, doors in walls that two of
+them share, an entrance, and windows in outer walls.
+"""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import shapely
+
+from logic.boxes import TOLERANCE, Box, distance, is_on_wall, overlap
+from logic.house import House
+from logic.parts import OUTSIDE, Door, Rect, Room, Window
+from logic.promises import PASSAGE, Promises
+
+BEFORE = 0.3
+"""Metres: what stands nearer before a window hides it."""
+
+
+def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
+    """Rooms that overlap, leave a gap, lie apart, or have another area or shape than promised."""
+    for one, other in combinations(house.rooms, 2):
+        depth = overlap(one.box, other.box)
+        if depth > TOLERANCE:
+            yield f"{_name(one)} overlaps {_name(other)} by {depth:.2f} m"
+    grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.rooms]
+    floor = shapely.union_all(grown)
+    if (parts := shapely.get_num_geometries(floor)) > 1:
+        yield f"house: its rooms lie in {parts} parts that do not touch"
+    # What is closed by squares as wide as a passage: courtyards of any size, and slits between rooms.
+    hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
+    closed = shapely.union_all(hulls).buffer(PASSAGE / 2, join_style="mitre")
+    gap = closed.buffer(-PASSAGE / 2, join_style="mitre").difference(floor).area
+    if gap > 1e-3:
+        yield f"house: {gap:.2f} m² between its rooms are no room's"
+    for room in house.rooms:
+        least, most = promises.areas.get(room.type, (0.0, room.area))
+        if not least - TOLERANCE <= room.area <= most + TOLERANCE:
+            yield f"{_name(room)} is of {room.area:.2f} m² ({least:g} to {most:g})"
+        side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
+        if side < narrowest - TOLERANCE:
+            yield f"{_name(room)} is {side:.3f} m wide at its shorter side (at least {narrowest:g})"
+
+
+def plan_doors(house: House, promises: Promises) -> Iterator[str]:
+    """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
+    least = PASSAGE if promises.door is None else promises.door
+    rooms = {room.name: room for room in house.rooms}
+    for door in house.doors:
+        name, joined = _between(house, door), [rooms[each] for each in door.between if each != OUTSIDE]
+        if door.length < least - TOLERANCE:
+            yield f"{name}: is {door.length:.3f} m wide (at least {least:g})"
+        if len(joined) == 1:
+            yield from (f"{name}: {fault}" for fault in _not_outer(house, door, joined[0]))
+        elif not _is_shared(door, *joined):
+            yield f"{name}: is not on a wall that they share"
+        one, other = (rooms[each].type if each in rooms else OUTSIDE for each in door.between)
+        if promises.opens and not (
+            other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
+        ):
+            yield f"{name}: {one} and {other} do not open into each other"
+    for one, other in combinations(house.doors, 2):
+        if _meet(one, other):
+            yield f"{_between(house, one)}: meets the {_between(house, other)}"
+    if promises.entrance and not any(door.is_entrance for door in house.doors):
+        yield "house: has no door to the outside"
+
+
+def plan_windows(house: House, promises: Promises) -> Iterator[str]:
+    """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
+    rooms = {room.name: room for room in house.rooms}
+    for index, window in enumerate(house.windows):
+        room = rooms[window.room]
+        name = f"{_name(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
+        yield from (f"{name} {fault}" for fault in _not_outer(house, window, room))
+        for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
+            if any(_meet(window, other) for other in openings):
+                yield f"{name} meets {kind}"
+        for piece in room.pieces:
+            if piece.type in promises.hides and overlap(_before(window), piece.box) > TOLERANCE:
+                yield f"{name} is behind a {piece.type}"
+    for room in house.rooms:
+        if room.type in promises.lit and not any(window.room == room.name for window in house.windows):
+            yield f"{_name(room)}: has no window"
+
+
+def _is_shared(door: Door, one: Room, other: Room) -> bool:
+    """Whether a door lies on a wall of one room that is also the facing wall of the other."""
+    return any(is_on_wall(door, one, wall) and is_on_wall(door, other, (wall + 2) % 4) for wall in range(4))
+
+
+def _meet(one: Rect, other: Rect) -> bool:
+    """Whether two openings in one wall touch or overlap."""
+    return distance(one.box, other.box) <= TOLERANCE and _along(one) == _along(other)
+
+
+def _not_outer(house: House, opening: Rect, room: Room) -> Iterator[str]:
+    """Why an opening of a room does not lead outside."""
+    if not any(is_on_wall(opening, room, wall) for wall in range(4)):
+        yield "is not on a wall of the room"
+    for other in house.rooms:
+        if other is not room and _shared(opening.box, other.box) > TOLERANCE:
+            yield f"leads into {_name(other)}, not outside"
+
+
+def _shared(segment: Box, box: Box) -> float:
+    """How much of a segment lies in a box or on its boundary, metres; negative where it lies apart."""
+    along, across = (
+        min(segment[k + 2], box[k + 2]) - max(segment[k], box[k])
+        for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))
+    )
+    return along if across >= -TOLERANCE else across
+
+
+def _along(opening: Rect) -> int:
+    """The axis that an opening runs along: 0 for x, 1 for y."""
+    return int(opening.height > opening.width)
+
+
+def _before(window: Window) -> Box:
+    """What is before a window and behind it."""
+    west, north, east, south = window.box
+    by_x, by_y = (BEFORE, 0.0) if _along(window) else (0.0, BEFORE)
+    return west - by_x, north - by_y, east + by_x, south + by_y
+
+
+def _name(room: Room) -> str:
+    return f"{room.name} ({room.type})"
+
+
+def _between(house: House, door: Door) -> str:
+    names = (_name(house.room(name)) if name != OUTSIDE else OUTSIDE for name in door.between)
+    return f"door between {' and '.join(names)}"

@@ -1,0 +1,92 @@
+"""Nothing that Vitruvius runs asks for a network: its processes are watched while they work."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+WATCH = """
+import json, os, sys
+log = os.open(os.environ["WATCHED"], os.O_WRONLY | os.O_APPEND)
+os.write(log, b'["start"]\\n')
+asked = {"socket.connect", "socket.getaddrinfo", "socket.gethostbyname", "socket.sendto", "urllib.Request"}
+
+def note(event, arguments):
+    if event in asked:
+        os.write(log, json.dumps([event, *map(str, arguments)]).encode() + b"\\n")
+
+sys.addaudithook(note)
+"""
+"""Each Python process of the environment notes what it asks of a network: as a module that Python imports."""
+
+WORK = """
+import sys
+from agent import checkpoint
+from agent.cli import main
+from agent.evaluation.protocol import measure
+from logic import load
+
+for command in (
+    "generate --rooms 1 --count 2 --out houses.jsonl",
+    "draw houses.jsonl --out plans",
+    "train houses.jsonl --steps 256 --num-envs 8 --num-steps 16 --sim steps=9 --out run",
+):
+    sys.argv = ["vitruvius", *command.split()]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, command
+agents = {"agent": [checkpoint.load("run/agent.safetensors")]}
+for _ in measure(agents, load("houses.jsonl"), ["main"], baselines=["oracle"]):
+    pass
+"""
+"""The commands; of ``evaluate`` what plays, with one baseline: to compile each takes a second."""
+
+ASKS = """
+import subprocess, sys
+ask = "import socket; socket.socket(socket.AF_INET, socket.SOCK_DGRAM).connect(('192.0.2.1', 9))"
+subprocess.run([sys.executable, "-c", ask])
+"""
+"""Of an address that no computer has, in a process of its own."""
+
+
+def asked_of_a_network(program: str, folder: Path) -> list[str]:
+    """What a program asks of a network with its processes, in a folder, without one if that is permitted.
+
+    Python's calls; where strace is, connections of any library too, but for those within the machine.
+    """
+    log, calls, site = folder / "watched.jsonl", folder / "strace.txt", folder / "site"
+    site.mkdir()
+    (site / "sitecustomize.py").write_text(WATCH)
+    log.touch()
+    calls.touch()
+    command = [sys.executable, "-c", program]
+    if shutil.which("strace"):
+        traced = ["-e", "trace=connect,sendto,sendmsg,sendmmsg", "-o", str(calls)]
+        command = ["strace", "-f", "-qq", "--seccomp-bpf", *traced, *command]
+    if subprocess.run(["unshare", "-rn", "true"], check=False, capture_output=True).returncode == 0:
+        command = ["unshare", "-rn", *command]
+    kernels = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "taichi/ticache"
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("TI_")}
+    environment |= {"WATCHED": str(log), "PYTHONPATH": os.pathsep.join([str(site), *filter(None, sys.path)])}
+    # A home of its own: nothing says that somebody was asked today.
+    environment |= {
+        "HOME": str(folder),
+        "XDG_CACHE_HOME": str(folder),
+        "TI_OFFLINE_CACHE_FILE_PATH": str(kernels),
+    }
+    subprocess.run(command, check=True, cwd=folder, env=environment, timeout=300)
+    notes = [json.loads(line) for line in log.read_text().splitlines()]
+    assert notes.count(["start"]) > 1, "processes are watched"
+    outside = [line for line in calls.read_text().splitlines() if "AF_INET" in line]
+    return [str(note) for note in notes if note != ["start"]] + outside
+
+
+def test_houses_pictures_training_and_evaluation_ask_nothing_of_a_network(tmp_path: Path) -> None:
+    assert asked_of_a_network(WORK, tmp_path) == []
+
+
+def test_a_process_that_asks_of_a_network_is_seen(tmp_path: Path) -> None:
+    assert "192.0.2.1" in str(asked_of_a_network(ASKS, tmp_path))
