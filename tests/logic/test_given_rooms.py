@@ -1,4 +1,4 @@
-"""Rooms of given sizes and doors: what is furnished keeps every clearance and passage, by geometry of its own."""
+"""Rooms of given sizes and doors: their furniture keeps every clearance and passage, by geometry of its own."""
 
 import shutil
 from collections.abc import Iterator, Sequence
@@ -158,7 +158,9 @@ def test_what_is_tall_stands_at_no_wall_with_a_window(builder: Builder) -> None:
 
 def test_a_room_that_may_be_empty_is_never_impossible(builder: Builder) -> None:
     small = Rect(0.0, 0.0, 1.2, 1.2)
-    assert one(builder, GivenRoom("hall", small, [Rect(0.2, 0.0, DOOR, 0.0), Rect(0.2, 1.2, DOOR, 0.0)])) == []
+    assert (
+        one(builder, GivenRoom("hall", small, [Rect(0.2, 0.0, DOOR, 0.0), Rect(0.2, 1.2, DOOR, 0.0)])) == []
+    )
 
 
 def test_a_room_that_cannot_have_what_it_needs_is_named_with_its_size_and_doors(builder: Builder) -> None:
