@@ -1,20 +1,22 @@
 """Furniture for rooms that stand in a plan: their sizes, doors and windows are given.
 
-Each room is seen in its own frame, from its entrance: x to the right along the front wall, y inwards. Rooms do
-not depend on each other, so one that cannot have its furniture is furnished again while the others stay.
+Each room is seen in its own frame, from its entrance: x to the right along the front wall, y inwards. Rooms
+do not depend on each other, so one that cannot have its furniture is furnished again while the others stay.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from clingo import Function, Number, Symbol
+from clingo import Function, Number, Symbol, parse_term
 
 from logic.boxes import TOLERANCE, Box
 from logic.errors import LimitReached
-from logic.parts import Rect
 from logic.layout import Nogood
+from logic.parts import Rect
 from logic.placement import Placer
 from logic.programs import Programs
 
@@ -119,30 +121,30 @@ class Frame:
             if (wall, number) != ("front", 1)
         )
 
-    def lengths(self) -> Iterator[tuple[Symbol, float]]:
+    def lengths(self) -> Iterator[tuple[str, float]]:
         """The room across and inwards, and each stretch of wall as far as its doors (m)."""
-        yield Function("across"), self.width
-        yield Function("inwards"), self.depth
+        yield "across", self.width
+        yield "inwards", self.depth
         for wall, (first, last) in WALLS.items():
             size = self.width if wall in ("front", "back") else self.depth
             spans = self.doors[wall]
             if not spans:
-                yield Function(wall), size
+                yield wall, size
                 continue
-            yield Function(first), spans[0][0]
-            for number, (one, other) in enumerate(zip(spans, spans[1:], strict=False), start=1):
-                yield Function("between", [Function(wall), Number(number)]), other[0] - one[1]
-            yield Function(last), size - spans[-1][1]
+            yield first, spans[0][0]
+            for number, (one, other) in enumerate(pairwise(spans), start=1):
+                yield f"between({wall},{number})", other[0] - one[1]
+            yield last, size - spans[-1][1]
 
     def given(self) -> tuple[list[Symbol], list[Symbol]]:
         """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not."""
         holds: dict[bool, list[Symbol]] = {True: [], False: []}
         for what, length in self.lengths():
             short = min(STEPS, max(0, int(STEPS - length / STEP)))
-            for bit in range(7):
-                holds[bool(short >> bit & 1)].append(Function("short", [what, Number(bit)]))
+            for bit, atom in enumerate(_bits(what)):
+                holds[bool(short >> bit & 1)].append(atom)
         for wall, spans in self.windows.items():
-            holds[bool(spans)].append(Function("window", [Function(wall)]))
+            holds[bool(spans)].append(_window(wall))
         return holds[True], holds[False]
 
     def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> tuple[Any, ...]:
@@ -153,6 +155,17 @@ class Frame:
         frame = ("frame", self.side, float(self.x), float(self.y))
         size = ("-", float(self.width), float(self.depth))
         return "room", number, type_, list(furniture), seed, size, ("doors", *doors), frame
+
+
+@cache
+def _bits(what: str) -> list[Symbol]:
+    """How short this is, bit by bit."""
+    return [Function("short", [parse_term(what), Number(bit)]) for bit in range(7)]
+
+
+@cache
+def _window(wall: str) -> Symbol:
+    return Function("window", [Function(wall)])
 
 
 def furnished(

@@ -22,9 +22,7 @@ stretch_links(Placed, Layout, Room, Name, Name-Links) :-
         phrase(links(Ons, Wall, Layout), Links)
     ;   Links = [] ).
 
-wall_length(Name, Room, Length) :-
-    stretch_wall(Name, Wall),
-    ( memberchk(Wall, [left,right]) -> room_depth(Room, Length) ; room_width(Room, Length) ).
+wall_length(Name, Room, Length) :- stretch_wall(Name, Wall), wall_size(Wall, Room, Length).
 
 links([], _, _) --> [].
 links([On|Ons], Wall, Layout) -->

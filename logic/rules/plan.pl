@@ -91,11 +91,6 @@ wall_box(Name, Room, S, L-D, Box) :-
     ( counted(Name, along) -> Start = S ; wall_size(Wall, Room, Size), Start is Size - S - L ),
     box_at(Wall, Room, Start, L-D, Box).
 
-wall_size(front, Room, W) :- room_width(Room, W).
-wall_size(back,  Room, W) :- room_width(Room, W).
-wall_size(left,  Room, D) :- room_depth(Room, D).
-wall_size(right, Room, D) :- room_depth(Room, D).
-
 box_at(front, _, S, L-D, box(S,0,L,D)).
 box_at(back,  Room, S, L-D, box(S,Y,L,D)) :- room_depth(Room, Depth), Y is Depth - D.
 box_at(left,  _, S, L-D, box(0,S,D,L)).

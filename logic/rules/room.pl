@@ -40,20 +40,36 @@ layout_room(Type, Layout, Doors, Room) :-
 
 layout_room_(Type, Layout, Doors, Room) :-
     make_room([type(Type),width(W),depth(D),door(Entrance),doors(Doors),core(core(X1,X2,Y1,Y2)),stretches(Stretches),row(Row),
-               islands(Islands)], Room),
+               islands(Islands),busy(Busy)], Room),
     door_entrance(Doors, Entrance),
     stretch_names(Doors, Names),
     pieces_by_place(Layout, Placed),
     maplist(stretch_links(Placed, Layout, Room), Names, Chains),
-    maplist(bare_wall(Chains), [left-X1-0.0,right-X2-W,front-Y1-0.0,back-Y2-D]),
+    busy_walls(Chains, Busy),
+    Busy = busy(Front,Left,Back,Right),
+    bare_wall(Front, Y1, 0.0), bare_wall(Left, X1, 0.0), bare_wall(Back, Y2, D), bare_wall(Right, X2, W),
     maplist(stretch(Chains, Layout, Room), Chains, Stretches),
     ( memberchk(row(R), Layout) -> Row = R ; Row = across ),
     ( memberchk(middle-Ons, Placed) -> maplist(island(Layout, Room), Ons, Islands) ; Islands = [] ).
 
-%   bare_wall(+Chains, +WallAndPlace): where no furniture stands along it, the core reaches the wall.
+%   busy_walls(+Chains, ?Busy): the first stretch of each wall at which furniture stands, unbound for none.
 
-bare_wall(Chains, Wall-Edge-Place) :-
-    ( member(Name-[_|_], Chains), stretch_wall(Name, Wall) -> true ; Edge = Place ).
+busy_walls([], _).
+busy_walls([_-[]|Chains], Busy) :- !, busy_walls(Chains, Busy).
+busy_walls([Name-_|Chains], Busy) :-
+    stretch_wall(Name, Wall),
+    wall_busy(Wall, Busy, First),
+    ( var(First) -> First = Name ; true ),
+    busy_walls(Chains, Busy).
+
+wall_busy(front, busy(Name,_,_,_), Name).
+wall_busy(left,  busy(_,Name,_,_), Name).
+wall_busy(back,  busy(_,_,Name,_), Name).
+wall_busy(right, busy(_,_,_,Name), Name).
+
+%   bare_wall(?Busy, ?Edge, +Place): where no furniture stands along it, the core reaches the wall.
+
+bare_wall(Busy, Edge, Place) :- ( var(Busy) -> Busy = none, Edge = Place ; true ).
 
 %   pieces_by_place(+Layout, -Placed): Placed are Place-Ons, the on/4 atoms there in order.
 
@@ -69,7 +85,7 @@ at_place((Place/_)-On, Place-On).
 
 room_constraints(Room) -->
     { room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands) },
-    core_constraints(Room, Stretches),
+    core_constraints(Room),
     all_stretches_constraints(Stretches, Room),
     island_constraints(Islands, Row).
 
@@ -84,8 +100,8 @@ all_stretches_constraints([Stretch|Stretches], Room) -->
 %   only the earliest count, see packed_constraints//3.
 
 door_constraints(Room) -->
-    { room_stretches(Room, Stretches), room_islands(Room, Islands), room_chains(Room, Chains), length_of(passage, P) },
-    core_constraints(Room, Stretches),
+    { room_islands(Room, Islands), room_chains(Room, Chains), length_of(passage, P) },
+    core_constraints(Room),
     all_packed_constraints(Chains, P),
     all_seats_constraints(Islands).
 
@@ -95,19 +111,21 @@ all_packed_constraints([Chain|Chains], P) -->
     packed_constraints(Chain, P, Before),
     all_packed_constraints(Chains, P).
 
-core_constraints(Room, Stretches) -->
+core_constraints(Room) -->
     { room_width(Room, W), room_depth(Room, D), room_doors(Room, Doors), room_core(Room, core(X1,X2,Y1,Y2)),
-      length_of(passage, P), Walls = [front,left,back,right] },
-    all_doors_constraints(Walls, Room, Doors),
+      length_of(passage, P), length_of(door_clearance, C),
+      walls_with_doors(Doors, Walls) },
+    all_doors_in_order(Walls, Room),
     [(X1+P =< X2)-[length(passage)], (Y1+P =< Y2)-[length(passage)]],
-    all_doors_free(Walls, Doors, Room, Stretches),
+    all_doors_free(Walls, Room, P-C),
     [(0 =< X1)-[], (X2 =< W)-[], (0 =< Y1)-[], (Y2 =< D)-[]].
 
-all_doors_constraints([], _, _) --> [].
-all_doors_constraints([Wall|Walls], Room, Doors) -->
-    { wall_doors(Wall, Doors, List) },
-    ( { List = [door(Start,_,_)|_] } -> { wall_span(Wall, Room, Size, _) }, [(0 =< Start)-[]], doors_in_order(List, Size) ; [] ),
-    all_doors_constraints(Walls, Room, Doors).
+all_doors_in_order([], _) --> [].
+all_doors_in_order([Wall-Doors|Walls], Room) -->
+    { wall_size(Wall, Room, Size), Doors = [door(Start,_,_)|_] },
+    [(0 =< Start)-[]],
+    doors_in_order(Doors, Size),
+    all_doors_in_order(Walls, Room).
 
 doors_in_order([], _) --> [].
 doors_in_order([door(Start,Width,Why)|Doors], Size) -->
@@ -115,44 +133,40 @@ doors_in_order([door(Start,Width,Why)|Doors], Size) -->
     [(Start+Width =< Next)-Why],
     doors_in_order(Doors, Size).
 
-%   all_doors_free(+Walls, +Doors, +Room, +Stretches)//: furniture keeps clear of the doors of these walls, and they open onto
-%   the core. What stands at the neighbouring walls is less deep than the way to the door; or, at an open corner, its core is
-%   a passage wide beside the door.
+%   all_doors_free(+Walls, +Room, +Lengths)//: furniture keeps clear of the doors of these walls, and they open onto the core.
+%   What stands at the neighbouring walls is less deep than the way to the door; or, at an open corner, the core is a
+%   passage wide beside the door. Lengths are those of a passage and a door's clearance.
 
-all_doors_free([], _, _, _) --> [].
-all_doors_free([Wall|Walls], Doors, Room, Stretches) -->
-    { wall_doors(Wall, Doors, List) },
-    ( { List = [First|_] } -> { last(List, Last) }, doors_free(Wall, First, Last, Room, Stretches) ; [] ),
-    all_doors_free(Walls, Doors, Room, Stretches).
-
-doors_free(Wall, door(Start,Width,Why), door(Start2,Width2,Why2), Room, Stretches) -->
-    { neighbour(Wall, Begin, End, Across),
-      wall_span(Wall, Room, _, Low-High),
-      length_of(passage, P), length_of(door_clearance, C),
-      Far = Start2+Width2,
-      room_before(Across, Room, Before) },
-    beside(Begin, Wall, Room, Stretches, (Low+C =< Start)-[],  (Low+P =< Start+Width+C)-Why),
-    beside(End,   Wall, Room, Stretches, (Far+C =< High)-Why2, (Start2-C+P =< High)-[]),
-    ( { busy_wall(Across, Stretches, Name) } -> [(C =< Before)-[busy(Name),length(door_clearance)]] ; [] ).
-
-%   beside(+Neighbour, +Wall, +Room, +Stretches, +Closed, +Open)//: where furniture stands at the neighbouring wall, the
-%   constraint of a closed or an open corner.
-
-beside(Neighbour, Wall, Room, Stretches, Closed-ClosedWhy, Open-OpenWhy) -->
-    { room_open(Room, Opens) },
-    (   { \+ busy_wall(Neighbour, Stretches, _) }
+all_doors_free([], _, _) --> [].
+all_doors_free([Wall-Doors|Walls], Room, P-C) -->
+    { Doors = [door(Start,Width,Why)|_], last(Doors, door(Start2,Width2,Why2)),
+      neighbour(Wall, Begin, End, Across),
+      wall_span(Wall, Room, Low, High),
+      room_busy(Room, Busy), wall_busy(Across, Busy, Name),
+      Far = Start2+Width2 },
+    beside(Begin, Wall, Room, (Low+C =< Start)-[],  (Low+P =< Start+Width+C)-Why),
+    beside(End,   Wall, Room, (Far+C =< High)-Why2, (Start2-C+P =< High)-[]),
+    (   { Name == none }
     ->  []
-    ;   { busy_wall(Neighbour, Stretches, Name) },
-        (   { Opens == none }
-        ->  [Closed-[busy(Name),length(door_clearance)|ClosedWhy]]
-        ;   { corner_atom(Wall, Neighbour, Atom) },
-            (   { \+ memberchk(Atom, Opens) }
-            ->  [Closed-[not(Atom),busy(Name),length(door_clearance)|ClosedWhy]]
-            ;   { busy_wall(Wall, Stretches, Own) }
-            ->  [Open-[Atom,busy(Name),busy(Own),length(passage),length(door_clearance)|OpenWhy]]
-            ;   [] ) ) ).
+    ;   { room_before(Across, Room, Before) },
+        [(C =< Before)-[busy(Name),length(door_clearance)]] ),
+    all_doors_free(Walls, Room, P-C).
 
-busy_wall(Wall, Stretches, Name) :- member(stretch(Name,[_|_],_), Stretches), stretch_wall(Name, Wall), !.
+%   beside(+Neighbour, +Wall, +Room, +Closed, +Open)//: where furniture stands at the neighbouring wall, the constraint of a
+%   closed or an open corner.
+
+beside(Neighbour, Wall, Room, Closed-ClosedWhy, Open-OpenWhy) -->
+    { room_busy(Room, Busy), wall_busy(Neighbour, Busy, Name), room_open(Room, Opens) },
+    (   { Name == none }
+    ->  []
+    ;   { Opens == none }
+    ->  [Closed-[busy(Name),length(door_clearance)|ClosedWhy]]
+    ;   { corner_atom(Wall, Neighbour, Atom) },
+        (   { \+ memberchk(Atom, Opens) }
+        ->  [Closed-[not(Atom),busy(Name),length(door_clearance)|ClosedWhy]]
+        ;   { wall_busy(Wall, Busy, Own), Own \== none }
+        ->  [Open-[Atom,busy(Name),busy(Own),length(passage),length(door_clearance)|OpenWhy]]
+        ;   [] ) ).
 
 %   room_before(+Wall, +Room, -Depth): from the opposite wall to what stands at this one.
 

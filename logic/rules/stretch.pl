@@ -1,4 +1,4 @@
-:- module(stretch, [stretch/5, stretch_constraints//2, stretch_items/2, filled_between/3, wall_span/4, deepest/2]).
+:- module(stretch, [stretch/5, stretch_constraints//2, stretch_items/2, filled_between/3, deepest/2]).
 
 /** <module> A stretch of wall as a chain of blocks, each of links (links.pl) that are joined to each other
 
@@ -34,32 +34,22 @@ stretch(Chains, Layout, Room, Name-Links, stretch(Name,Links,Blocks)) :-
 
 along(Name, Room, Length, From, To) -->
     { room_doors(Room, AllDoors), stretch_wall(Name, Wall), wall_doors(Wall, AllDoors, Doors),
-      wall_span(Wall, Room, Size, Low-High) },
+      wall_size(Wall, Room, Size), wall_span(Wall, Room, Low, High) },
     along_doors(Doors, Name, Size, Low-High, Length, From, To).
 
-along_doors([], _, Size, Low-High, Size, Low, High) --> !, [].
-along_doors(Doors, between(_,I), _, _, Length, From, Length+P) --> !,
-    { nth1(I, Doors, door(Start,Width,Why)), I1 is I + 1, nth1(I1, Doors, door(Length0,_,_)), length_of(passage, P) },
+along_doors([], _, Size, Low-High, Size, Low, High) --> [].
+along_doors([Door|Doors], between(_,I), _, _, Length, From, Length+P) --> !,
+    { nth1(I, [Door|Doors], door(Start,Width,Why)), nth1(I, Doors, door(Length0,_,_)), length_of(passage, P) },
     required(door_clearance, C), because(Why),
     { Length = Length0-C, From = Start+Width+C-P }.
-along_doors(Doors, Name, Size, Low-High, Length, From, Length+P) -->
+along_doors([Door|Doors], Name, Size, Low-High, Length, From, Length+P) -->
     { length_of(passage, P) },
     required(door_clearance, C),
     (   { counted(Name, along) }
-    ->  { Doors = [door(Start,_,_)|_], Length = Start-C, From = Low }
-    ;   { last(Doors, door(Start,Width,Why)) },
+    ->  { Door = door(Start,_,_), Length = Start-C, From = Low }
+    ;   { last([Door|Doors], door(Start,Width,Why)) },
         because(Why),
         { Length = Size-Start-Width-C, From = Size-High } ).
-
-%!  wall_span(+Wall, +Room, -Size, -Span) is det.
-%
-%   Along a wall of this Size the core's Span is Low-High.
-
-wall_span(Wall, Room, Size, Low-High) :-
-    room_core(Room, core(X1,X2,Y1,Y2)),
-    (   memberchk(Wall, [left,right])
-    ->  room_depth(Room, Size), Low = Y1, High = Y2
-    ;   room_width(Room, Size), Low = X1, High = X2 ).
 
 %   stretch_end(+Name, +Hand, +ChainsAndLayout, +Free, -End): End is end(At-AtWhy,Edge-EdgeWhy), where Free is
 %   free(Wall,Core,Why). A piece joined to this end stands At: at the wall, or at the piece in a corner that the other

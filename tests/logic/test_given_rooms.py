@@ -1,5 +1,6 @@
-"""Rooms of given sizes and doors: what is furnished keeps every clearance and passage, by geometry of its own."""
+"""Rooms of given sizes and doors: their furniture keeps every clearance and passage, by geometry of its own."""
 
+import shutil
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -9,8 +10,9 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from logic.builder import Builder
-from logic.given_rooms import GivenRoom, Unfurnishable, furnished
-from logic.grammar import find
+from logic.errors import LimitReached
+from logic.given_rooms import Frame, GivenRoom, Unfurnishable, furnished
+from logic.grammar import SHIPPED, find
 from logic.parts import Rect
 
 NEAR = 1e-6
@@ -18,9 +20,23 @@ PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8
 FACES = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
 
 
+ROOM = Rect(1.0, 2.0, 4.0, 3.5)
+SOUTH, NORTH = Rect(2.0, 5.5, DOOR, 0.0), Rect(3.0, 2.0, DOOR, 0.0)
+WEST, EAST = Rect(1.0, 3.0, 0.0, DOOR), Rect(5.0, 3.5, 0.0, DOOR)
+
+
 @pytest.fixture(scope="module")
-def builder() -> Builder:
-    return Builder(find("family"))
+def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
+    """Of ``family`` where wardrobes are tall, and halls may be empty."""
+    folder = tmp_path_factory.mktemp("grammars") / "tall"
+    shutil.copytree(SHIPPED / "family", folder)
+    (folder / "tall.lp").write_text("hides(wardrobe). empty(hall).")
+    return Builder(find(folder))
+
+
+def one(builder: Builder, room: GivenRoom, seed: int = 0) -> list[dict[str, Any]]:
+    rng = np.random.default_rng(seed)
+    return furnished([room], builder.programs, builder.placer, rng, 10**8)[0]
 
 
 def rooms(seed: int, type_: str, area: tuple[float, float], doors: int) -> Iterator[GivenRoom]:
@@ -99,12 +115,74 @@ def test_furniture_leaves_every_door_free_and_joined_to_all_the_floor(
     clear = frozenset({"wardrobe", "toilet", "shower", "sink", "sofa", "cupboard"})
     rng = np.random.default_rng(doors)
     done = 0
-    for _, room in zip(range(40), rooms(doors, type_, area, doors), strict=False):
+    for _, room in zip(range(25), rooms(doors, type_, area, doors), strict=False):
         try:
             (pieces,) = furnished([room], builder.programs, builder.placer, rng, 10**8)
         except Unfurnishable:
             continue
         done += 1
-        assert pieces
+        assert pieces or type_ == "hall"
         assert not list(faults(room, pieces, clear)), room
     assert done >= 1
+
+
+@pytest.mark.parametrize("entrance", [SOUTH, NORTH, WEST, EAST])
+def test_a_room_is_furnished_from_whichever_side_it_is_entered(builder: Builder, entrance: Rect) -> None:
+    doors = [entrance, *(door for door in (SOUTH, WEST) if door != entrance)]
+    room = GivenRoom("bedroom", ROOM, doors)
+    assert not list(faults(room, one(builder, room), frozenset({"wardrobe"})))
+
+
+def test_a_frame_sees_doors_from_the_entrance() -> None:
+    frame = Frame(GivenRoom("bedroom", ROOM, [WEST, SOUTH, NORTH], [EAST]))
+    assert (frame.width, frame.depth) == (3.5, 4.0)
+    assert frame.doors["front"] == [pytest.approx((1.0, 1.8))]
+    assert frame.doors["right"] == [pytest.approx((1.0, 1.8))]  # to the south as one enters from the west
+    assert frame.doors["left"] == [pytest.approx((2.0, 2.8))]
+    assert frame.windows["back"] == [pytest.approx((1.5, 2.3))]
+
+
+def test_what_is_tall_stands_at_no_wall_with_a_window(builder: Builder) -> None:
+    window = Rect(2.0, 2.0, 1.5, 0.0)
+    at_window = {
+        lit: sum(
+            piece["type"] == "wardrobe" and piece["orientation"] == "S"
+            for seed in range(30)
+            for piece in one(builder, GivenRoom("bedroom", ROOM, [SOUTH], [window] if lit else []), seed)
+        )
+        for lit in (False, True)
+    }
+    assert at_window[False] > 0
+    assert at_window[True] == 0
+
+
+def test_a_room_that_may_be_empty_is_never_impossible(builder: Builder) -> None:
+    small = Rect(0.0, 0.0, 1.2, 1.2)
+    assert (
+        one(builder, GivenRoom("hall", small, [Rect(0.2, 0.0, DOOR, 0.0), Rect(0.2, 1.2, DOOR, 0.0)])) == []
+    )
+
+
+def test_a_room_that_cannot_have_what_it_needs_is_named_with_its_size_and_doors(builder: Builder) -> None:
+    small = GivenRoom("bedroom", Rect(0.0, 0.0, 1.8, 1.9), [Rect(0.2, 0.0, DOOR, 0.0)])
+    with pytest.raises(Unfurnishable, match=r"a bedroom of 1\.80 by 1\.90 m with 1 door cannot have"):
+        one(builder, small)
+
+
+def test_the_same_random_numbers_furnish_a_room_alike(builder: Builder) -> None:
+    room = GivenRoom("kitchen", ROOM, [SOUTH, EAST])
+    first = one(builder, room, 5)
+    for seed in range(3):
+        one(builder, room, seed)
+    assert one(builder, room, 5) == first
+
+
+def test_past_the_limit_of_inferences_a_house_ends_in_it(builder: Builder) -> None:
+    room, rng = GivenRoom("bedroom", ROOM, [SOUTH]), np.random.default_rng(0)
+    with pytest.raises(LimitReached):
+        furnished([room], builder.programs, builder.placer, rng, 100)
+
+
+def test_a_door_off_the_walls_is_refused() -> None:
+    with pytest.raises(ValueError, match="lies on none of its walls"):
+        Frame(GivenRoom("bedroom", ROOM, [SOUTH, Rect(2.0, 3.0, DOOR, 0.0)]))
