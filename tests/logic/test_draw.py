@@ -105,7 +105,8 @@ def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -
 
 def test_an_arrow_leads_in_at_an_entrance_and_the_legend_says_so() -> None:
     drawing, house = plan(PLANS["chain"], 600), PLANS["chain"]
-    scale = (drawing.shapes[0].box[2] - drawing.shapes[0].box[0]) / house.rooms[0].width
+    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+    scale = (floor.box[2] - floor.box[0]) / house.rooms[0].width
     arrow, key, tip = (shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK)
     (foot_x, foot_y), (tip_x, tip_y), *_ = arrow.points
     assert foot_x == tip_x
