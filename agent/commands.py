@@ -134,9 +134,9 @@ class ImportKeras:
         """Read the weights, write the checkpoint."""
         from agent import checkpoint
         from agent.keras import import_keras
-        from logic.files import require_ending
+        from logic.files import require_file
 
-        require_ending(self.out, [".safetensors"])
+        require_file(self.out, [".safetensors"])
         made = import_keras(self.file, self.name, shlex.join(["vitruvius", *sys.argv[1:]]))
         checkpoint.save(made, self.out)
         _say(f"{self.out}. Next: vitruvius evaluate {self.out}")

@@ -96,7 +96,9 @@ class Folder:
                 raise RequestError(
                     f"{self.path}: another run is at work here. Give this one another folder"
                 ) from None
-            if self.config.exists() and not resume:
+            if not resume and any(
+                path.exists() for path in (self.config, self.agent, self.metrics, self.state)
+            ):
                 raise RequestError(
                     f"{self.path}: holds a run already. Go on with it by --resume, or give another folder"
                 )

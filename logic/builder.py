@@ -9,7 +9,7 @@ from typing import Any
 import clingo
 import msgspec
 import numpy as np
-from clingo import Function, Number
+from clingo import Function, Number, Symbol
 
 from logic.errors import LimitReached, RequestError
 from logic.grammar import Grammar
@@ -109,20 +109,20 @@ class Builder:
         atoms = program.sample(rng, assumed, without, nogoods.of[program])
         if atoms is None:
             raise self.prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
-        of_room = {
-            name: {atom.arguments[0].number: atom.arguments[1] for atom in atoms if atom.name == name}
-            for name in ("room", "side")
-        }
+        named = defaultdict[str, list[Symbol]](list)
+        for atom in atoms:
+            named[atom.name].append(atom)
+        types, sides = (
+            {atom.arguments[0].number: atom.arguments[1] for atom in named[name]} for name in ("room", "side")
+        )
         fixed = {
-            atom.arguments[1].number: request.fixed[atom.arguments[0].number]
-            for atom in atoms
-            if atom.name == "numbered"
+            atom.arguments[1].number: request.fixed[atom.arguments[0].number] for atom in named["numbered"]
         }
         rooms = [
-            RoomLayout(number, type_, of_room["side"][number], (), fixed=fixed.get(number))
-            for number, type_ in sorted(of_room["room"].items())
+            RoomLayout(number, type_, sides[number], (), fixed=fixed.get(number))
+            for number, type_ in sorted(types.items())
         ]
-        return Layout(rooms, [atom for atom in atoms if atom.name == "corner"])
+        return Layout(rooms, named["corner"])
 
     def _refurnished(
         self,

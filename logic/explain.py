@@ -5,7 +5,7 @@
 Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
 is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
-something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
+something. Without its fact a type of room opens into all others. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
 is anything from nothing to very much. And without its fact there may be any number of what a request asks for
 too many of: so the fact that bounds it is among the reasons.
 """
@@ -32,6 +32,9 @@ HERE = ast.Location(BEGIN, BEGIN)
 
 COUNTS = {("may", 4), ("beside", 4), ("around", 4)}
 """Facts that bound how many there are of their second argument: by the third and the fourth."""
+
+OPENS = ("opens", 2)
+"""Facts of which each says all that a type opens into: without it, the type opens into everything."""
 
 FAR = 1_000_000
 """Millimetres, more than anything measures; small enough for clingo to add up."""
@@ -181,8 +184,11 @@ def _conditional(
             own or (laws and str(statement.head) == "#false")
         ):
             stated = _stated(len(found))
+            left_out = _literal(stated, ast.Sign.Negation)
             if more and _signature(statement.head) in COUNTS:
-                rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))
+                rules.append(_wider(statement, left_out))
+            if _signature(statement.head) == OPENS:
+                rules.append(_open(statement, left_out))
             condition = _literal(stated)
             text = written(statement)
             found.append((Reason(text, begin.filename, begin.line, begin.column), None))
@@ -213,6 +219,15 @@ def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
     wider = symbol.update(arguments=[what, piece, *bounds])
     known = _literal(ast.SymbolicAtom(ast.Function(HERE, "more", [piece, extra], False)))
     head = rule.head.update(atom=rule.head.atom.update(symbol=wider))
+    return rule.update(head=head, body=[*rule.body, condition, known])
+
+
+def _open(rule: ast.AST, condition: ast.AST) -> ast.AST:
+    """The rule under another condition, for rooms of all types as its second argument."""
+    symbol, anything = rule.head.atom.symbol, ast.Variable(HERE, "_Type")
+    opens = symbol.update(arguments=[symbol.arguments[0], anything])
+    known = _literal(ast.SymbolicAtom(ast.Function(HERE, "type", [anything], False)))
+    head = rule.head.update(atom=rule.head.atom.update(symbol=opens))
     return rule.update(head=head, body=[*rule.body, condition, known])
 
 

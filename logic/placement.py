@@ -16,6 +16,7 @@ from logic.errors import GrammarError, LimitReached
 from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
 from logic.inexpressible import inexpressible
+from logic.prolog import Term
 from logic.prolog_syntax import explained
 from logic.vocabulary import LENGTHS, core_words
 
@@ -94,10 +95,10 @@ class Placer:
         ``turned`` need no wall as long as they are.
         """
         wanted = [
-            ("furniture", type_, [("piece", each, "true" if each in turned else "false") for each in pieces])
+            Term("furniture", type_, [Term("piece", p, "true" if p in turned else "false") for p in pieces])
             for type_, pieces in furniture.items()
         ]
-        report = self._ask("grammar_lengths", wanted, list(LENGTHS))
+        report = self._ask("grammar_lengths", wanted, LENGTHS)
         wrong: dict[tuple[Any, ...], None] = {}  # A piece's clause may be wrong in the same way in each room.
         absent: list[Symbol] = []
 
@@ -136,11 +137,11 @@ class Placer:
         rooms = [
             _fixed(room.number, room.fixed)
             if room.fixed
-            else ("room", room.number, room.type, room.side, list(room.furniture), room.seed)
+            else Term("room", room.number, room.type, room.side, room.furniture, room.seed)
             for room in layout.rooms
         ]
         seed, proof = int(rng.integers(2**63)), "minimal" if minimal else "quick"
-        answer = self._ask("placed", ("layout", rooms, layout.corners, seed, proof), inferences)
+        answer = self._ask("placed", Term("layout", rooms, layout.corners, seed, proof), inferences)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
         if "misfit" in answer:
@@ -191,30 +192,30 @@ class Placer:
 
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
         """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
-        found = self._ask("room_pieces", room.type, list(room.furniture))
+        found = self._ask("room_pieces", room.type, room.furniture)
         return [(type_, parse_term(atom)) for type_, atom in found]
 
     def bounds(self, room: RoomLayout, target: Symbol) -> dict[str, Any]:
         """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
-        return self._ask("room_lengths", room.type, list(room.furniture), room.seed, target)
+        return self._ask("room_lengths", room.type, room.furniture, room.seed, target)
 
     def main_bounds(
         self, rooms: Iterable[FixedRoom], corners: Iterable[Symbol], width: float
     ) -> dict[str, Any]:
         """What the main room's lengths could have been around rooms of these sizes: see core.pl."""
-        outlines = [("outline", room.side, room.width, room.depth, room.door) for room in rooms]
-        return self._ask("main_lengths", outlines, list(corners), width)
+        outlines = [Term("outline", room.side, room.width, room.depth, room.door) for room in rooms]
+        return self._ask("main_lengths", outlines, corners, width)
 
     def origins(self, clauses: Iterable[Symbol]) -> dict[Symbol, tuple[str, int]]:
         """File and line of clauses, named as in ``Conflict``; those that the grammar states."""
-        found = self._ask("grammar_origins", list(clauses))
+        found = self._ask("grammar_origins", clauses)
         return {parse_term(clause): (file, line) for clause, file, line in found}
 
     def conflict(
         self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
     ) -> Conflict | None:
         """A minimal conflict of a room with this furniture, some clauses left out; None if it has places."""
-        reasons = self._ask("room_conflict", type_, list(furniture), list(without))
+        reasons = self._ask("room_conflict", type_, furniture, without)
         return None if reasons is None else _conflict(reasons)
 
     def version(self) -> str:
@@ -247,9 +248,9 @@ def _problem(file: str, line: int, column: int, text: str, name: str) -> Grammar
     return GrammarError(text, file, line, column)
 
 
-def _fixed(number: int, room: FixedRoom) -> tuple[Any, ...]:
-    size, place = ("size", room.width, room.depth, room.door), ("at", room.along, room.wall)
-    return "fixed", number, room.side, size, place
+def _fixed(number: int, room: FixedRoom) -> Term:
+    size, place = Term("size", room.width, room.depth, room.door), Term("at", room.along, room.wall)
+    return Term("fixed", number, room.side, size, place)
 
 
 def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:

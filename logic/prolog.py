@@ -24,6 +24,14 @@ except Exception as error:  # pyswip raises many kinds where it finds no usable 
 FLAGS = swi.PL_Q_NODEBUG | swi.PL_Q_CATCH_EXCEPTION
 
 
+class Term:
+    """A compound term."""
+
+    def __init__(self, name: str, *arguments: Any) -> None:
+        """A name and arguments, as for ``ask``."""
+        self.name, self.arguments = name, arguments
+
+
 class PrologError(Exception):
     """A predicate has raised an error; its text is the term."""
 
@@ -41,8 +49,8 @@ def run(predicate: str, *arguments: Any, module: str) -> None:
 def ask(predicate: str, *arguments: Any, module: str = "core") -> Any:
     """What a predicate answers: JSON, in the argument that follows these.
 
-    An argument is a number, a symbol of clingo, a name, a list of arguments, or a tuple: a name and the
-    arguments of a compound term. Raises ``PrologError`` where the predicate raises an error.
+    An argument is a number, a name, a symbol of clingo, a ``Term``, or some of these in order: a list. Raises
+    ``PrologError`` where the predicate raises an error.
     """
     return json.loads(_called(module, predicate, arguments, answers=True))
 
@@ -91,12 +99,12 @@ def _put(term: int, value: Any) -> None:
             swi.PL_put_integer(term, value)
         case float():
             swi.PL_unify_float(term, value)
-        case tuple():
-            name, *arguments = value
-            swi.PL_cons_functor_v(term, _functor(name, len(arguments)), _terms(arguments))
+        case Term():
+            functor = _functor(value.name, len(value.arguments))
+            swi.PL_cons_functor_v(term, functor, _terms(value.arguments))
         case _:
             swi.PL_put_nil(term)
-            for element in reversed(value):
+            for element in reversed([*value]):
                 swi.PL_cons_list(term, _terms([element]), term)
 
 
@@ -107,7 +115,7 @@ def _record(symbol: Symbol) -> int:
     if symbol.type is SymbolType.Number:
         _put(term, symbol.number)
     elif symbol.type is SymbolType.Function and symbol.name and symbol.arguments and symbol.positive:
-        _put(term, (symbol.name, *symbol.arguments))
+        _put(term, Term(symbol.name, *symbol.arguments))
     else:
         _put(term, str(symbol))
     return swi.PL_record(term)

@@ -28,6 +28,9 @@ Walls = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
 NEAR = 8
 """How far from a number of rooms others are tried."""
 
+NEXT = 3
+"""The same for rooms that share walls, of which each number takes a tenth of a second or more."""
+
 INFERENCES = 100_000_000
 """Most Prolog inferences for a room on a grid."""
 
@@ -238,9 +241,10 @@ def _others(request: Request, far: bool) -> list[int]:
     With ``far``, powers of two as well: the rules of walls that rooms share are too many for a large house.
     """
     wanted = sum(least for least, _ in request.types.values())
-    some = {*range(1, NEAR), *(2**n for n in range(8) if far)}
+    near = NEAR if far else NEXT
+    some = {*range(1, near), *(2**n for n in range(8) if far)}
     for number in (request.rooms, wanted):
-        some.update(range(number - NEAR, number + NEAR + 1))
+        some.update(range(number - near, number + near + 1))
     numbers = sorted(some & set(range(1, MOST_ROOMS + 1)) - {request.rooms})
     return sorted(numbers, key=lambda number: abs(number - request.rooms))
 

@@ -149,13 +149,13 @@ def explain_house(
 def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
     """The index of the target's room, None for the main room; and of its piece, or ``door``, or None."""
     name, _, part = target.partition(".")
-    rooms = [room.name for room in house.secondary]
-    if name not in ["main", *rooms]:
-        hint = _hint("", name, ["main", *rooms])
-        raise RequestError(f"there is no {name}: {hint}the house has main, {', '.join(rooms)}")
-    if name == "main":
+    rooms = [room.name for room in house.counted]
+    names = [house.hub, *rooms] if house.is_star else rooms
+    if name not in names:
+        raise RequestError(f"there is no {name}: {_hint('', name, names)}the house has {', '.join(names)}")
+    if name not in rooms:
         if part:
-            raise RequestError(f"{target}: the main room has no parts: ask for main")
+            raise RequestError(f"{target}: the main room has no parts: ask for {name}")
         return None, None
     room = house.room(name)
     listed = ["door", *part_names([piece.type for piece in room.pieces])]

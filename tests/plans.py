@@ -4,6 +4,9 @@
 """
 
 from collections.abc import Iterable
+from itertools import combinations
+
+import numpy as np
 
 from logic import Door, House, Piece, Room, Window, save
 from logic.parts import OUTSIDE
@@ -115,6 +118,35 @@ def one_after_the_other() -> House:
     chain = [joined(rooms, f"R{k}", f"R{k + 1}", 0.6) for k in range(4)]
     doors = (Door(0.9, 0.0, DOOR, 0.0, (OUTSIDE, "R0")), *chain)
     return House(rooms, doors, (Window(4.2, 7.2, 1.8, 0.0, "R2"),))
+
+
+def random_plan(seed: int, count: int = 8) -> House:
+    """A rectangle cut into rooms of at least 2 m a side, a door wherever two of them share 1.2 m of wall; in
+    half of the plans the last rooms are left out, so that the outline has corners.
+    """
+    rng = np.random.default_rng(seed)
+    boxes = [(0.0, 0.0, float(rng.uniform(9, 14)), float(rng.uniform(7, 11)))]
+    while len(boxes) < count and max(max(box[2:]) for box in boxes) > 4.5:
+        x, y, width, height = boxes.pop(max(range(len(boxes)), key=lambda k: max(boxes[k][2:])))
+        if width > height:
+            cut = float(rng.uniform(2, width - 2))
+            boxes += [(x, y, cut, height), (x + cut, y, width - cut, height)]
+        else:
+            cut = float(rng.uniform(2, height - 2))
+            boxes += [(x, y, width, cut), (x, y + cut, width, height - cut)]
+    kept = boxes[: len(boxes) - int(rng.integers(3)) * (seed % 2)]
+    rooms = tuple(Room(*box, f"R{k}", "bedroom") for k, box in enumerate(kept))
+    doors = []
+    for one, other in combinations(rooms, 2):
+        (a, b, c, d), (e, f, g, h) = one.box, other.box
+        across, along = min(c, g) - max(a, e), min(d, h) - max(b, f)
+        if abs(across) < 1e-9 and along > 1.2:
+            start = max(b, f) + float(rng.uniform(0, along - DOOR))
+            doors.append(Door(max(a, e), start, 0.0, DOOR, (one.name, other.name)))
+        elif abs(along) < 1e-9 and across > 1.2:
+            start = max(a, e) + float(rng.uniform(0, across - DOOR))
+            doors.append(Door(start, max(b, f), DOOR, 0.0, (one.name, other.name)))
+    return House(rooms, tuple(doors), hub="R0", topology="cuts")
 
 
 PLANS = {"flat": flat(), "living": around_a_living_room(), "chain": one_after_the_other()}

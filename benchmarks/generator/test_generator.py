@@ -70,7 +70,7 @@ def measure(
         return (next(numbers),), {}
 
     work(0)
-    asking = -inferences() + inferences(builder)
+    asking = -inferences() + inferences()
     benchmark.pedantic(work, setup=setup, rounds=rounds)
     counts.append(inferences())
     times = benchmark.stats.stats.data
@@ -164,7 +164,7 @@ def test_workers(benchmark: Any, workers: int) -> None:
 @pytest.mark.parametrize("rooms", REJECTIONS)
 def test_rejection(benchmark: Any, builder: Builder, rooms: int) -> None:
     prolog.load(Path(__file__).with_name("rejection.pl"))
-    prolog.run("set_random", ("seed", rooms), module="system")
+    prolog.run("set_random", prolog.Term("seed", rooms), module="system")
     tries: list[int] = []
 
     def plan(_: int) -> None:
@@ -195,9 +195,9 @@ def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> li
     prolog.load(Path(__file__).with_name("systems.pl"))
     found = []
     for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
-        each = [("room", room.type, list(room.furniture)) for room in layout.rooms]
+        each = [prolog.Term("room", room.type, room.furniture) for room in layout.rooms]
         prolog.run("stated", number, each, module="systems")
-        found.append([matrices(prolog.ask("room_system", *room)) for _, *room in each])
+        found.append([matrices(prolog.ask("room_system", *room.arguments)) for room in each])
     return found
 
 

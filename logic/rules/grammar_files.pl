@@ -33,6 +33,12 @@ or several.
 %
 %       door_margin(0.1).
 
+%!  window_margin(-Distance)
+%
+%   how far a window is from the corners of its room at least, in metres; without it, 0.
+%
+%       window_margin(0.65).
+
 %!  house_size(-Width, -Depth)
 %
 %   how large a whole plan is, in metres, where rooms share walls: Width from west to east, Depth from north to south.
@@ -82,7 +88,7 @@ or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 
-:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:window_size/3, grammar:door_margin/1.
+:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

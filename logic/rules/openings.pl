@@ -42,7 +42,7 @@ opening_constraints(entrance(R,Side), Rooms, W) -->
     [(A1+W =< A2)-[entrance(R,Side),length(door_width),length(door_margin)|Why]].
 opening_constraints(window(R,Side), Rooms, _) -->
     { wall(R, Side, Rooms, Type, A1, A2, Why), least_wall(Type, W) },
-    [(A1+W =< A2)-[window(R,Side),room(R,Type),window_size(Type)|Why]].
+    [(A1+W =< A2)-[window(R,Side),room(R,Type),window_size(Type),length(window_margin)|Why]].
 
 %   line_axis(+Line, +Edges, -Axis): along which a wall on this line of the room runs.
 
@@ -60,8 +60,10 @@ side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west,
 
 %   least_wall(+Type, -Length): the shortest outer wall that has a window of a room of this type.
 
-least_wall(Type, Length) :- once(grammar:window_size(Type, _, Wall)), !, ( inf(Wall, Length) -> true ; Length = 0 ).
-least_wall(_, 0).
+least_wall(Type, Least) :-
+    length_of(window_margin, Margin),
+    findall(L, ( once(grammar:window_size(Type, Length, Wall)), {Length + 2*Margin =< Wall}, inf(Wall, L) ), Found),
+    ( Found = [Least] -> true ; Least = 0 ).
 
 % - their places -------------------------------------------------------------------------------------------------
 
@@ -119,12 +121,16 @@ wall_sample(R, Side, Rooms, Length, Margin, Box) -->
 windows_sample([], _, []) --> [].
 windows_sample([window(R,Side)|Panes], Rooms, [window(Box,R)|Windows]) -->
     { wall(R, Side, Rooms, Type, A1, A2, _),
-      Wall is A2 - A1,
-      window_range(Type, Wall, Low-High) },
+      length_of(window_margin, Margin),
+      Most is A2 - A1 - 2*Margin,
+      window_range(Type, A1-A2, Most, Low-High) },
     interval_sample(Low, High, 1, Length),
-    wall_sample(R, Side, Rooms, Length, 0.0, Box),
+    wall_sample(R, Side, Rooms, Length, Margin, Box),
     windows_sample(Panes, Rooms, Windows).
 
-window_range(Type, Wall, Range) :-
-    findall(R, ( once(grammar:window_size(Type, Length, Wall)), extremes(Length, R) ), [Range]), !.
-window_range(_, Wall, Wall-Wall).
+%   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, Most at most; all of it without a clause.
+
+window_range(Type, A1-A2, Most, Range) :-
+    Wall is A2 - A1,
+    findall(R, ( once(grammar:window_size(Type, Length, Wall)), {Length =< Most + 1.0e-9}, extremes(Length, R) ), [Range]), !.
+window_range(_, _, Most, Most-Most).

@@ -70,12 +70,12 @@ step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-Fro
 %!  plan_conflict(+Atoms, +Without, -Json) is det.
 %
 %   Json lists the reasons of a minimal conflict of these walls where the clauses Without are left out; null if there is
-%   none.
+%   none, as where a topology lacks some walls.
 
 plan_conflict(Atoms, Without, Json) :-
-    wall_system(Atoms, _, System),
-    exclude(resting_on(Without), System, Rest),
-    (   exact_conflict(minimal, Rest, Conflict)
+    (   wall_system(Atoms, _, System),
+        exclude(resting_on(Without), System, Rest),
+        exact_conflict(minimal, Rest, Conflict)
     ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
         sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
     ;   Reasons = null ),

@@ -65,13 +65,16 @@ kind(Head, Position, Names, Singletons, clause(Head,true,Position,Position,Names
 %
 %   Goal is one of a body's goals, those under control constructs one by one.
 
-goal_in(Body, parentheses_term_position(_,_,P), Goal, At) :- !, goal_in(Body, P, Goal, At).
-goal_in(Body, term_position(_,_,_,_,Ps), Goal, At) :-
-    nonvar(Body), control(Body), !,
-    Body =.. [_|Parts],
-    nth1(N, Parts, Part), nth1(N, Ps, P),
-    goal_in(Part, P, Goal, At).
-goal_in(Goal, P, Goal, P).
+goal_in(Body, Position, Goal, At) :-
+    phrase(goals(Body, Position), Goals),
+    member(Goal-At, Goals).
+
+goals(Body, parentheses_term_position(_,_,P)) --> !, goals(Body, P).
+goals(Body, term_position(_,_,_,_,Ps))        --> { nonvar(Body), control(Body) }, !, { Body =.. [_|Parts] }, goals_of_all(Parts, Ps).
+goals(Goal, P)                                --> [Goal-P].
+
+goals_of_all([], [])               --> [].
+goals_of_all([Part|Parts], [P|Ps]) --> goals(Part, P), goals_of_all(Parts, Ps).
 
 control((_,_)).   control((_;_)).   control((_->_)).   control(\+ _).   control(once(_)).
 

@@ -168,6 +168,14 @@ def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(tmp_path):
     assert before == {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
 
 
+@pytest.mark.parametrize("name", ["agent.safetensors", "metrics.jsonl", "state.pt.gz"])
+def test_a_folder_with_a_file_that_a_run_would_replace_is_refused(tmp_path, name):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(RequestError, match="holds a run already"):
+        run(HOUSES, CONFIG, tmp_path)
+    assert (tmp_path / name).read_text() == "mine"
+
+
 def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
     folder = runs.Folder(tmp_path / "run")
     with folder.alone(resume=False), pytest.raises(RequestError, match="another run is at work here"):

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from logic import Door, House, Piece, Window, check
 from logic.promises import Promises
-from tests.plans import PLANS, flat
+from tests.plans import PLANS, flat, random_plan
 
 HOME = Promises(
     door=0.8,
@@ -45,6 +45,13 @@ def with_window(room: str, **changes: Any) -> House:
 
 def with_piece(room: str, *box: float, kind: str = "table") -> House:
     return with_room(room, children=(*FLAT.room(room).children, Piece(*box, type=kind)))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_rooms_cut_out_of_a_rectangle_have_no_violation_but_where_none_leads_on(seed: int) -> None:
+    house = random_plan(seed)
+    assert not [line for line in check(house) if "cannot get into it" not in line]
+    assert House.from_dict(house.to_dict()) == house
 
 
 @pytest.mark.parametrize("name", PLANS)

@@ -18,8 +18,9 @@ from logic.canvas import DENSITY, Block, Drawing, Line, Text, png, text_width
 from logic.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
 from logic.labels import LEAST, abbreviations
 from logic.parts import ORIGINAL, Provenance
-from logic.plan import MARK, PAPER, WALL, room_colour
+from logic.plan import MARK, PAPER, WALL, WOOD, room_colour
 from tests.logic.handmade import Sketch, built, sketches, turned_house
+from tests.plans import PLANS
 from tests.sample_houses import changed_star
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
@@ -35,8 +36,9 @@ class Picture:
         drawing = plan(house, self.image.width // DENSITY, self.image.height // DENSITY)
         floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
         left, top, right, _ = floor.box
-        self.scale = (right - left) / house.star.floor.width
-        self.left, self.top = left - self.scale * house.star.floor.x, top - self.scale * house.star.floor.y
+        first = house.main if house.is_star else house.rooms[0]
+        self.scale = (right - left) / first.width
+        self.left, self.top = left - self.scale * first.x, top - self.scale * first.y
 
     def shows(self, colour: str, x: float, y: float) -> bool:
         """Whether the point at these metres is of this colour."""
@@ -79,6 +81,39 @@ def test_walls_are_drawn_with_a_gap_at_each_door(quarters: int) -> None:
         beyond = 0.45 if room.door.width else 0.0, 0.45 if room.door.height else 0.0
         assert picture.shows(WALL, x - beyond[0], y - beyond[1])
         assert picture.shows(WALL, x + beyond[0], y + beyond[1])
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -> None:
+    house, picture = PLANS[name], Picture(PLANS[name])
+    for opening in house.doors:
+        x, y = middle(opening)
+        beyond = (
+            opening.width / 2 + 0.1 * (opening.width > 0),
+            opening.height / 2 + 0.1 * (opening.height > 0),
+        )
+        assert picture.shows(PAPER, x, y)
+        assert picture.shows(WALL, x - beyond[0], y - beyond[1])
+        assert picture.shows(WALL, x + beyond[0], y + beyond[1])
+    blocks = [shape for shape in plan(house, 600).shapes if isinstance(shape, Block)]
+    walls = [shape.box for shape in blocks if shape.fill == WALL]
+    assert len(walls) == len(set(walls)) == sum(map(len, house.walls))
+    panes = [shape for shape in blocks[-len(house.windows) :] if shape.fill == WOOD and shape.stroke == WALL]
+    assert len(panes) == len(house.windows)
+    assert all(any(overlap(pane.box, wall) > 0 for wall in walls) for pane in panes)
+
+
+def test_an_arrow_leads_in_at_an_entrance_and_the_legend_says_so() -> None:
+    drawing, house = plan(PLANS["chain"], 600), PLANS["chain"]
+    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+    scale = (floor.box[2] - floor.box[0]) / house.rooms[0].width
+    arrow, key, tip = (shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK)
+    (foot_x, foot_y), (tip_x, tip_y), *_ = arrow.points
+    assert foot_x == tip_x
+    assert 0.3 < (tip_y - foot_y) / scale < 0.45  # south, into the hall, where no furniture may stand
+    assert "entrance" in words(drawing)
+    assert key.points[1] == tip.points[1]
+    assert "entrance" not in words(plan(HOUSE, 600))
 
 
 @pytest.mark.parametrize("quarters", range(4))

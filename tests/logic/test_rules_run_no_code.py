@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -24,7 +25,7 @@ REFUSED = {
     "a function on a dict": "passage(P) :- _ = x{}.catch(RUN), P = 1.",
     "a function on a variable": "passage(P) :- X = x{}, P = X.catch(RUN).",
     "a method of dicts": "M.method() := V :- RUN, V = M.",
-    "an expansion of goals that nothing calls": "goal_expansion(number(1), RUN).\npassage(P) :- number(1), P = 1.",
+    "an expansion of goals that nothing calls": "goal_expansion(number(1), RUN).",
     "an expansion of goals for all modules": "user:goal_expansion(number(1), RUN).",
     "an expansion of terms for all modules": "system:term_expansion(end_of_file, (:- RUN)).",
     "a list": "[(:- RUN)].",
@@ -59,8 +60,8 @@ REFUSED = {
     "a byte order mark within": "\ufeff:- RUN.",
 }
 HARMLESS = {
-    "an expansion of goals": "goal_expansion(number(1), RUN).\npassage(P) :- number(1), ( P = 1 ; goal_expansion(P, 2) ).",
-    "an expansion of terms": "term_expansion(a(1), (:- RUN)).\na(1).\npassage(P) :- a(P), term_expansion(P, 1).",
+    "an expansion of goals": "goal_expansion(atom(a), RUN).\npassage(1) :- atom(a), goal_expansion(_, _).",
+    "an expansion of terms": "term_expansion(a, (:- RUN)).\na.\npassage(1) :- a, term_expansion(_, _).",
     "a hook of the printer": "portray(X) :- X = RUN.\npassage(P) :- portray(P).",
     "a hook of attributes": "attr_unify_hook(X, Y) :- X = Y.\npassage(P) :- P = 1, attr_unify_hook(P, 1).",
     "a hook of messages": "message_hook(_, _, _).\npassage(P) :- P = 1, message_hook(RUN, P, P).",
@@ -109,10 +110,8 @@ def tried(folder: Path, trace: Path) -> tuple[list[str], bool, bool]:
     errors = [each.text for each in findings(find(folder)) if each.severity == "error"]
     linted = trace.exists()
     trace.unlink(missing_ok=True)
-    try:
+    with suppress(VitruviusError):
         Builder(find(folder)).house(Request(1, types={"bedroom": (1, 1)}), 0, 0, 10**7)
-    except VitruviusError:
-        pass
     return errors, linted, trace.exists()
 
 

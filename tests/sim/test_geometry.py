@@ -8,7 +8,7 @@ import shapely
 
 from sim.geometry import geometry
 from tests import sample_houses
-from tests.plans import PLANS
+from tests.plans import PLANS, random_plan
 from tests.reference import walls
 
 
@@ -23,9 +23,8 @@ def test_walls_equal_those_of_the_reference(seed, original):
     require_walls_of_the_reference(sample_houses.random_house(seed, original))
 
 
-@pytest.mark.parametrize("name", PLANS)
-def test_walls_that_rooms_share_stand_once_with_all_doors_cut(name):
-    house = PLANS[name]
+@pytest.mark.parametrize("house", [*PLANS.values(), *map(random_plan, range(20))])
+def test_walls_that_rooms_share_stand_once_with_all_doors_cut(house):
     require_walls_of_the_reference(house)
     shape = geometry(house)
     ours = [*as_lines(shape.verticals).geoms, *as_lines(shape.horizontals).geoms]

@@ -8,12 +8,13 @@ import pytest
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
 from sim.continuous.layout import CELL
 from tests import sample_houses
-from tests.plans import PLANS
+from tests.plans import PLANS, random_plan
 from tests.reference import Boxes, sights, stopped
 
 HOUSES = [
     *(sample_houses.random_house(seed, original) for seed in range(100, 110) for original in (False, True)),
-    *PLANS.values(),
+    PLANS["living"],
+    *map(random_plan, range(3)),
 ]
 EACH = 100
 """Poses in each house."""

@@ -7,14 +7,14 @@ import pytest
 
 from sim import DEFAULT, HouseVectorEnv
 from tests import sample_houses
-from tests.plans import PLANS
+from tests.plans import PLANS, random_plan
 from tests.reference import Reference
 
 LEFT, RIGHT, FORWARD = 0, 1, 2
 
 
 ROOM = sample_houses.drawn("a+a\n...\n...", cell=1.0)
-WALKED = [*sample_houses.RANDOM, *PLANS.values()]
+WALKED = [*sample_houses.RANDOM, PLANS["living"], random_plan(1), random_plan(2)]
 HOUSES = [*WALKED, ROOM]
 EACH = 100
 """Poses in each house."""

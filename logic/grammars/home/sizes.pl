@@ -3,6 +3,7 @@
 
 door_width(0.8).
 door_margin(0.1).
+window_margin(0.65).        % as deep as a wardrobe at the next wall
 door_clearance(0.45).       % nothing stands nearer to a door
 passage(0.42).              % a body of 0.394 m across its diagonal walks there
 room_gap(0.0).              % rooms share walls

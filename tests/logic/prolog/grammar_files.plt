@@ -1,6 +1,7 @@
 % Loading a grammar's files: every mistake is a problem by its place.
 :- use_module('../../../logic/rules/grammar_files').
 :- use_module('../../../logic/rules/lengths').
+:- use_module('../../../logic/rules/written').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
@@ -41,5 +42,13 @@ test(its_terms_are_those_that_are_loaded, Heads == [passage(0.4),room_gap(1)]) :
     maplist(written, ["passage(0.4).", "room_gap(1)."], Files), load_grammar(Files, []), grammar_terms(Terms), drop_grammar, maplist(delete_file, Files),
     findall(Head, member(term(_,_,clause(Head,_,_,_,_,_)), Terms), Heads).
 test(letters_beyond_ascii_are_read, Found == []) :- loaded(["passage(0.4).  % größer als der Körper"], Found).
+
+%   stated(+Text): a grammar with this text, whatever lint says of it.
+
+stated(Text) :- written(Text, File), written_terms([File], Terms), delete_file(File), state_grammar(Terms).
+
+test(what_lint_would_miss_the_sandbox_refuses, [forall(member(Goal, ["shell(ls)","open(a,write,_)","assertz(core:a)","call(X)","lists:subseq(X,X,X)"])), error(_)]) :-
+    format(string(Text), "passage(X) :- X = 1, ~w.", [Goal]), stated(Text).
+test(and_drops_the_grammar, P == []) :- catch(stated("passage(0.4).\nroom_gap(X) :- shell(X)."), _, true), findall(X, stated_length(passage, X), P).
 
 :- end_tests(grammar_files).

@@ -1,0 +1,38 @@
+"""The page of what is promised to those who use files of others."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "SECURITY.md").read_text()
+
+
+def test_each_promise_names_the_tests_that_show_it_and_they_exist():
+    promises = PAGE.partition("## What is promised")[2].partition("## What is not promised")[0]
+    rows = [line for line in promises.splitlines() if line.startswith("| ") and "shown by" not in line]
+    assert len(rows) > 10
+    for row in rows:
+        files = re.findall(r"`(tests/\S+\.py)`", row.split("|")[-2])
+        assert files, row
+        assert [file for file in files if not (ROOT / file).is_file()] == [], row
+
+
+def test_the_page_is_short_and_names_no_host():
+    assert len(PAGE.splitlines()) <= 120
+    assert not re.search(r"https?:|@", PAGE)
+
+
+def test_the_bounds_that_the_page_states_are_those_of_the_readers():
+    from agent import checkpoint
+    from logic import files, grammar, house
+    from sim import world
+
+    mebi = 1 << 20
+    for words in (
+        f"{grammar.MOST_BYTES // mebi} MiB in all its rule files",
+        f"{files.MOST_BYTES >> 30} GiB unpacked, {files.MOST_LINE // mebi} MiB a house",
+        f"{house.MOST_ROOMS:,} rooms, {house.MOST_PIECES} pieces a room, {house.FARTHEST:,.0f} m",
+        f"{world.FARTHEST:.0f} m to be simulated",
+        f"{checkpoint.MOST_BYTES // mebi} MiB, {checkpoint.MOST_HEADER // mebi} MiB of header",
+    ):
+        assert words in PAGE
