@@ -1,4 +1,4 @@
-"""Rooms of given sizes and doors: their furniture keeps every clearance and passage, by geometry of its own."""
+"""Rooms of given sizes and doors: furniture keeps every clearance and passage, by geometry of its own."""
 
 import shutil
 from collections.abc import Iterator, Sequence

@@ -19,7 +19,7 @@ piece_size(plant,          L, D, _) :- { L >= 0.3,  L =< 0.5, D = L }.
 piece_size(diningTable,    L, D, _) :- { L >= 0.8,  L =< 1.8, D >= 0.8,  D =< 1.0 }.
 piece_size(table,          L, D, _) :- { L >= 0.6,  L =< 1.2, D >= 0.6,  D =< 0.8 }.
 piece_size(chair,          L, D, _) :- { L >= 0.4,  L =< 0.5, D = L }.
-piece_size(kitchenSink,    L, D, _) :- { L >= 0.8,  L =< 1.2, D = 0.6 }.
+piece_size(kitchenSink,    L, D, _) :- { L >= 0.6,  L =< 1.2, D = 0.6 }.
 piece_size(stove,          L, D, _) :- { L = 0.6,   D = 0.6 }.
 piece_size(fridge,         L, D, _) :- { L = 0.6,   D = 0.6 }.
 piece_size(worktop,        L, D, _) :- { L >= 0.4,  L =< 2.4, D = 0.6 }.
