@@ -8,6 +8,7 @@ STUDIES = {
     "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
     "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
+    "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls of plans are refuted falsely."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),

@@ -153,7 +153,8 @@ class Frame:
     def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
         """The room for ``rules/given_rooms.pl``."""
         doors = [
-            [Term("-", float(start), float(end - start)) for start, end in spans] for spans in self.doors.values()
+            [Term("-", float(start), float(end - start)) for start, end in spans]
+            for spans in self.doors.values()
         ]
         frame = Term("frame", self.side, float(self.x), float(self.y))
         size = Term("-", float(self.width), float(self.depth))

@@ -1,6 +1,6 @@
 """A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top.
 
-It may name a topology, how rooms lie together: a file of ``rules/topologies``, or one of its own by that name.
+It may name a topology, how rooms lie together: a file of ``rules/topologies``, or its own file of that name.
 """
 
 import hashlib

@@ -54,7 +54,7 @@ class Conflict:
 
 
 class Infeasible(Exception):
-    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for the walls of a plan."""
+    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for a plan's walls."""
 
     def __init__(self, conflicts: Mapping[int, Conflict], inferences: int) -> None:
         """Keep the conflict in each room, by number, and the Prolog inferences that the proof took."""
@@ -153,7 +153,7 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """How much wall a door takes, and for each room type the extremes of its size, metres: ``plans.pl``."""
+        """How much wall a door takes, and the extremes of each room type's size, metres: ``plans.pl``."""
         return self._ask("plan_lengths", types)
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:

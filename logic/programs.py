@@ -52,10 +52,8 @@ class Programs:
         )
 
     @cache  # noqa: B019
-    def given(
-        self, type_: str, doorways: tuple[Symbol, ...], required: tuple[Symbol, ...] = ()
-    ) -> Program:
-        """The program of a room's furniture whose size, ``doorway`` facts and windows are given: ``doors.lp``."""
+    def given(self, type_: str, doorways: tuple[Symbol, ...], required: tuple[Symbol, ...] = ()) -> Program:
+        """The program of a room's furniture whose size, doors and windows are given: ``doors.lp``."""
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
         return Program(
             self._grammar.asp,
