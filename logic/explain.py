@@ -172,8 +172,8 @@ def _conditional(
 ) -> list[ast.AST]:
     """The files' statements, each rule with its condition; ``found`` gets a reason for each.
 
-    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a number
-    is followed by a rule with wider bounds for where it is left out.
+    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a
+    number is followed by a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
 
