@@ -19,6 +19,7 @@ from logic.layout import Nogood
 from logic.parts import Rect
 from logic.placement import Placer
 from logic.programs import Programs
+from logic.prolog import Term
 
 WALLS = {
     "front": ("front_left", "front_right"),
@@ -147,14 +148,14 @@ class Frame:
             holds[bool(spans)].append(_window(wall))
         return holds[True], holds[False]
 
-    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> tuple[Any, ...]:
+    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
         """The room for ``rules/given_rooms.pl``."""
         doors = [
-            [("-", float(start), float(end - start)) for start, end in spans] for spans in self.doors.values()
+            [Term("-", float(start), float(end - start)) for start, end in spans] for spans in self.doors.values()
         ]
-        frame = ("frame", self.side, float(self.x), float(self.y))
-        size = ("-", float(self.width), float(self.depth))
-        return "room", number, type_, list(furniture), seed, size, ("doors", *doors), frame
+        frame = Term("frame", self.side, float(self.x), float(self.y))
+        size = Term("-", float(self.width), float(self.depth))
+        return Term("room", number, type_, furniture, seed, size, Term("doors", *doors), frame)
 
 
 @cache

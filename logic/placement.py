@@ -154,7 +154,7 @@ class Placer:
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
         """How much wall a door takes, and for each room type the extremes of its size, metres: ``plans.pl``."""
-        return self._ask("plan_lengths", list(types))
+        return self._ask("plan_lengths", types)
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:
         """Place the walls, doors and windows of a plan, metres: see ``rules/plans.pl``.
@@ -162,7 +162,7 @@ class Placer:
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
         """
-        answer = self._ask("plan_placed", ("plan", list(layout), seed, "minimal"), inferences)
+        answer = self._ask("plan_placed", Term("plan", layout, seed, "minimal"), inferences)
         if "limit" in answer:
             raise LimitReached(f"the walls of a house reached their limit of {inferences} inferences")
         if "infeasible" in answer:
@@ -171,7 +171,7 @@ class Placer:
 
     def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
         """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
-        reasons = self._ask("plan_conflict", list(layout), list(without))
+        reasons = self._ask("plan_conflict", layout, without)
         return None if reasons is None else _conflict(reasons)
 
     def furnish(
@@ -184,7 +184,7 @@ class Placer:
         ``LimitReached`` past this number of them.
         """
         proof = "minimal" if minimal else "quick"
-        answer = self._ask("rooms_furnished", list(rooms), proof, inferences)
+        answer = self._ask("rooms_furnished", rooms, proof, inferences)
         if "limit" in answer:
             raise LimitReached(f"the furniture of a house reached its limit of {inferences} inferences")
         conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
