@@ -20,6 +20,8 @@ from logic.parts import Rect
 from logic.placement import Placer
 from logic.programs import Programs
 from logic.prolog import Term
+from logic.request import Request
+from logic.terms import granted
 
 WALLS = {
     "front": ("front_left", "front_right"),
@@ -151,7 +153,8 @@ class Frame:
     def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
         """The room for ``rules/given_rooms.pl``."""
         doors = [
-            [Term("-", float(start), float(end - start)) for start, end in spans] for spans in self.doors.values()
+            [Term("-", float(start), float(end - start)) for start, end in spans]
+            for spans in self.doors.values()
         ]
         frame = Term("frame", self.side, float(self.x), float(self.y))
         size = Term("-", float(self.width), float(self.depth))
@@ -170,9 +173,16 @@ def _window(wall: str) -> Symbol:
 
 
 def furnished(
-    rooms: Sequence[GivenRoom], programs: Programs, placer: Placer, rng: np.random.Generator, inferences: int
+    rooms: Sequence[GivenRoom],
+    programs: Programs,
+    placer: Placer,
+    rng: np.random.Generator,
+    inferences: int,
+    request: Request | None = None,
 ) -> list[list[dict[str, Any]]]:
     """Furnish the rooms of a bare plan: the pieces of each, in the house's frame, as in a house file.
+
+    With what a ``request`` asks for, if there is one.
 
     Raises ``Unfurnishable`` where it is proved that a room cannot have what its type needs, ``LimitReached``
     past this number of Prolog inferences.
@@ -186,7 +196,10 @@ def furnished(
         for number, place in enumerate(waiting):
             room, frame = rooms[place], frames[place]
             holds, fails = frame.given()
-            furniture = programs.given(room.type, frame.doorways()).sample(rng, holds, fails, nogoods[place])
+            required = programs.required_in(room.type, request) if request else ()
+            program = programs.given(room.type, frame.doorways(), required)
+            holds += [granted(each) for each in required]
+            furniture = program.sample(rng, holds, fails, nogoods[place])
             if furniture is None:
                 raise Unfurnishable(place, room)
             terms.append(frame.term(number, room.type, furniture, int(rng.integers(2**63))))

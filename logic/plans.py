@@ -4,7 +4,7 @@ Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``
 rooms are furnished at these sizes (``given_rooms.py``).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import msgspec
@@ -21,6 +21,7 @@ from logic.parts import OUTSIDE, Door, Rect, Room, Window
 from logic.placement import Infeasible
 from logic.proof import Prover
 from logic.request import Request
+from logic.terms import to_furnish
 
 MOST_TRIES = 200
 """How often a house may have a room that cannot be furnished at its size, though it might at others."""
@@ -44,12 +45,16 @@ class Planner:
             what = "cell" if request.cell else "keep"
             raise RequestError(f"{what}: rooms that share walls cannot have it yet: leave {what} out")
         nogoods: list[Nogood] = []
+        unfurnishable: set[str] = set()
         for _ in range(MOST_TRIES):
-            plan, layout, inferences = self.bare(request, rng, inferences, nogoods)
+            plan, layout, inferences = self.bare(request, rng, inferences, nogoods, unfurnishable)
             rooms = [_given(plan, number) for number in range(request.rooms)]
             try:
-                pieces = furnished(rooms, self._programs, self._placer, rng, inferences)
-            except Unfurnishable:
+                pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request)
+            except Unfurnishable as proof:
+                # At this size and with these doors; or with one door at any size, and then nowhere.
+                if not self._prover.is_furnishable(request, proof.room.type):
+                    unfurnishable.add(proof.room.type)
                 continue
             hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
             plan["hub"] = hubs[0] if len(hubs) == 1 else ""
@@ -60,17 +65,23 @@ class Planner:
         )
 
     def bare(
-        self, request: Request, rng: np.random.Generator, inferences: int, nogoods: list[Nogood]
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        inferences: int,
+        nogoods: list[Nogood],
+        unfurnishable: Collection[str] = (),
     ) -> tuple[dict[str, Any], list[Symbol], int]:
-        """A plan without furniture, its layout, and what is left of the inferences.
+        """A plan without furniture and without rooms of some types, its layout, and the inferences left.
 
         What is found infeasible is added to the nogoods.
         """
         program, assumed = self._programs.rooms_for(request)
+        without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
         while True:
-            layout = program.sample(rng, assumed, nogoods=nogoods)
+            layout = program.sample(rng, assumed, without, nogoods)
             if layout is None:
-                raise self._prover.unsatisfiable(request, ())
+                raise self._prover.unsatisfiable(request, unfurnishable)
             try:
                 plan = self._placer.walls(layout, int(rng.integers(2**63)), inferences)
             except Infeasible as proof:

@@ -52,13 +52,13 @@ class Programs:
         )
 
     @cache  # noqa: B019
-    def given(self, type_: str, doorways: tuple[Symbol, ...]) -> Program:
-        """The program of a room's furniture whose size, ``doorway`` facts and windows are given: ``doors.lp``."""
+    def given(self, type_: str, doorways: tuple[Symbol, ...], required: tuple[Symbol, ...] = ()) -> Program:
+        """The program of a room's furniture whose size, doors and windows are given: ``doors.lp``."""
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
         return Program(
             self._grammar.asp,
             {"this_room": type_, "in_a_row": 4, "fuller": 2},
-            [("room", []), ("plan", []), *parts(facts), *parts(doorways)],
+            [("room", []), ("plan", []), *parts(facts), *parts(doorways), *parts(required)],
         )
 
     def has_furniture(self, type_: str) -> bool:
@@ -74,11 +74,15 @@ class Programs:
         self, type_: str, request: Request, arguments: tuple[str, ...] = ()
     ) -> tuple[Program, list[Symbol]]:
         """The program that furnishes a room of this type for a request, and what to assume in it."""
-        required = requirements(
-            "has",
-            {name: n for name, n in request.pieces_of(type_).items() if name in self._furniture[type_]},
+        required = self.required_in(type_, request)
+        return self.furniture(type_, required, arguments), [granted(each) for each in required]
+
+    def required_in(self, type_: str, request: Request) -> tuple[Symbol, ...]:
+        """What a request requires of the furniture of a room of this type."""
+        asked = request.pieces_of(type_)
+        return tuple(
+            requirements("has", {name: n for name, n in asked.items() if name in self._furniture[type_]})
         )
-        return self.furniture(type_, tuple(required), arguments), [granted(each) for each in required]
 
     def all_furniture(self, request: Request) -> list[Program]:
         """The programs that furnish rooms for a request, of each type."""
