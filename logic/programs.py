@@ -57,7 +57,7 @@ class Programs:
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
         return Program(
             self._grammar.asp,
-            {"this_room": type_, "in_a_row": 4},
+            {"this_room": type_, "in_a_row": 4, "fuller": 2},
             [("room", []), ("plan", []), *parts(facts), *parts(doorways), *parts(required)],
         )
 
