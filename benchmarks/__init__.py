@@ -7,6 +7,7 @@ STUDIES = {
     "generator": ("benchmarks.generator.run:Generator", "Solve time against rooms, on any grammar."),
     "sampling": ("benchmarks.generator.sampling:Sampling", "How evenly layouts and lengths are sampled."),
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
+    "fuzz": ("benchmarks.fuzz:Fuzz", "House files and grammars with random changes: a definite answer each."),
     "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
     "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls of plans are refuted falsely."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),

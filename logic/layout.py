@@ -101,6 +101,8 @@ class Program:
             self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
+            if "bad_alloc" in str(error):
+                raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
         self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None

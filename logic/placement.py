@@ -131,7 +131,8 @@ class Placer:
         Conflicts are ``minimal``, or else found five times as quickly.
 
         Raises ``Infeasible`` where the constraints have no solution, ``Misfit`` where the rooms do not fit
-        between the fixed rooms, ``LimitReached`` past this number of inferences.
+        between the fixed rooms, ``LimitReached`` past this number of inferences, ``GrammarError`` for a
+        clause that does not end.
         """
         # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
         rooms = [
@@ -142,6 +143,9 @@ class Placer:
         ]
         seed, proof = int(rng.integers(2**63)), "minimal" if minimal else "quick"
         answer = self._ask("placed", Term("layout", rooms, layout.corners, seed, proof), inferences)
+        if "wrong" in answer:
+            file, line, column, text = answer["wrong"]
+            raise GrammarError(text, file, line, column)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
         if "misfit" in answer:
