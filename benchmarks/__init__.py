@@ -9,6 +9,7 @@ STUDIES = {
     "thousand": ("benchmarks.generator.thousand:Thousand", "A thousand houses of all grammars, checked."),
     "fuzz": ("benchmarks.fuzz:Fuzz", "House files and grammars with random changes: a definite answer each."),
     "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
+    "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls of plans are refuted falsely."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),

@@ -11,13 +11,14 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import LimitReached
+from logic.errors import LimitReached, RequestError
 from logic.grammar import Grammar
 from logic.house import House
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
 from logic.parts import Provenance, Rect
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
+from logic.plans import Planner
 from logic.proof import Prover
 from logic.request import Request, known
 from logic.star import Star, StarRoom
@@ -35,12 +36,15 @@ class Builder:
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
+        if cell and grammar.shares_walls:
+            raise RequestError("cell: walls that rooms share lie on no grid yet: leave cell out")
         self.grammar = grammar
         self.loaded = LoadedGrammar(grammar, cell)
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
-        self.prover = Prover(grammar, self.placer, self.loaded.lengths)
+        self.prover = Prover(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
+        self.planner = Planner(grammar, self.loaded, self.prover)
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -48,11 +52,15 @@ class Builder:
         }
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
-        """Make house ``index``, see ``made``."""
-        return self.made(request, seed, index, inferences)[0]
+        """Make house ``index``: a star, see ``made``, or a plan, see ``plans.py``."""
+        if not self.grammar.shares_walls:
+            return self.made(request, seed, index, inferences)[0]
+        self.require_known(request)
+        plan = self.planner.made(request, np.random.default_rng([seed, index]), inferences)
+        return msgspec.structs.replace(plan, provenance=self._provenance(request, seed, index))
 
     def made(self, request: Request, seed: int, index: int, inferences: int) -> tuple[House, Layout]:
-        """House ``index``, a function of the grammar, the request, the seed and the index; and its layout.
+        """Star ``index``, a function of the grammar, the request, the seed and the index; and its layout.
 
         Raises ``RequestError`` for an unknown type, ``Unsatisfiable`` where it is proved that there is no
         such house, ``LimitReached`` past this number of Prolog inferences.
@@ -162,6 +170,11 @@ class Builder:
     def require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
+        if request.rooms > self.loaded.most_rooms:
+            raise RequestError(
+                f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by "
+                f"its topology, not {request.rooms}"
+            )
         for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):
             known("room type", type_, furniture)
         for name in request.furniture:
@@ -174,14 +187,6 @@ class Builder:
     def _as_house(
         self, plan: dict[str, Any], layout: Layout, request: Request, seed: int, index: int
     ) -> House:
-        provenance = Provenance(
-            grammar=self.grammar.name,
-            grammar_hash=self.grammar.hash,
-            request=request.to_dict(),
-            seed=seed,
-            index=index,
-            versions=self.versions,
-        )
         floor = msgspec.convert(plan["floor"], Rect)
         planned = [msgspec.convert(room, StarRoom | None) for room in plan["rooms"]]
         if request.fixed:
@@ -189,7 +194,17 @@ class Builder:
         rooms = tuple(
             room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
         )
-        return House.of_star(Star(floor, rooms), provenance=provenance)
+        return House.of_star(Star(floor, rooms), provenance=self._provenance(request, seed, index))
+
+    def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
+        return Provenance(
+            grammar=self.grammar.name,
+            grammar_hash=self.grammar.hash,
+            request=request.to_dict(),
+            seed=seed,
+            index=index,
+            versions=self.versions,
+        )
 
 
 class Nogoods:

@@ -7,7 +7,7 @@ is assumed. Without the assumption the statement may hold or not: that leaves al
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
 something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
 is anything from nothing to very much. And without its fact there may be any number of what a request asks for
-too many of: so the fact that bounds it is among the reasons.
+too many of, and a type of room opens into all others: so the fact that bounds it is among the reasons.
 """
 
 import contextlib
@@ -20,6 +20,7 @@ from typing import Any
 import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
 
+from logic.differences import Differences
 from logic.errors import Reason
 from logic.grammar import RULES
 from logic.layout import CORE, Endless, Instances, Part
@@ -31,6 +32,9 @@ HERE = ast.Location(BEGIN, BEGIN)
 
 COUNTS = {("may", 4), ("beside", 4), ("around", 4)}
 """Facts that bound how many there are of their second argument: by the third and the fourth."""
+
+OPENS = ("opens", 2)
+"""Facts of which each says all that a type opens into: without it, the type opens into everything."""
 
 FAR = 1_000_000
 """Millimetres, more than anything measures; small enough for clingo to add up."""
@@ -71,12 +75,13 @@ class Relaxed:
         )
         self._instances = Instances(most)
         self._control.register_observer(self._instances)
+        self._differences = Differences(self._control, files, lambda _: None)
         if not laws:
             self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []
         with ast.ProgramBuilder(self._control) as builder:
-            for rule in _conditional((CORE, *files) if laws else files, found, more):
-                builder.add(rule)
+            for rule in _conditional((CORE, *files) if laws else files, found, more, laws):
+                self._differences.add(rule, builder)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
             for fact, clauses in lengths:
@@ -94,6 +99,7 @@ class Relaxed:
                 builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
+        self._differences.prepare()
         self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
@@ -162,22 +168,25 @@ def _assumed(statements: Iterable[Statement]) -> list[int]:
 
 
 def _conditional(
-    files: Sequence[Path], found: list[tuple[Reason, Symbol | None]], more: bool
+    files: Sequence[Path], found: list[tuple[Reason, Symbol | None]], more: bool, laws: bool
 ) -> list[ast.AST]:
     """The files' statements, each rule with its condition; ``found`` gets a reason for each.
 
-    Of the core's rules those alone that require something. With ``more``, what bounds a number is followed by
-    a rule with wider bounds for where it is left out.
+    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a
+    number is followed by a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
-        own = Path(begin.filename).parent != RULES
-        if statement.ast_type == ast.ASTType.Rule and (own or str(statement.head) == "#false"):
+        own = RULES not in Path(begin.filename).parents
+        if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
             stated = _stated(len(found))
+            left_out = _literal(stated, ast.Sign.Negation)
             if more and _signature(statement.head) in COUNTS:
-                rules.append(_wider(statement, _literal(stated, ast.Sign.Negation)))
+                rules.append(_wider(statement, left_out))
+            if _signature(statement.head) == OPENS:
+                rules.append(_open(statement, left_out))
             condition = _literal(stated)
             text = written(statement)
             found.append((Reason(text, begin.filename, begin.line, begin.column), None))
@@ -208,6 +217,15 @@ def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
     wider = symbol.update(arguments=[what, piece, *bounds])
     known = _literal(ast.SymbolicAtom(ast.Function(HERE, "more", [piece, extra], False)))
     head = rule.head.update(atom=rule.head.atom.update(symbol=wider))
+    return rule.update(head=head, body=[*rule.body, condition, known])
+
+
+def _open(rule: ast.AST, condition: ast.AST) -> ast.AST:
+    """The rule under another condition, for rooms of all types as its second argument."""
+    symbol, anything = rule.head.atom.symbol, ast.Variable(HERE, "_Type")
+    opens = symbol.update(arguments=[symbol.arguments[0], anything])
+    known = _literal(ast.SymbolicAtom(ast.Function(HERE, "type", [anything], False)))
+    head = rule.head.update(atom=rule.head.atom.update(symbol=opens))
     return rule.update(head=head, body=[*rule.body, condition, known])
 
 

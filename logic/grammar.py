@@ -1,7 +1,11 @@
-"""A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top."""
+"""A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top.
+
+It may name a topology, how rooms lie together: a file of ``rules/topologies``, or its own file of that name.
+"""
 
 import hashlib
 import os
+import re
 import stat
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +15,13 @@ from logic.spelling import unknown
 
 SHIPPED = Path(__file__).parent / "grammars"
 RULES = Path(__file__).parent / "rules"
+
+TOPOLOGIES = RULES / "topologies"
+STAR = TOPOLOGIES / "star.lp"
+"""The topology of a grammar that names none."""
+
+PLANS = tuple(sorted((RULES / "plans").glob("*.lp")))
+"""What all other topologies share: rooms that share walls, and doors in them."""
 
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
@@ -22,9 +33,23 @@ class Grammar:
 
     name: str
     directory: Path
-    asp: tuple[Path, ...]
+    own: tuple[Path, ...]
+    """The ``.lp`` files of its directory."""
+    topology: tuple[Path, ...]
+    """The shared ``.lp`` files that come with its topology."""
+    topology_name: str
     prolog: tuple[Path, ...]
     hash: str
+
+    @property
+    def asp(self) -> tuple[Path, ...]:
+        """All that clingo reads beside the core."""
+        return self.topology + self.own
+
+    @property
+    def shares_walls(self) -> bool:
+        """Whether its houses are plans of rooms that share walls: all but stars are."""
+        return set(PLANS) <= set(self.topology)
 
 
 def shipped() -> list[str]:
@@ -54,13 +79,39 @@ def find(grammar: str | Path) -> Grammar:
             raise GrammarError(
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory
             )
-    return Grammar(directory.name, directory, asp, prolog, _hash(asp + prolog))
+    digest = _hash(asp + prolog)  # Refuses what is not to be read.
+    return Grammar(directory.name, directory, asp, *_topology(asp), prolog, digest)
+
+
+def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
+    """The shared files of the topology that a fact in these files names, and its name.
+
+    It is read as text, since what comes with it must be known before any rule is.
+    """
+    own = {file.stem for file in files}
+    known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
+    named: list[str] = []
+    for file in files:
+        lines = file.read_text("utf-8", "replace").split("\n")
+        for number, line in enumerate(lines, start=1):
+            for found in re.finditer(r"\btopology\((\w+)\)\.", line.partition("%")[0]):
+                place = (file, number, found.start() + 1)
+                name = found[1]
+                if named:
+                    raise GrammarError(f"a grammar has one topology, and {named[0]} is named already", *place)
+                if name not in own and name not in known:
+                    hint = unknown("topology", name, {*known, *own})
+                    raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
+                named.append(name)
+    if not named:
+        return (STAR,), STAR.stem
+    return PLANS if named[0] in own else (*PLANS, known[named[0]]), named[0]
 
 
 def _hash(files: tuple[Path, ...]) -> str:
     """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
     digest, left = hashlib.sha256(), MOST_BYTES
-    for file in (*files, *sorted(RULES.glob("*.[lp][lp]"))):
+    for file in (*files, *sorted(RULES.rglob("*.[lp][lp]"))):
         try:
             # Not to wait where it is a pipe: what is read is what was opened.
             with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:

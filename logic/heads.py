@@ -22,7 +22,7 @@ UNNAMED = "name the choice by a word, as in option(mine(X),..): what stands here
 
 def closed_heads(own: Words) -> Iterator[tuple[Statement, str]]:
     """Statements that derive or rename what is the core's, each with what to write instead."""
-    core = core_words()
+    core = own.core or core_words()
     for signature, uses in own.derived.items():
         if signature in core.derived and signature not in core.opened:
             for use in uses:

@@ -1,11 +1,11 @@
 """Stage 1, clingo: every discrete choice of a house, sampled by weight whatever the solver's state.
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
-sampled pick by pick: the variables in random order, each taking its first value, in random order, that some
-stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks
-in just this order, so what it has to take back is proved impossible, and the first model is the
-lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the
-rules and the random numbers alone, never on what was solved before.
+sampled pick by pick: the variables turn by turn, in random order within each turn, each taking its first
+value, in random order, that some stable model shares with all the picks before it. clingo finds that model in
+one go: it branches on the picks in just this order, so what it has to take back is proved impossible, and the
+first model is the lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a
+layout depends on the rules and the random numbers alone, never on what was solved before.
 """
 
 import time
@@ -19,6 +19,7 @@ import numpy as np
 from clingo import Function, Symbol
 
 from logic.branching import Brancher
+from logic.differences import Differences
 from logic.errors import GrammarError
 from logic.grammar import RULES
 from logic.messages import clingo_error
@@ -95,29 +96,30 @@ class Program:
         )
         if most:
             self._control.register_observer(Instances(most))
+        self._differences = Differences(self._control, (CORE, *self.files), self.remarks.append)
         try:
-            for file in (CORE, *self.files):
-                self._control.load(str(file))
+            self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
             if "bad_alloc" in str(error):
                 raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
+        self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
         self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
-        self._counts, self._single, self._choices, self._weights = self._options(strict=most is None)
+        self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._brancher = Brancher(self._choices)
         self._control.register_propagator(self._brancher)
         self._search = ExitStack()
         self._handle: clingo.SolveHandle | None = None
         self._assumed, self._excluding, self._sampled = list[int](), False, 0
 
-    def _options(self, strict: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
 
-        For each variable: how many there are. For each option: whether its variable picks just one, its pick
-        literal, its weight.
+        For each variable: its turn, how many options there are. For each option: whether its variable picks
+        just one, its pick literal, its weight.
         """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):
@@ -134,7 +136,9 @@ class Program:
         ]
         counts = [len(values) for _, values in sorted(options.items())]
         several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
+        turns = {symbol.arguments[0]: symbol.arguments[1].number for symbol in self.atoms("turn", 2)}
         return (
+            np.array([turns.get(variable, 0) for variable in sorted(options)], int),
             np.array(counts, int),
             np.array([variable not in several for variable in sorted(options)], bool).repeat(
                 np.array(counts, int)
@@ -166,7 +170,7 @@ class Program:
         """
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
-        places = rng.permutation(len(self._counts))
+        places = np.argsort(np.lexsort((rng.permutation(len(self._counts)), self._turns)))
         ranks = np.repeat(places, self._counts)
         order = np.lexsort((keys, ranks))
         # Where a variable picks one value, the first that is taken settles its others.

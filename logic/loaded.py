@@ -15,13 +15,14 @@ from logic.heads import closed_heads
 from logic.layout import Endless, Program
 from logic.placement import Placer, unknown
 from logic.programs import Programs
+from logic.request import MOST_ROOMS
 from logic.spelling import closest
 from logic.stages import misplaced
 from logic.statements import Statement, error_at, read
 from logic.stratification import unstratified
-from logic.terms import Lengths, length_facts
+from logic.terms import Lengths, length_facts, wall_facts
 from logic.units import impossible, unlikely
-from logic.vocabulary import Words, capitalised, misspelt, places, words
+from logic.vocabulary import Words, capitalised, core_words, misspelt, places, words
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
@@ -44,19 +45,22 @@ class LoadedGrammar:
         self.types: list[Symbol] = []
         self.furniture: dict[str, list[str]] = {}
         self._extremes: dict[str, Any] = {}
+        self.most_rooms = MOST_ROOMS
+        """How many rooms a house has at most."""
         self._words = Words()
         self.errors = list(self._readable()) or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
+        self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
         self.warnings = [] if self.errors else [*self._unlikely()]
-        self.programs = Programs(grammar, self.furniture, self.lengths)
+        self.programs = Programs(grammar, self.furniture, self.lengths, [fact for fact, _ in self.walls])
         if not self.errors:
             self.errors = list(self.programs.remarks())
 
     def _readable(self) -> Iterator[GrammarError]:
         """What is wrong with statements by themselves."""
-        illegible = [error for file in self._grammar.asp for error in unreadable(file)]
+        illegible = [error for file in self._grammar.own for error in unreadable(file)]
         try:
-            yield from illegible or self._misused(read(self._grammar.asp))
+            yield from illegible or self._misused(read(self._grammar.own))
         except GrammarError as error:
             yield error
         yield from self.placer.problems
@@ -64,7 +68,7 @@ class LoadedGrammar:
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
         try:
-            self._words = words(statements)
+            self._words = words(statements, core_words(self._grammar.topology))
         except RecursionError:
             yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
             return
@@ -91,6 +95,8 @@ class LoadedGrammar:
         if wrong:
             return
         self.furniture = furniture_of(probe)
+        limits = [symbol.arguments[0].number for symbol in probe.atoms("most_rooms", 1)]
+        self.most_rooms = min([MOST_ROOMS, *limits])
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
         self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
@@ -108,6 +114,11 @@ class LoadedGrammar:
                 meant = closest(name, names[predicate])
                 hint = f". Did you mean {meant}?" if meant else ""
                 yield unknown(name, f"{predicate}: {name} is no {kind}{hint}", file, line, column)
+
+    def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+        """What stage 1 knows of walls that rooms share."""
+        doorway, extremes = self.placer.wall_lengths(self.furniture)
+        return wall_facts(extremes, doorway)
 
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""

@@ -54,7 +54,7 @@ class Conflict:
 
 
 class Infeasible(Exception):
-    """Proved: no sizes and places satisfy the rules for these rooms of a layout."""
+    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for a plan's walls."""
 
     def __init__(self, conflicts: Mapping[int, Conflict], inferences: int) -> None:
         """Keep the conflict in each room, by number, and the Prolog inferences that the proof took."""
@@ -155,6 +155,44 @@ class Placer:
                 {room: _conflict(why) for room, why in answer["infeasible"]}, answer["inferences"]
             )
         return answer
+
+    def wall_lengths(self, types: Iterable[str]) -> list[Any]:
+        """How much wall a door takes, and the extremes of each room type's size, metres: ``plans.pl``."""
+        return self._ask("plan_lengths", types)
+
+    def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+        """Place the walls, doors and windows of a plan, metres: see ``rules/plans.pl``.
+
+        Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
+        arithmetic, ``LimitReached`` past this number of inferences.
+        """
+        answer = self._ask("plan_placed", Term("plan", layout, seed, "minimal"), inferences)
+        if "limit" in answer:
+            raise LimitReached(f"the walls of a house reached their limit of {inferences} inferences")
+        if "infeasible" in answer:
+            raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"])
+        return answer
+
+    def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
+        """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
+        reasons = self._ask("plan_conflict", layout, without)
+        return None if reasons is None else _conflict(reasons)
+
+    def furnish(
+        self, rooms: Sequence[Any], inferences: int, minimal: bool = True
+    ) -> tuple[list[Any], dict[int, Conflict], int]:
+        """Furnish rooms of given sizes, terms as in ``rules/given_rooms.pl``.
+
+        Gives the pieces of each room, as in a house file, or None; the conflict in each room that cannot have
+        its furniture, by its place in ``rooms``; and the Prolog inferences that it took. Raises
+        ``LimitReached`` past this number of them.
+        """
+        proof = "minimal" if minimal else "quick"
+        answer = self._ask("rooms_furnished", rooms, proof, inferences)
+        if "limit" in answer:
+            raise LimitReached(f"the furniture of a house reached its limit of {inferences} inferences")
+        conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
+        return answer["rooms"], conflicts, answer["inferences"]
 
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
         """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""

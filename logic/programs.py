@@ -16,9 +16,15 @@ from logic.terms import Lengths, granted, parts, requirements, room_requirements
 class Programs:
     """Grounds each program once and keeps it."""
 
-    def __init__(self, grammar: Grammar, furniture: Mapping[str, Iterable[str]], lengths: Lengths) -> None:
-        """Know a grammar's files, the pieces of each of its room types, and their lengths."""
-        self._grammar, self._furniture, self._lengths = grammar, furniture, lengths
+    def __init__(
+        self,
+        grammar: Grammar,
+        furniture: Mapping[str, Iterable[str]],
+        lengths: Lengths,
+        walls: Iterable[Symbol] = (),
+    ) -> None:
+        """Know a grammar's files, the pieces of each of its room types, their lengths, and those of walls."""
+        self._grammar, self._furniture, self._lengths, self._walls = grammar, furniture, lengths, tuple(walls)
 
     @cache  # noqa: B019 (the programs live as long as their process)
     def rooms(
@@ -26,7 +32,10 @@ class Programs:
     ) -> Program:
         """The program of a house's rooms, with these requirements and arguments for clingo."""
         return Program(
-            self._grammar.asp, {"rooms": rooms}, [("house", []), *parts(required)], arguments=arguments
+            self._grammar.asp,
+            {"rooms": rooms},
+            [("house", []), *parts(self._walls), *parts(required)],
+            arguments=arguments,
         )
 
     @cache  # noqa: B019
@@ -38,9 +47,23 @@ class Programs:
         return Program(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), *parts(facts), *parts(required)],
+            [("room", []), ("capacity", []), *parts(facts), *parts(required)],
             arguments=arguments,
         )
+
+    @cache  # noqa: B019
+    def given(self, type_: str, doorways: tuple[Symbol, ...], required: tuple[Symbol, ...] = ()) -> Program:
+        """The program of a room's furniture whose size, doors and windows are given: ``doors.lp``."""
+        facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
+        return Program(
+            self._grammar.asp,
+            {"this_room": type_, "in_a_row": 4, "fuller": 2},
+            [("room", []), ("plan", []), *parts(facts), *parts(doorways), *parts(required)],
+        )
+
+    def has_furniture(self, type_: str) -> bool:
+        """Whether there is anything that a room of this type may have."""
+        return bool(self._furniture[type_])
 
     def rooms_for(self, request: Request, arguments: tuple[str, ...] = ()) -> tuple[Program, list[Symbol]]:
         """The program of a request's rooms, and what to assume in it."""
@@ -51,11 +74,15 @@ class Programs:
         self, type_: str, request: Request, arguments: tuple[str, ...] = ()
     ) -> tuple[Program, list[Symbol]]:
         """The program that furnishes a room of this type for a request, and what to assume in it."""
-        required = requirements(
-            "has",
-            {name: n for name, n in request.pieces_of(type_).items() if name in self._furniture[type_]},
+        required = self.required_in(type_, request)
+        return self.furniture(type_, required, arguments), [granted(each) for each in required]
+
+    def required_in(self, type_: str, request: Request) -> tuple[Symbol, ...]:
+        """What a request requires of the furniture of a room of this type."""
+        asked = request.pieces_of(type_)
+        return tuple(
+            requirements("has", {name: n for name, n in asked.items() if name in self._furniture[type_]})
         )
-        return self.furniture(type_, tuple(required), arguments), [granted(each) for each in required]
 
     def all_furniture(self, request: Request) -> list[Program]:
         """The programs that furnish rooms for a request, of each type."""
@@ -78,7 +105,7 @@ class Programs:
 
         That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
         """
-        own = set(map(str, self._grammar.asp))
+        own = set(map(str, self._grammar.own))
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}
         for program in (self.rooms(1), *(self.furniture(type_) for type_ in sorted(self._furniture))):
             for remark in program.remarks:

@@ -22,8 +22,14 @@ from logic.terms import (
     to_furnish,
 )
 
+Walls = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
+"""What stage 1 knows of walls, each fact with the clauses that it comes from."""
+
 NEAR = 8
 """How far from a number of rooms others are tried."""
+
+NEXT = 3
+"""The same for rooms that share walls, of which each number takes a tenth of a second or more."""
 
 INFERENCES = 100_000_000
 """Most Prolog inferences for a room on a grid."""
@@ -39,9 +45,9 @@ class Prover:
     between the fixed rooms.
     """
 
-    def __init__(self, grammar: Grammar, placer: Placer, lengths: Lengths) -> None:
-        """Know a grammar and the lengths of each of its room types."""
-        self._grammar, self._placer, self._lengths = grammar, placer, lengths
+    def __init__(self, grammar: Grammar, placer: Placer, lengths: Lengths, walls: Walls = ()) -> None:
+        """Know a grammar, the lengths of each of its room types, and those of walls that rooms share."""
+        self._grammar, self._placer, self._lengths, self._walls = grammar, placer, lengths, walls
         self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
 
     def unsatisfiable(
@@ -58,7 +64,7 @@ class Prover:
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in infeasible:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
-        needed = minimal(statements, lambda some: relaxed.model(some) is not None, relaxed.core)
+        needed = minimal(statements, self._has_walls(relaxed), relaxed.core)
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
         if not infeasible:
@@ -85,7 +91,11 @@ class Prover:
         reasons = [_option("--type", name, request.types) for name in sorted(request.types)]
         reasons += map(_fixed, request.fixed)
         relaxed = Relaxed(
-            self._grammar.asp, {"rooms": request.rooms}, [("house", []), *parts(required)], laws=laws
+            self._grammar.asp,
+            {"rooms": request.rooms},
+            [("house", []), *parts(required)],
+            self._stated(self._walls),
+            laws=laws,
         )
         statements = list(relaxed.statements)
         for reason, requirement in zip(reasons, required, strict=True):
@@ -99,10 +109,10 @@ class Prover:
     ) -> tuple[bool, int | None]:
         """Whether another number of rooms would end the conflict, and one that does for everything."""
         named = False
-        for rooms in _others(request):
+        for rooms in _others(request, far=not self._walls):
             other = replace(request, rooms=rooms)
             relaxed, statements = self.house(other, unfurnishable)
-            if relaxed.model([each for each in statements if each.reason in conflict]) is not None:
+            if self._has_walls(relaxed)([each for each in statements if each.reason in conflict]):
                 named = True
                 if request.fixed:  # Whether it fits between the fixed rooms is not known.
                     return named, None
@@ -157,18 +167,20 @@ class Prover:
             for _, piece, (least, _) in asked
             if least
         ]
-        origins = self._placer.origins({clause for _, clause in facts})
-        places = {clause: located(*origins[clause]) for _, clause in facts}
         room = Function("size", [Function(type_)])
-        lengths = [
-            # How much of a wall a piece takes may depend on the wall, and so on the room.
-            (fact, {each: places[each] for each in ((clause, room) if fact.name == "extent" else (clause,))})
-            for fact, clause in facts
-        ]
+        # How much of a wall a piece takes may depend on the wall, and so on the room.
+        lengths = self._stated(
+            (fact, (clause, room) if fact.name == "extent" else (clause,)) for fact, clause in facts
+        )
         relaxed = Relaxed(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), *parts(requirement for _, requirement in required), *parts(more)],
+            [
+                ("room", []),
+                ("capacity", []),
+                *parts(requirement for _, requirement in required),
+                *parts(more),
+            ],
             lengths,
             more=True,
             laws=laws,
@@ -187,6 +199,29 @@ class Prover:
 
         return relaxed, statements, possible
 
+    def _stated(
+        self, facts: Iterable[tuple[Symbol, Sequence[Symbol]]]
+    ) -> list[tuple[Symbol, dict[Symbol, Reason]]]:
+        """Facts with the clauses that they come from, and where these stand; not those that nobody states."""
+        known = list(facts)
+        origins = self._placer.origins({clause for _, clauses in known for clause in clauses})
+        places = {clause: located(*place) for clause, place in origins.items()}
+        return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
+
+    def _has_walls(self, relaxed: Relaxed) -> Callable[[Sequence[Statement]], bool]:
+        """A test whether there are rooms under some statements, and places for the walls that they share."""
+
+        def possible(some: Sequence[Statement]) -> bool:
+            without = {each.clause for each in relaxed.statements if each.clause and each not in some}
+            while (layout := relaxed.model(some)) is not None:
+                conflict = self._placer.wall_conflict(layout, without) if self._walls else None
+                if conflict is None:
+                    return True
+                relaxed.exclude(conflict)
+            return False
+
+        return possible
+
     def _conflict(
         self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]
     ) -> Conflict | None:
@@ -203,12 +238,16 @@ class Prover:
         return conflict
 
 
-def _others(request: Request) -> list[int]:
-    """Other numbers of rooms, the nearest first: near this one and near the sum of types, powers of two."""
+def _others(request: Request, far: bool) -> list[int]:
+    """Other numbers of rooms, the nearest first: near this one and near the sum of types.
+
+    With ``far``, powers of two as well: the rules of walls that rooms share are too many for a large house.
+    """
     wanted = sum(least for least, _ in request.types.values())
-    some = {*range(1, NEAR), *(2**n for n in range(8))}
+    near = NEAR if far else NEXT
+    some = {*range(1, near), *(2**n for n in range(8) if far)}
     for number in (request.rooms, wanted):
-        some.update(range(number - NEAR, number + NEAR + 1))
+        some.update(range(number - near, number + near + 1))
     numbers = sorted(some & set(range(1, MOST_ROOMS + 1)) - {request.rooms})
     return sorted(numbers, key=lambda number: abs(number - request.rooms))
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from clingo.ast import ASTType, parse_files
 
-from logic.grammar import RULES
+from logic.grammar import PLANS, RULES, TOPOLOGIES
 from logic.layout import CORE
 
 PAGE = Path(__file__).with_name("reference.md")
@@ -84,7 +84,8 @@ def asp_entries() -> dict[str, list[Entry]]:
             if found:
                 entries[part].append(_entry(*found.groups("")))
 
-    parse_files([str(CORE)], take)
+    for file in (CORE, *PLANS, *sorted(TOPOLOGIES.glob("*.lp"))):
+        parse_files([str(file)], take)
     entries["base"] = [each for each in entries["base"] if (each.name, len(each.arguments)) in stated]
     return entries
 

@@ -53,7 +53,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
 
 
 def _words(own: Words) -> Iterator[Word]:
-    core = core_words()
+    core = own.core or core_words()
     for signature, uses in own.used.items():
         for use in uses:
             yield Word(_name(signature), use, _known(signature, own, core))
@@ -76,7 +76,7 @@ def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
 
 def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
     """The programs in which it is of use to derive a predicate: all, where the core does not use it."""
-    readers = _programs(core.used.get(signature, ())) - {"pick"}
+    readers = _programs(core.used.get(signature, ())) & ALL
     if not readers:
         return ALL
     # What a grammar states is read, and found wrong, in the program house.

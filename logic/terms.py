@@ -67,6 +67,29 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
     return facts
 
 
+def wall_facts(extremes: Iterable[Sequence[Any]], doorway: float) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+    """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
+
+    ``extremes``: see ``logic.placement.Placer.wall_lengths``; ``doorway``: metres. Clauses
+    that only stage 2 knows have a fact too.
+    """
+    door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
+    clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))
+    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses)]
+    only = [Function("house_size")]
+    for type_, reach, bends, brims in extremes:
+        kind = Function(type_)
+        clauses = Function("size", [kind]), Function("room_area", [kind])
+        facts.append((Function("reach", [kind, *_millimetres(reach)]), clauses))
+        for name, bound, pairs in (("bend", ceil, bends), ("brim", floor, brims)):
+            facts += [
+                (Function(name, [kind, *(Number(bound(1000 * metres)) for metres in pair)]), clauses)
+                for pair in pairs
+            ]
+        only.append(Function("window_size", [kind]))
+    return facts + [(Function("sized", [clause]), (clause,)) for clause in only]
+
+
 def _millimetres(extremes: Sequence[float]) -> list[Symbol]:
     """Least and greatest lengths in turn, as whole millimetres that exclude none of them."""
     bounds = [floor, ceil] * (len(extremes) // 2)

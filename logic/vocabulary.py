@@ -4,12 +4,14 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from clingo import Symbol
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
+from logic.grammar import STAR
 from logic.inexpressible import inexpressible
 from logic.layout import CORE
 from logic.spelling import closest
@@ -43,11 +45,13 @@ class Words:
     """What ``#defined`` names: of the core, what a grammar may state."""
     documented: set[Signature] = field(default_factory=set)
     """What a comment ``%*! p(A,B): ... *%`` describes."""
+    core: "Words | None" = None
+    """Of a grammar's words: those of the core with the grammar's topology."""
 
 
-def words(statements: Iterable[Statement]) -> Words:
+def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
     """All words of these statements."""
-    found = Words()
+    found = Words(core=core)
     for statement in statements:
         node = statement.node
         if node.ast_type == ASTType.Rule:
@@ -66,9 +70,9 @@ def words(statements: Iterable[Statement]) -> Words:
 
 
 @cache
-def core_words() -> Words:
-    """The words of the core."""
-    return words(read([CORE]))
+def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
+    """The words of the core with these files of a topology."""
+    return words(read([CORE, *topology]))
 
 
 def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, list[Use]]) -> None:
@@ -126,7 +130,7 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
 
     ``sized`` are the names that the ``.pl`` files know.
     """
-    core = core_words()
+    core = own.core or core_words()
     known = {*core.used, *core.derived, *core.opened}
     for signature, uses in ({each: [use] for each, use in own.opened.items()} | own.used).items():
         if signature not in own.derived and signature not in known:
@@ -137,6 +141,7 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
             yield _unknown(signature, "uses", uses[0], inputs | set(own.used))
     # The values of a choice may be there to be picked, and no more.
     values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
+    values += [str(use.node.arguments[0]) for use in own.derived.get(("topology", 1), ())]
     elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
     spoken = {each for each in elsewhere if len(each) > 1}  # Letters are parameters of the core's programs.
     others = {*elsewhere, *own.stated, *own.defined}

@@ -186,7 +186,7 @@ def _hint(before: str, name: str, names: Sequence[str]) -> str:
 def place(reason: Reason) -> str:
     """As in ``rooms.lp:9``; of the core ``rules/room.lp:9``."""
     file = Path(reason.file or "")
-    return f"{'rules/' if file.parent == RULES else ''}{file.name}:{reason.line}"
+    return f"{f'rules/{file.relative_to(RULES)}' if RULES in file.parents else file.name}:{reason.line}"
 
 
 def _stated(reason: Reason) -> str:
@@ -211,7 +211,7 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
     if node.options and node.means:
         yield f"{indent}  {node.means}"
     for each in body:
-        if each.rule is None or each.body or Path(each.rule.file or "").parent != RULES:
+        if each.rule is None or each.body or RULES not in Path(each.rule.file or "").parents:
             yield from _tree(each, depth + 1)
 
 

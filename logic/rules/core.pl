@@ -27,15 +27,23 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     furnish.pl         a random solution for a room, or why it has none
     bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
+    shape.pl           the stretches of wall that a room's doors leave
     plan.pl            from the rooms' frames to the house's plan
+
+    plans.pl           plans where rooms share walls: what Python asks for them
+    walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them
+    exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
+    given_rooms.pl     furniture for rooms whose sizes and doors are given
+
+    answers.pl         answers as JSON
 */
 
 % Arithmetic is compiled in all that core.pl loads, CLP(R) too, and not in a grammar's files: the flag ends with the file.
 :- set_prolog_flag(optimise, true).
 
 :- use_module(library(apply)).
-:- use_module(library(http/json)).
 :- use_module(library(lists)).
+:- use_module(answers).
 :- use_module(bounds).
 :- use_module(faults).
 :- use_module(furnish).
@@ -43,9 +51,11 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(grid).
 :- use_module(lengths).
 :- use_module(linear).
+:- reexport(given_rooms).
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
+:- reexport(plans).
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(reports).
@@ -170,11 +180,6 @@ narrowest(outline(Side,_,D,Door,free), outline(Side,Least,D,Door,free)) :- !,
     min_list(Ws, Least).
 narrowest(Fixed, Fixed).
 
-reason_record(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
-reason_record(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
-reason_record(Clause, [clause,Text])       :- functor(Clause, size, _), !, term_string(Clause, Text).
-reason_record(Atom, [holds,Text])          :- term_string(Atom, Text).
-
 %!  grammar_origins(+Clauses, -Json) is det.
 %
 %   Json lists [Clause,File,Line], see origins.pl.
@@ -267,6 +272,3 @@ free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(
 %   Json is SWI-Prolog's version as a number, 90004 for 9.0.4.
 
 solver_version(Json) :- current_prolog_flag(version, Version), as_json(Version, Json).
-
-as_json(Value, Text) :-
-    with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).

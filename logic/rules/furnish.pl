@@ -1,4 +1,4 @@
-:- module(furnish, [furnished//4, conflict_without/4, whole_system/4]).
+:- module(furnish, [furnished//4, furnished//5, conflict_without/4, whole_system/4]).
 
 /** <module> Sizes and places for a room's furniture: a random solution, or why there is none
 
@@ -32,8 +32,20 @@ sampled one by one in what is left for each. Places are sampled last, by the gap
 %   cannot have this furniture, a minimal set of them where Proof is `minimal`. Where it is `quick` they cost a fifth.
 
 furnished(Type, Layout, Proof, Answer) -->
-    { layout_room(Type, Layout, Room),
-      phrase(room_constraints(Room), Constraints) },
+    { layout_room(Type, Layout, Room) },
+    room_furnished(Room, Proof, Answer).
+
+%!  furnished(+Type, +Layout, +Shape, +Proof, -Answer)// is det.
+%
+%   The same in a room of a known Shape, shape(Width,Depth,Doors), see records.pl.
+
+furnished(Type, Layout, shape(W,D,Doors), Proof, Answer) -->
+    { layout_room(Type, Layout, Doors, Room),
+      room_width(Room, W), room_depth(Room, D) },
+    room_furnished(Room, Proof, Answer).
+
+room_furnished(Room, Proof, Answer) -->
+    { phrase(room_constraints(Room), Constraints) },
     (   tries_sample(Room, Constraints)
     ->  { Answer = Room }
     ;   solution_sample(Room, Constraints, Proof, Answer) ).
@@ -64,7 +76,9 @@ try_sample(Ease, Room, Items, Law, Constraints) -->
     items_sample(Items, Type, Ease, Filling),
     { widest_core(Room),
       room_door(Room, Door) },
-    (   { Filling == [], free_front(Room) }
+    (   { Filling == [], number(Door) }
+    ->  { phrase(door_constraints(Room), All), posted(All) }
+    ;   { Filling == [], free_front(Room) }
     ->  { phrase(door_constraints(Room), All), interval(Door, All, Low-High) },
         ( { High - Low < 1.0e-10 } -> { Door = Low } ; interval_sample(Low, High, 1, Door) )   % as CLP(R) would
     ;   { filling_constraints(Filling, Type, Alongs, Filled),
@@ -78,7 +92,7 @@ free_front(Room) :- room_stretches(Room, [stretch(front_left,[],_),_,_,_,stretch
 
 room_sample(Law, Ease, Room) -->
     { room_type(Room, Type), room_width(Room, W), room_depth(Room, D) },
-    room_sizes_sample(Law, Type, Ease, W, D).
+    ( { number(W), number(D) } -> [] ; room_sizes_sample(Law, Type, Ease, W, D) ).
 
 room_sizes_sample(box(A1,A2,B1,B2), _, Ease, W, D) --> large_sample(A1-A2, Ease, W), large_sample(B1-B2, Ease, D).
 room_sizes_sample(line(A1,A2,B1,B2), _, Ease, W, D) -->
@@ -149,7 +163,8 @@ places_sample(Room) --> { length_of(passage, P), room_chains(Room, Chains) }, al
 % - with every size unknown --------------------------------------------------------------------------------
 
 solution_sample(Room, Constraints, Proof, Answer) -->
-    { room_items(Room, Items), room_width(Room, W), room_depth(Room, D), lattice(Kind),
+    { room_items(Room, Items), room_width(Room, W), room_depth(Room, D),
+      ( lattice(whole), var(W) -> Kind = whole ; Kind = real ),
       system(Room, Items, Constraints, System) },
     own_store(Outcome, sizes_sample(Kind, Room, Items, Constraints, System, Outcome)),
     (   { Outcome = sizes(Items,W,D) }
@@ -208,7 +223,7 @@ item_sizes_sample([_-item(_,L,D,_)|Items]) --> projection_sample(L), projection_
 
 system(Room, Items, Constraints, All) :-
     room_type(Room, Type), room_width(Room, W), room_depth(Room, D),
-    room_size_system(Type, W, D, Outline),
+    ( number(W), number(D) -> Outline = [] ; room_size_system(Type, W, D, Outline) ),
     maplist(kind_item_system(Type), Items, Systems),
     append([Outline|Systems], Sizes),
     append(Sizes, Constraints, All).

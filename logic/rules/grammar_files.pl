@@ -20,6 +20,37 @@ or several.
 %
 %       room_size(cellar, W, D) :- { W >= 2.4, W =< 4.0, D >= 2.4, D =< W }.
 
+%!  room_area(?Type, -Least, -Most)
+%
+%   how large the floor of rooms of this Type is, in square metres, in plans where rooms share walls; without it, what
+%   room_size/3 allows.
+%
+%       room_area(cellar, 6.0, 14.0).
+
+%!  door_margin(-Distance)
+%
+%   how far a door is from the corners of its rooms at least, in metres, in a wall that they share; without it, 0.
+%
+%       door_margin(0.1).
+
+%!  window_margin(-Distance)
+%
+%   how far a window is from the corners of its room at least, in metres; without it, 0.
+%
+%       window_margin(0.65).
+
+%!  house_size(-Width, -Depth)
+%
+%   how large a whole plan is, in metres, where rooms share walls: Width from west to east, Depth from north to south.
+%
+%       house_size(W, D) :- { W =< 2*D, D =< 2*W }.
+
+%!  window_size(?Type, -Length, +Wall)
+%
+%   how long a window of a room of this Type is, in metres, in an outer wall as long as Wall.
+%
+%       window_size(cellar, L, Wall) :- { L >= 0.4, L =< 0.3*Wall, L =< 1.0 }.
+
 %!  piece_size(?Piece, -Length, -Depth, +Wall)
 %
 %   how large such pieces or companions are, in metres: Length along the wall behind them, Depth out from it. Wall is the
@@ -56,6 +87,8 @@ or several.
 
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
+
+:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

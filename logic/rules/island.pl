@@ -27,11 +27,21 @@ island(Layout, Room, On, Island) :-
     with_seats(Inwards, outwards, inwards, Seats, FullInwards),
     room_core(Room, core(X1,X2,Y1,Y2)),
     length_of(passage, P), length_of(door_clearance, C),
-    XBounds = [at_least(X1+P)-Why, at_most(X2-P-FullAcross)-Why],
-    YBounds = [at_least(Y1+P)-Why, at_least(C)-[On,length(door_clearance)], at_most(Y2-P-FullInwards)-Why],
+    room_doors(Room, doors(_,Left,Back,Right)),
+    clear_of(Left, at_least(C)-[On,length(door_clearance)], XMore, XMore1),
+    room_depth(Room, Depth),
+    clear_of(Right, at_most(W-C-FullAcross)-[On,length(door_clearance)], XMore1, []),
+    clear_of(Back, at_most(Depth-C-FullInwards)-[On,length(door_clearance)], YMore, []),
+    XBounds = [at_least(X1+P)-Why, at_most(X2-P-FullAcross)-Why|XMore],
+    YBounds = [at_least(Y1+P)-Why, at_least(C)-[On,length(door_clearance)], at_most(Y2-P-FullInwards)-Why|YMore],
     room_row(Room, Row),
     N0 is N - 1,
     phrase(after(N0, Row, Layout), Apart, Why).
+
+%   clear_of(+Doors, +Bound, -Bounds, -Others): the Bound is one of them where a wall has doors.
+
+clear_of([], _, Bounds, Bounds).
+clear_of([_|_], Bound, [Bound|Bounds], Bounds).
 
 island_reasons(On, Layout, Front, With) -->
     { On = on(F,K,_,_),

@@ -20,6 +20,8 @@ stated_length(door_width,     M) :- grammar:door_width(M).
 stated_length(door_clearance, M) :- grammar:door_clearance(M).
 stated_length(passage,        M) :- grammar:passage(M).
 stated_length(room_gap,       M) :- grammar:room_gap(M).
+stated_length(door_margin,    M) :- ( grammar:door_margin(_) -> grammar:door_margin(M) ; M = 0.0 ).
+stated_length(window_margin,  M) :- ( grammar:window_margin(_) -> grammar:window_margin(M) ; M = 0.0 ).
 
 %!  length_of(+Name, -Length) is det.
 %

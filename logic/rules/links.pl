@@ -2,7 +2,7 @@
 
 /** <module> What stands along a stretch of wall, from its near end
 
-A room has five stretches: front_left, left, back, right, front_right. A link is a piece or one of its companions.
+A link is a piece or one of its companions.
 */
 
 :- use_module(library(apply_macros)).
@@ -10,6 +10,7 @@ A room has five stretches: front_left, left, back, right, front_right. A link is
 :- use_module(reasons).
 :- use_module(record_access).
 :- use_module(records).
+:- use_module(shape).
 
 %!  stretch_links(+Placed, +Layout, +Room, +Name, -Links) is det.
 %
@@ -21,9 +22,7 @@ stretch_links(Placed, Layout, Room, Name, Name-Links) :-
         phrase(links(Ons, Wall, Layout), Links)
     ;   Links = [] ).
 
-wall_length(left,  Room, D) :- !, room_depth(Room, D).
-wall_length(right, Room, D) :- !, room_depth(Room, D).
-wall_length(_,     Room, W) :- room_width(Room, W).
+wall_length(Name, Room, Length) :- stretch_wall(Name, Wall), wall_size(Wall, Room, Length).
 
 links([], _, _) --> [].
 links([On|Ons], Wall, Layout) -->

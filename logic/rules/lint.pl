@@ -33,7 +33,8 @@ called_by(Terms, Name/Arity) :-
 
 % - judging ------------------------------------------------------------------
 
-role(room_size/3).   role(piece_size/4).
+role(room_size/3).   role(piece_size/4).  role(room_area/3).  role(house_size/2).  role(window_size/3).
+role(door_margin/1).  role(window_margin/1).
 role(door_width/1).  role(door_clearance/1).  role(passage/1).  role(room_gap/1).
 
 problems(Heads, Calls, term(Source,Position,Kind), Problems) :-

@@ -9,7 +9,7 @@
 
 %!  clause_origins(+Clauses, -Origins) is det.
 %
-%   Clauses are length(Name), size(RoomType) or size(RoomType,Piece). Origins are [Clause,File,Line] for those that the
+%   Clauses are length(Name), size(RoomType), size(RoomType,Piece), or named by their predicates. Origins are [Clause,File,Line] for those that the
 %   grammar states, each with the place of the first clause for it.
 
 clause_origins(Clauses, Origins) :-
@@ -40,3 +40,6 @@ size_head(piece_size, piece_size(Name,_,_,_), Name).
 clause_head(length(Name), Head) :- Head =.. [Name,_].
 clause_head(size(Type),    room_size(Type,_,_)).
 clause_head(size(_,Piece), piece_size(Piece,_,_,_)).
+clause_head(room_area(Type),   room_area(Type,_,_)).
+clause_head(window_size(Type), window_size(Type,_,_)).
+clause_head(house_size,        house_size(_,_)).

@@ -1,9 +1,9 @@
-:- module(plan, [house_plan/4]).
+:- module(plan, [house_plan/4, furniture_plan/3]).
 
 /** <module> From the rooms' own frames to the house's plan
 
 The main room's north-west corner is (0,0); x grows east, y grows south. A box is box(X,Y,Width,Height). A frame is
-frame(Side,Main,Start): that of a room on this side of the main room, which starts there clockwise along it.
+frame(Side,X,Y): that of a room on this side of its front wall, whose front left corner is (X,Y) in the house.
 */
 
 :- use_module(library(apply)).
@@ -13,6 +13,7 @@ frame(Side,Main,Start): that of a room on this side of the main room, which star
 :- use_module(lengths).
 :- use_module(record_access).
 :- use_module(records).
+:- use_module(shape).
 
 %!  house_plan(+Main, +Starts, +Rooms, -Plan) is det.
 %
@@ -21,21 +22,35 @@ frame(Side,Main,Start): that of a room on this side of the main room, which star
 
 house_plan(Main, Starts, Rooms, _{floor:Floor, rooms:Plans}) :-
     Main = main(W,H),
-    rectangle(frame(north,Main,0.0), box(0,-H,W,H), Floor),
+    rectangle(frame(north,0,0), box(0,-H,W,H), Floor),
     maplist(room_plan(Main), Rooms, Starts, Plans).
 
 room_plan(_, _-fixed(_,_), _, null) :- !.
 room_plan(Main, Side-Room, Start, Plan) :-
     room_type(Room, Type), room_width(Room, W), room_depth(Room, D), room_door(Room, Door),
-    room_stretches(Room, Stretches), room_islands(Room, Islands),
     length_of(door_width, DoorWidth),
-    Frame = frame(Side,Main,Start),
+    side_frame(Side, Main, Start, Frame),
     rectangle(Frame, box(0,0,W,D), Outline),
     rectangle(Frame, box(Door,0,DoorWidth,0), DoorPlan),
+    furniture_plan(Frame, Room, Pieces),
+    Plan = Outline.put(_{type:Type, door:DoorPlan, children:Pieces}).
+
+%   side_frame(+Side, +Main, +Start, -Frame): that of a room which starts there clockwise along a side of the main room.
+
+side_frame(north, _,           S, frame(north,S,0)).
+side_frame(east,  main(MW,_),  S, frame(east,MW,S)).
+side_frame(south, main(MW,MH), S, frame(south,X,MH)) :- X is MW - S.
+side_frame(west,  main(_,MH),  S, frame(west,0,Y))   :- Y is MH - S.
+
+%!  furniture_plan(+Frame, +Room, -Pieces) is det.
+%
+%   Pieces are those of a room, as in a house file.
+
+furniture_plan(Frame, Room, Pieces) :-
+    room_stretches(Room, Stretches), room_islands(Room, Islands),
     maplist(stretch_plan(Frame, Room), Stretches, OnWalls),
     maplist(island_plan(Frame), Islands, Free),
-    append([Free|OnWalls], Pieces),
-    Plan = Outline.put(_{type:Type, door:DoorPlan, children:Pieces}).
+    append([Free|OnWalls], Pieces).
 
 % - along the walls -----------------------------------------------------------------------------------
 
@@ -71,25 +86,33 @@ nested(Plans, Piece) :-
 
 %   wall_box(+Name, +Room, +Start, +Sizes, -Box): in the room's frame; Sizes are along the stretch and out from it.
 
-wall_box(front_left,  _, S, L-D, box(S,0,L,D)).
-wall_box(front_right, Room, S, L-D, box(X,0,L,D)) :- room_width(Room, W), X is W - S - L.
-wall_box(back,        Room, S, L-D, box(S,Y,L,D)) :- room_depth(Room, Depth), Y is Depth - D.
-wall_box(left,        _, S, L-D, box(0,S,D,L)).
-wall_box(right,       Room, S, L-D, box(X,S,D,L)) :- room_width(Room, W), X is W - D.
+wall_box(Name, Room, S, L-D, Box) :-
+    stretch_wall(Name, Wall),
+    ( counted(Name, along) -> Start = S ; wall_size(Wall, Room, Size), Start is Size - S - L ),
+    box_at(Wall, Room, Start, L-D, Box).
+
+box_at(front, _, S, L-D, box(S,0,L,D)).
+box_at(back,  Room, S, L-D, box(S,Y,L,D)) :- room_depth(Room, Depth), Y is Depth - D.
+box_at(left,  _, S, L-D, box(0,S,D,L)).
+box_at(right, Room, S, L-D, box(X,S,D,L)) :- room_width(Room, W), X is W - D.
 
 %   front(+Name, +Front, -Way): where the front of what stands on a stretch faces, in the room's frame.
 
-front(Name, Front, Way) :- ways(Name, Ways), way(Front, Ways, Way).
+front(Name, Front, Way) :-
+    stretch_wall(Name, Wall), counted(Name, Count),
+    ways(Wall, Ways),
+    way(Front, Count, Ways, Way).
 
-ways(front_left,  ways(inwards,right,left)).
-ways(front_right, ways(inwards,left,right)).
-ways(back,        ways(outwards,right,left)).
-ways(left,        ways(right,inwards,outwards)).
-ways(right,       ways(left,inwards,outwards)).
+ways(front, ways(inwards,right,left)).
+ways(back,  ways(outwards,right,left)).
+ways(left,  ways(right,inwards,outwards)).
+ways(right, ways(left,inwards,outwards)).
 
-way(out,  ways(Way,_,_), Way).
-way(far,  ways(_,Way,_), Way).
-way(near, ways(_,_,Way), Way).
+way(out,  _,       ways(Way,_,_), Way).
+way(far,  along,   ways(_,Way,_), Way).
+way(far,  against, ways(_,_,Way), Way).
+way(near, along,   ways(_,_,Way), Way).
+way(near, against, ways(_,Way,_), Way).
 
 % - in the middle -----------------------------------------------------------------------------------------
 
@@ -128,12 +151,10 @@ rectangle(Frame, Box, _{x:MX, y:MY, width:MW, height:MH}) :-
     house_box(Frame, Box, box(X,Y,W,H)),
     metres(X, MX), metres(Y, MY), metres(W, MW), metres(H, MH).
 
-house_box(frame(Side,Main,S), Box, House) :- side_box(Side, Main, S, Box, House).
-
-side_box(north, _,           S, box(X,Y,W,H), box(PX,PY,W,H)) :- PX is S + X, PY is -Y - H.
-side_box(east,  main(MW,_),  S, box(X,Y,W,H), box(PX,PY,H,W)) :- PX is MW + Y, PY is S + X.
-side_box(south, main(MW,MH), S, box(X,Y,W,H), box(PX,PY,W,H)) :- PX is MW - S - X - W, PY is MH + Y.
-side_box(west,  main(_,MH),  S, box(X,Y,W,H), box(PX,PY,H,W)) :- PX is -Y - H, PY is MH - S - X - W.
+house_box(frame(north,OX,OY), box(X,Y,W,H), box(PX,PY,W,H)) :- PX is OX + X,     PY is OY - Y - H.
+house_box(frame(east,OX,OY),  box(X,Y,W,H), box(PX,PY,H,W)) :- PX is OX + Y,     PY is OY + X.
+house_box(frame(south,OX,OY), box(X,Y,W,H), box(PX,PY,W,H)) :- PX is OX - X - W, PY is OY + Y.
+house_box(frame(west,OX,OY),  box(X,Y,W,H), box(PX,PY,H,W)) :- PX is OX - Y - H, PY is OY - X - W.
 
 %   orientation(+Frame, +Front, -Orientation): the point of the compass that a front faces, "" for none.
 

@@ -1,4 +1,4 @@
-:- module(sizes, [room_size_system/4, item_size_system/3]).
+:- module(sizes, [room_size_system/4, item_size_system/3, size_system/4]).
 
 /** <module> The linear constraints that the clauses of sizes state, as data (linear.pl)
 
@@ -47,7 +47,9 @@ clause_system(Type, Piece, Sizes, Constraints) :-
     sized(piece_size(Piece, L, D, Wall)),
     size_system(Sizes, [L,D,Wall], size(Type,Piece), Constraints).
 
-%   size_system(?Sizes, +Solved, +Reason, -Constraints): of Sizes, what the store states about Solved.
+%!  size_system(?Sizes, +Solved, +Reason, -Constraints) is det.
+%
+%   Constraints of Sizes: what the store states about Solved.
 
 size_system(Sizes, Solved, Reason, Constraints) :-
     copy_term(Solved, Plain, Goals),

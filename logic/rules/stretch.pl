@@ -14,6 +14,7 @@ either closed or opens onto the core by at least a passage, so no floor is shut 
 :- use_module(reasons).
 :- use_module(record_access).
 :- use_module(records).
+:- use_module(shape).
 
 %!  stretch(+Chains, +Layout, +Room, +NameAndLinks, -Stretch) is det.
 %
@@ -22,57 +23,56 @@ either closed or opens onto the core by at least a passage, so no floor is shut 
 stretch(_, _, _, Name-[], stretch(Name,[],[])) :- !.
 stretch(Chains, Layout, Room, Name-Links, stretch(Name,Links,Blocks)) :-
     phrase(along(Name, Room, Length, From, To), Why),
-    stretch_end(Name, near, Chains-Layout, free(0.0,From,[]), Near),
+    stretch_end(Name, near, Chains-Layout, free(0.0,From,Why), Near),
     stretch_end(Name, far,  Chains-Layout, free(Length,To,Why), Far),
     joined_parts(Links, Parts),
     phrase(last_gap(Name, Layout, LastGap), LastWhy),
     blocks(Parts, first, ends(Near,Far,LastGap-LastWhy), Blocks).
 
-%   along(+Name, +Room, -Length, -From, -To)//: along a stretch of this Length the core lies From..To. The right half of
-%   the front wall counts from the right, so that both halves start in their corner and end at the door, where any gap
-%   will do.
+%   along(+Name, +Room, -Length, -From, -To)//: along a stretch of this Length the core lies From..To. A half of a wall
+%   counts from its corner, so that it ends at a door, where any gap will do; what is between two doors, as its wall does.
 
-along(left,  Room, D, Y1, Y2) --> { room_depth(Room, D), room_core(Room, core(_,_,Y1,Y2)) }.
-along(right, Room, D, Y1, Y2) --> { room_depth(Room, D), room_core(Room, core(_,_,Y1,Y2)) }.
-along(back,  Room, W, X1, X2) --> { room_width(Room, W), room_core(Room, core(X1,X2,_,_)) }.
-along(front_left, Room, Length, X1, Length+P) -->
-    { room_door(Room, Door), room_core(Room, core(X1,_,_,_)), length_of(passage, P) },
+along(Name, Room, Length, From, To) -->
+    { room_doors(Room, AllDoors), stretch_wall(Name, Wall), wall_doors(Wall, AllDoors, Doors),
+      wall_size(Wall, Room, Size), wall_span(Wall, Room, Low, High) },
+    along_doors(Doors, Name, Size, Low-High, Length, From, To).
+
+along_doors([], _, Size, Low-High, Size, Low, High) --> [].
+along_doors([Door|Doors], between(_,I), _, _, Length, From, Length+P) --> !,
+    { nth1(I, [Door|Doors], door(Start,Width,Why)), nth1(I, Doors, door(Length0,_,_)), length_of(passage, P) },
+    required(door_clearance, C), because(Why),
+    { Length = Length0-C, From = Start+Width+C-P }.
+along_doors([Door|Doors], Name, Size, Low-High, Length, From, Length+P) -->
+    { length_of(passage, P) },
     required(door_clearance, C),
-    { Length = Door-C }.
-along(front_right, Room, Length, W-X2, Length+P) -->
-    { room_width(Room, W), room_door(Room, Door), room_core(Room, core(_,X2,_,_)), length_of(passage, P) },
-    required(door_clearance, C),
-    required(door_width, DoorWidth),
-    { Length = W-Door-DoorWidth-C }.
+    (   { counted(Name, along) }
+    ->  { Door = door(Start,_,_), Length = Start-C, From = Low }
+    ;   { last([Door|Doors], door(Start,Width,Why)) },
+        because(Why),
+        { Length = Size-Start-Width-C, From = Size-High } ).
 
 %   stretch_end(+Name, +Hand, +ChainsAndLayout, +Free, -End): End is end(At-AtWhy,Edge-EdgeWhy), where Free is
 %   free(Wall,Core,Why). A piece joined to this end stands At: at the wall, or at the piece in a corner that the other
 %   stretch owns. A gap opens onto the core from its Edge on, or from the wall on where no furniture stands round the
-%   corner.
+%   corner. In an open corner it keeps clear of a door.
 
 stretch_end(Name, Hand, Chains-Layout, free(Wall,Core,Why), end(At,Edge)) :-
-    (   corner(Name, Hand, Other-OtherHand, Owned)
-    ->  (   memberchk(Other-[Link|Links], Chains)
-        ->  Edge = Core-[busy(Other)]
-        ;   Edge = Wall-[] ),
-        (   memberchk(Owned, Layout)
-        ->  phrase(standing(OtherHand, Other, [Link|Links], Layout, Depth), Standing),
-            ( Hand == near -> Place = Depth ; Place = Wall-Depth ),
-            At = Place-[Owned|Standing]
-        ;   At = Wall-[not(Owned)] )
+    (   meeting(Name, Hand, Chains, Other-OtherHand, Owned, Open)
+    ->  (   memberchk(Open, Layout)
+        ->  At = Edge, clear_of_door(Hand, Wall, Open, Edge)
+        ;   (   memberchk(Other-[Link|Links], Chains)
+            ->  Edge = Core-[busy(Other)]
+            ;   Edge = Wall-[] ),
+            (   memberchk(Owned, Layout)
+            ->  phrase(standing(OtherHand, Other, [Link|Links], Layout, Depth), Standing),
+                ( Hand == near -> Place = Depth ; Place = Wall-Depth ),
+                At = Place-[Owned|Standing]
+            ;   At = Wall-[not(Owned)] ) )
     ;   At = Wall-Why, Edge = Core-Why ).
 
-%   corner(?Name, ?Hand, -Other, -Owned): the end meets that of the Other stretch in a corner, and Owned is the atom of
-%   stage 1 that says that the corner is the other's.
-
-corner(front_left,  near, left-near,        corner(front_left,left,left)).
-corner(left,        near, front_left-near,  corner(front_left,left,front_left)).
-corner(left,        far,  back-near,        corner(left,back,back)).
-corner(back,        near, left-far,         corner(left,back,left)).
-corner(back,        far,  right-far,        corner(back,right,right)).
-corner(right,       far,  back-far,         corner(back,right,back)).
-corner(right,       near, front_right-near, corner(right,front_right,front_right)).
-corner(front_right, near, right-near,       corner(right,front_right,right)).
+clear_of_door(Hand, Wall, Open, Edge-[Open,length(door_clearance)]) :-
+    length_of(passage, P), length_of(door_clearance, C),
+    ( Hand == near -> Edge = C-P ; Edge = Wall-C+P ).
 
 %   standing(+Hand, +Name, +Links, +Layout, -Out)//: how far the link at this end of a stretch stands out.
 
@@ -161,11 +161,12 @@ stretch_constraints(stretch(Name,Links,Blocks), Room) -->
     stand_within(Links, Depth),
     chain_constraints(Blocks, P).
 
-depth_before_core(front_left,  Room, Y1)   :- room_core(Room, core(_,_,Y1,_)).
-depth_before_core(front_right, Room, Y1)   :- room_core(Room, core(_,_,Y1,_)).
-depth_before_core(left,        Room, X1)   :- room_core(Room, core(X1,_,_,_)).
-depth_before_core(right,       Room, W-X2) :- room_core(Room, core(_,X2,_,_)), room_width(Room, W).
-depth_before_core(back,        Room, D-Y2) :- room_core(Room, core(_,_,_,Y2)), room_depth(Room, D).
+depth_before_core(Name, Room, Depth) :- stretch_wall(Name, Wall), wall_depth(Wall, Room, Depth).
+
+wall_depth(front, Room, Y1)   :- room_core(Room, core(_,_,Y1,_)).
+wall_depth(left,  Room, X1)   :- room_core(Room, core(X1,_,_,_)).
+wall_depth(right, Room, W-X2) :- room_core(Room, core(_,X2,_,_)), room_width(Room, W).
+wall_depth(back,  Room, D-Y2) :- room_core(Room, core(_,_,_,Y2)), room_depth(Room, D).
 
 stand_within([], _) --> [].
 stand_within([Link|Links], Depth) -->

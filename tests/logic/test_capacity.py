@@ -42,6 +42,7 @@ def test_furniture_that_the_capacity_rules_refuse_has_no_places(builder: Builder
         {"this_room": kind},
         [
             ("room", []),
+            ("capacity", []),
             *(
                 ("length", [Function(name), Number(0)])
                 for name in ("door_width", "door_clearance", "passage")

@@ -26,8 +26,8 @@ def predicates(files: Iterable[Path]) -> set[str]:
 
 def test_what_grammars_and_recipes_use_of_the_core_is_on_the_page() -> None:
     documented = {entry.name for entries in asp_entries().values() for entry in entries}
-    for files in [*(find(name).asp for name in shipped()), *(recipe.files[:1] for recipe in recipes())]:
-        assert predicates(files) & predicates(RULES.glob("*.lp")) <= documented, files
+    for files in [*(find(name).own for name in shipped()), *(recipe.files[:1] for recipe in recipes())]:
+        assert predicates(files) & predicates(RULES.rglob("*.lp")) <= documented, files
 
 
 def test_every_predicate_has_an_example_that_uses_it() -> None:

@@ -209,7 +209,7 @@ MISTAKES = (
         "furniture.lp",
         old="",
         new="type(attic).",
-        says="type(attic): it has no furniture: see may/4",
+        says="type(attic): it has no furniture: see may/4, empty/1",
     ),
     # - heads of the core
     Mistake(

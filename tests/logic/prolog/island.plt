@@ -8,7 +8,7 @@
 
 :- begin_tests(island).
 
-room(Room) :- make_room([width(_),depth(_),core(core(_,_,_,_)),row(across)], Room).
+room(Room) :- make_room([width(_),depth(_),core(core(_,_,_,_)),row(across),doors(doors([],[],[],[]))], Room).
 
 of(On, Layout, Island) :- room(Room), island([On|Layout], Room, On, Island).
 

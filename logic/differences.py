@@ -1,0 +1,57 @@
+"""Difference constraints in stage 1: clingo's own theory of them, where the rules state any.
+
+``&diff { a - b } <= c`` in ``rules/plans/differences.lp`` says what lengths forbid while the walls are still
+being chosen (clingo-dl: Janhunen, Kaminski, Ostrowski, Schaub, Schellhorn and Wanko, TPLP 17, 2017). Stage 2
+has these constraints too, beside those that are no differences: the theory saves time and excludes nothing
+that fits.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from clingo import Control
+from clingo.ast import AST, ProgramBuilder, parse_files
+
+from logic.grammar import RULES
+
+DIFFERENCES = RULES / "plans" / "differences.lp"
+
+
+class Differences:
+    """The theory of one program, which must live as long; without that file among its rules, none."""
+
+    def __init__(self, control: Control, files: Sequence[Path], remark: Callable[[str], None]) -> None:
+        """Register it. ``remark`` gets what clingo remarks while it reads."""
+        self._control, self._files, self._remark = control, files, remark
+        self._theory = None
+        if DIFFERENCES in files:
+            from clingodl import ClingoDLTheory
+
+            self._theory = ClingoDLTheory()
+            self._theory.register(control)
+
+    def load(self) -> None:
+        """Load the files."""
+        if self._theory is None:
+            for file in self._files:
+                self._control.load(str(file))
+            return
+        with ProgramBuilder(self._control) as builder:
+            parse_files(
+                [str(file) for file in self._files],
+                lambda statement: self.add(statement, builder),
+                logger=lambda _, text: self._remark(text),
+                message_limit=1000,
+            )
+
+    def add(self, statement: AST, builder: ProgramBuilder) -> None:
+        """Add a statement, which may state a difference."""
+        if self._theory is None:
+            builder.add(statement)
+        else:
+            self._theory.rewrite_ast(statement, builder.add)
+
+    def prepare(self) -> None:
+        """Know the differences of the ground program."""
+        if self._theory is not None:
+            self._theory.prepare(self._control)

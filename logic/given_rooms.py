@@ -1,0 +1,217 @@
+"""Furniture for rooms that stand in a plan: their sizes, doors and windows are given.
+
+Each room is seen in its own frame, from its entrance: x to the right along the front wall, y inwards. Rooms
+do not depend on each other, so one that cannot have its furniture is furnished again while the others stay.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from clingo import Function, Number, Symbol, parse_term
+
+from logic.boxes import TOLERANCE, Box
+from logic.errors import LimitReached
+from logic.layout import Nogood
+from logic.parts import Rect
+from logic.placement import Placer
+from logic.programs import Programs
+from logic.prolog import Term
+from logic.request import Request
+from logic.terms import granted
+
+WALLS = {
+    "front": ("front_left", "front_right"),
+    "left": ("left_front", "left_back"),
+    "back": ("back_left", "back_right"),
+    "right": ("right_front", "right_back"),
+}
+"""The walls of a room in its own frame, and the stretches before its first and behind its last door."""
+
+STEP, STEPS = 0.064, 127
+"""Metres and their number: how short a wall is, as ``rules/doors.lp`` knows it."""
+
+Span = tuple[float, float]
+"""Metres along a wall, from and to: from the left, or from the front."""
+
+
+@dataclass(frozen=True)
+class GivenRoom:
+    """A bare room of a plan, in metres: its type, rectangle, doors and windows, segments on its walls.
+
+    The first door is its entrance: the room's furniture stands as seen from there.
+    """
+
+    type: str
+    rect: Rect
+    doors: Sequence[Rect]
+    windows: Sequence[Rect] = ()
+
+
+class Unfurnishable(Exception):
+    """Proved: a room of a plan cannot have the furniture that its type needs. ``place``: which one."""
+
+    def __init__(self, place: int, room: GivenRoom) -> None:
+        """Keep the room and its place in the plan."""
+        size = f"{room.rect.width:.2f} by {room.rect.height:.2f} m"
+        doors = f"{len(room.doors)} door{'s' if len(room.doors) > 1 else ''}"
+        super().__init__(f"a {room.type} of {size} with {doors} cannot have the furniture that it needs")
+        self.place, self.room = place, room
+
+
+class Frame:
+    """A room as seen from its entrance."""
+
+    def __init__(self, room: GivenRoom) -> None:
+        """Find the walls of the doors and windows; raises ``ValueError`` for one that lies on no wall."""
+        west, north, east, south = room.rect.box
+        entrance = room.doors[0].box
+        sides = {"north": (west, south), "east": (west, north), "south": (east, north), "west": (east, south)}
+        lines = {"north": (1, south), "east": (0, west), "south": (1, north), "west": (0, east)}
+        on = [
+            side
+            for side, (axis, line) in lines.items()
+            if max(abs(entrance[axis] - line), abs(entrance[axis + 2] - line)) < TOLERANCE
+        ]
+        if not on:
+            raise ValueError(f"the entrance of the {room.type} lies on none of its walls")
+        self.side = on[0]
+        self.x, self.y = sides[self.side]
+        across = self.side in ("north", "south")
+        self.width = room.rect.width if across else room.rect.height
+        self.depth = room.rect.height if across else room.rect.width
+        self.doors = self._by_wall(room.doors, room.type)
+        self.windows = self._by_wall(room.windows, room.type)
+
+    def _by_wall(self, segments: Sequence[Rect], type_: str) -> dict[str, list[Span]]:
+        found: dict[str, list[Span]] = {wall: [] for wall in WALLS}
+        for segment in segments:
+            left, front, right, back = self._own(segment.box)
+            if right - left > back - front:
+                walls = {"front": front, "back": self.depth - back}
+                span = (left, right)
+            else:
+                walls = {"left": left, "right": self.width - right}
+                span = (front, back)
+            wall = min(walls, key=lambda each: abs(walls[each]))
+            if abs(walls[wall]) > TOLERANCE:
+                raise ValueError(f"a door or window of the {type_} lies on none of its walls")
+            found[wall].append(span)
+        return {wall: sorted(spans) for wall, spans in found.items()}
+
+    def _own(self, box: Box) -> Box:
+        """A box of the house, in the room's frame."""
+        west, north, east, south = box
+        match self.side:
+            case "north":
+                return west - self.x, self.y - south, east - self.x, self.y - north
+            case "east":
+                return north - self.y, west - self.x, south - self.y, east - self.x
+            case "south":
+                return self.x - east, north - self.y, self.x - west, south - self.y
+            case _:
+                return self.y - south, self.x - east, self.y - north, self.x - west
+
+    def doorways(self) -> tuple[Symbol, ...]:
+        """All doors but the entrance, as facts."""
+        return tuple(
+            Function("doorway", [Function(wall), Number(number)])
+            for wall, spans in self.doors.items()
+            for number in range(1, len(spans) + 1)
+            if (wall, number) != ("front", 1)
+        )
+
+    def lengths(self) -> Iterator[tuple[str, float]]:
+        """The room across and inwards, and each stretch of wall as far as its doors (m)."""
+        yield "across", self.width
+        yield "inwards", self.depth
+        for wall, (first, last) in WALLS.items():
+            size = self.width if wall in ("front", "back") else self.depth
+            spans = self.doors[wall]
+            if not spans:
+                yield wall, size
+                continue
+            yield first, spans[0][0]
+            for number, (one, other) in enumerate(pairwise(spans), start=1):
+                yield f"between({wall},{number})", other[0] - one[1]
+            yield last, size - spans[-1][1]
+
+    def given(self) -> tuple[list[Symbol], list[Symbol]]:
+        """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not."""
+        holds: dict[bool, list[Symbol]] = {True: [], False: []}
+        for what, length in self.lengths():
+            short = min(STEPS, max(0, int(STEPS - length / STEP)))
+            for bit, atom in enumerate(_bits(what)):
+                holds[bool(short >> bit & 1)].append(atom)
+        for wall, spans in self.windows.items():
+            holds[bool(spans)].append(_window(wall))
+        return holds[True], holds[False]
+
+    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
+        """The room for ``rules/given_rooms.pl``."""
+        doors = [
+            [Term("-", float(start), float(end - start)) for start, end in spans]
+            for spans in self.doors.values()
+        ]
+        frame = Term("frame", self.side, float(self.x), float(self.y))
+        size = Term("-", float(self.width), float(self.depth))
+        return Term("room", number, type_, furniture, seed, size, Term("doors", *doors), frame)
+
+
+@cache
+def _bits(what: str) -> list[Symbol]:
+    """How short this is, bit by bit."""
+    return [Function("short", [parse_term(what), Number(bit)]) for bit in range(7)]
+
+
+@cache
+def _window(wall: str) -> Symbol:
+    return Function("window", [Function(wall)])
+
+
+def furnished(
+    rooms: Sequence[GivenRoom],
+    programs: Programs,
+    placer: Placer,
+    rng: np.random.Generator,
+    inferences: int,
+    request: Request | None = None,
+) -> list[list[dict[str, Any]]]:
+    """Furnish the rooms of a bare plan: the pieces of each, in the house's frame, as in a house file.
+
+    With what a ``request`` asks for, if there is one.
+
+    Raises ``Unfurnishable`` where it is proved that a room cannot have what its type needs, ``LimitReached``
+    past this number of Prolog inferences.
+    """
+    frames = [Frame(room) for room in rooms]
+    pieces: list[list[dict[str, Any]]] = [[] for _ in rooms]
+    nogoods: list[list[Nogood]] = [[] for _ in rooms]
+    waiting = [place for place, room in enumerate(rooms) if programs.has_furniture(room.type)]
+    while waiting:
+        terms = []
+        for number, place in enumerate(waiting):
+            room, frame = rooms[place], frames[place]
+            holds, fails = frame.given()
+            required = programs.required_in(room.type, request) if request else ()
+            program = programs.given(room.type, frame.doorways(), required)
+            holds += [granted(each) for each in required]
+            furniture = program.sample(rng, holds, fails, nogoods[place])
+            if furniture is None:
+                raise Unfurnishable(place, room)
+            terms.append(frame.term(number, room.type, furniture, int(rng.integers(2**63))))
+        again = any(nogoods[place] for place in waiting)
+        found, conflicts, taken = placer.furnish(terms, inferences, minimal=again)
+        inferences -= taken
+        if inferences <= 0:
+            raise LimitReached("the furniture of a house reached its limit of inferences")
+        for number, place in enumerate(waiting):
+            if number in conflicts:
+                nogoods[place].append(conflicts[number].atoms)
+            else:
+                pieces[place] = found[number]
+        waiting = [waiting[number] for number in sorted(conflicts)]
+    return pieces

@@ -1,0 +1,19 @@
+:- module(answers, [as_json/2, reason_record/2]).
+
+/** <module> Answers as JSON */
+
+:- use_module(library(http/json)).
+
+%!  as_json(+Value, -Text) is det.
+
+as_json(Value, Text) :-
+    with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).
+
+%!  reason_record(+Reason, -Record) is det.
+%
+%   Record is [holds,Atom], [fails,Atom] or [clause,Clause], for a reason as in reasons.pl.
+
+reason_record(not(Atom), [fails,Text])     :- !, term_string(Atom, Text).
+reason_record(length(Name), [clause,Text]) :- !, term_string(length(Name), Text).
+reason_record(Clause, [clause,Text])       :- functor(Clause, Name, _), memberchk(Name, [size,room_area,house_size,window_size]), !, term_string(Clause, Text).
+reason_record(Atom, [holds,Text])          :- term_string(Atom, Text).

@@ -1,0 +1,68 @@
+:- module(areas, [room_system/4, house_system/3]).
+
+/** <module> The linear constraints of a room's size and area, as data (linear.pl)
+
+An area between Least and Most is no linear constraint of a width W and a depth D, but follows from some. The tangent of the
+curve W*D = Most where D = A*W gives A*W + D =< 2*sqrt(A*Most), and so W*D =< Most. Chords of the curve
+W*D = Least lie above it. Both leave out some sizes that the area allows, and let in none that it does not.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(grammar_files).
+:- use_module(grid).
+:- use_module(lengths).
+:- use_module(sizes).
+
+:- table room_template/4, house_template/3.          % a clause is solved once
+
+% How much longer one chord's end may be than its start: its middle is then at most 5.6 % above the curve.
+chord_ratio(1.6).
+
+%!  room_system(+Type, ?W, ?D, -Constraints) is det.
+%
+%   Constraints are those of the size and the area of a room of this type, with reasons size(Type) and room_area(Type). W and D
+%   may be expressions.
+
+room_system(Type, W, D, Constraints) :- room_template(Type, W0, D0, Template), copied([W0,D0]-Template, [W,D]-Constraints).
+
+room_template(Type, W, D, Constraints) :-
+    room_size_system(Type, W, D, Sizes),
+    (   grammar:room_area(Type, Least, Most)
+    ->  room_range(Type, Width, Depth),
+        phrase(area(Width, Depth, Least-Most, W, D, [room_area(Type)]), Areas),
+        append(Sizes, Areas, Constraints)
+    ;   Constraints = Sizes ).
+
+area(W1-W2, D1-D2, Least-Most, W, D, Why) -->
+    { Steep is (D1+D2)/(W1+W2), Sum is 2*sqrt(Steep*Most),
+      From is max(W1, Least/D2), To is min(W2, Least/D1) },
+    ( { Steep*W2 + D2 =< Sum } -> [] ; [(Steep*W + D =< Sum)-Why] ),
+    (   { From < To }
+    ->  { chord_ratio(Ratio),
+          Steps is max(1, ceiling(log(To/From)/log(Ratio))),
+          Step is (To/From)**(1/Steps) },
+        chords(Steps, From, Step, Least, W, D, Why)
+    ;   [] ).
+
+%   chords(+Steps, +From, +Step, +Area, ?W, ?D, +Why)//: each between two widths of which one is Step times the other.
+
+chords(0, _, _, _, _, _, _) --> !.
+chords(Steps, W1, Step, Area, W, D, Why) -->
+    { W2 is W1*Step, Slope is Area/(W1*W2), Sum is Area/W1 + Area/W2, Fewer is Steps - 1 },
+    [(Sum =< Slope*W + D)-Why],
+    chords(Fewer, W2, Step, Area, W, D, Why).
+
+%!  house_system(?W, ?D, -Constraints) is det.
+%
+%   Constraints of the whole plan, W from west to east and D from north to south, with the reason house_size; none where the
+%   grammar states none.
+
+house_system(W, D, Constraints) :- house_template(W0, D0, Template), copied([W0,D0]-Template, [W,D]-Constraints).
+
+house_template(W, D, Constraints) :-
+    (   grammar:house_size(W0, D0)
+    ->  size_system([W,D], [W0,D0], house_size, Constraints)
+    ;   Constraints = [] ).
+
+copied(Template, Instance) :- copy_term(Template, Instance).

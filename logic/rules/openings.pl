@@ -1,0 +1,136 @@
+:- module(openings, [all_openings//2, plan_openings//3]).
+
+/** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
+
+A door joins two rooms in the wall that they share, or a room and the outside. Each takes a part of a wall that belongs to
+no other room there, so that two never overlap. Rooms are those of walls.pl.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+:- use_module(grammar_files).
+:- use_module(lengths).
+:- use_module(sample).
+
+:- table least_wall/2.
+
+% - room for them ------------------------------------------------------------------------------------------------
+
+%!  all_openings(+Atoms, +Rooms)// describes the constraints: both rooms reach past both ends of a door.
+
+all_openings(Atoms, Rooms) -->
+    { length_of(door_width, Width), length_of(door_margin, Margin), Door is Width + 2*Margin,
+      findall(A, ( member(A, Atoms), opening(A) ), Openings) },
+    openings(Openings, Rooms, Door).
+
+opening(door(_,_,_)).
+opening(entrance(_,_)).
+opening(window(_,_)).
+
+openings([], _, _) --> [].
+openings([Atom|Atoms], Rooms, Door) --> opening_constraints(Atom, Rooms, Door), openings(Atoms, Rooms, Door).
+
+opening_constraints(door(R,Q,Line), Rooms, W) -->
+    { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
+      line_axis(Line, EdgesR, Axis),
+      span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesQ, EdgesQ, B1, B2, WhyQ),
+      append([[door(R,Q,Line),length(door_width),length(door_margin)],WhyR,WhyQ], Why) },
+    [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why].
+opening_constraints(entrance(R,Side), Rooms, W) -->
+    { wall(R, Side, Rooms, _, A1, A2, Why) },
+    [(A1+W =< A2)-[entrance(R,Side),length(door_width),length(door_margin)|Why]].
+opening_constraints(window(R,Side), Rooms, _) -->
+    { wall(R, Side, Rooms, Type, A1, A2, Why), least_wall(Type, W) },
+    [(A1+W =< A2)-[window(R,Side),room(R,Type),window_size(Type),length(window_margin)|Why]].
+
+%   line_axis(+Line, +Edges, -Axis): along which a wall on this line of the room runs.
+
+line_axis(Line, edges(edge(_,_,West),edge(_,_,East),_,_), Axis) :- ( ( Line == West ; Line == East ) -> Axis = y ; Axis = x ).
+
+span(x, sides(X1,X2,_,_), edges(West,East,_,_), X1, X2, [West,East]).
+span(y, sides(_,_,Y1,Y2), edges(_,_,North,South), Y1, Y2, [North,South]).
+
+wall(R, Side, Rooms, Type, A1, A2, Why) :-
+    memberchk(room(R,Type,Sides,Edges), Rooms),
+    side_axis(Side, Axis),
+    span(Axis, Sides, Edges, A1, A2, Why).
+
+side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west, y).
+
+%   least_wall(+Type, -Length): the shortest outer wall that has a window of a room of this type.
+
+least_wall(Type, Least) :-
+    length_of(window_margin, Margin),
+    findall(L, ( once(grammar:window_size(Type, Length, Wall)), {Length + 2*Margin =< Wall}, inf(Wall, L) ), Found),
+    ( Found = [Least] -> true ; Least = 0 ).
+
+% - their places -------------------------------------------------------------------------------------------------
+
+%!  plan_openings(+Atoms, +Rooms, -Plan)// is det.
+%
+%   Plan is plan(Rooms,Doors,Windows) with room(R,Type,Box), door(Box,R,Q), where Q is a room or `outside`, and window(Box,R).
+%   A Box is box(X,Y,Width,Height); every wall is known.
+
+plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
+    { maplist(room_box, Rooms, Boxes),
+      length_of(door_width, Width),
+      findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Joins),
+      findall(window(R,S), member(window(R,S), Atoms), Panes) },
+    doors_sample(Joins, Rooms, Width, Doors),
+    windows_sample(Panes, Rooms, Windows).
+
+room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X1,Y1,W,H))) :- W is X2-X1, H is Y2-Y1.
+
+doors_sample([], _, _, []) --> [].
+doors_sample([Join|Joins], Rooms, Width, [Door|Doors]) --> door_sample(Join, Rooms, Width, Door), doors_sample(Joins, Rooms, Width, Doors).
+
+door_sample(door(R,Q,Line), Rooms, Width, door(Box,R,Q)) -->
+    { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
+      line_axis(Line, EdgesR, Axis),
+      span(Axis, SidesR, EdgesR, A1, A2, _), span(Axis, SidesQ, EdgesQ, B1, B2, _),
+      length_of(door_margin, Margin),
+      Low is max(A1, B1) + Margin, High is min(A2, B2) - Width - Margin,
+      line_side(Line, EdgesR, Side), side_place(Side, SidesR, At) },
+    interval_sample(Low, High, 1, Start),
+    { segment(Axis, At, Start, Width, Box) }.
+door_sample(entrance(R,Side), Rooms, Width, door(Box,R,outside)) -->
+    { length_of(door_margin, Margin) },
+    wall_sample(R, Side, Rooms, Width, Margin, Box).
+
+line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
+    ( Line == W -> Side = west ; Line == E -> Side = east ; Line == N -> Side = north ; Side = south ).
+
+side_place(west,  sides(X,_,_,_), X).
+side_place(east,  sides(_,X,_,_), X).
+side_place(north, sides(_,_,Y,_), Y).
+side_place(south, sides(_,_,_,Y), Y).
+
+segment(x, Y, X, Length, box(X,Y,Length,0.0)).
+segment(y, X, Y, Length, box(X,Y,0.0,Length)).
+
+%   wall_sample(+Room, +Side, +Rooms, +Length, +Margin, -Box)//: somewhere along the whole wall, so far from its corners.
+
+wall_sample(R, Side, Rooms, Length, Margin, Box) -->
+    { wall(R, Side, Rooms, _, A1, A2, _),
+      memberchk(room(R,_,Sides,_), Rooms), side_place(Side, Sides, At), side_axis(Side, Axis),
+      Low is A1 + Margin, High is A2 - Length - Margin },
+    interval_sample(Low, High, 1, Start),
+    { segment(Axis, At, Start, Length, Box) }.
+
+windows_sample([], _, []) --> [].
+windows_sample([window(R,Side)|Panes], Rooms, [window(Box,R)|Windows]) -->
+    { wall(R, Side, Rooms, Type, A1, A2, _),
+      length_of(window_margin, Margin),
+      Most is A2 - A1 - 2*Margin,
+      window_range(Type, A1-A2, Most, Low-High) },
+    interval_sample(Low, High, 1, Length),
+    wall_sample(R, Side, Rooms, Length, Margin, Box),
+    windows_sample(Panes, Rooms, Windows).
+
+%   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, Most at most; all of it without a clause.
+
+window_range(Type, A1-A2, Most, Range) :-
+    Wall is A2 - A1,
+    findall(R, ( once(grammar:window_size(Type, Length, Wall)), {Length =< Most + 1.0e-9}, extremes(Length, R) ), [Range]), !.
+window_range(_, _, Most, Most-Most).

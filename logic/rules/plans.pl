@@ -1,0 +1,96 @@
+:- module(plans, [plan_placed/3, plan_lengths/2, plan_conflict/3, plan_system/2]).
+
+/** <module> Plans where rooms share walls: the goals that Python asks
+
+Atoms are those of stage 1. Answers are JSON.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+:- use_module(answers).
+:- use_module(areas).
+:- use_module(exact).
+:- use_module(linear).
+:- use_module(lengths).
+:- use_module(walls).
+
+%!  plan_placed(+Plan, +Limit, -Json) is det.
+%
+%   Plan is plan(Atoms,Seed,Proof). Json is one of these, in metres, with "inferences":
+%
+%       {"rooms": [..], "doors": [..], "windows": [..]}    rooms by number; "between" and "room" are numbers of rooms
+%       {"infeasible": Reasons}                            as in placed/3, minimal or quick, as Proof is
+%       {"limit": true}                                    that takes more inferences than Limit
+
+plan_placed(plan(Atoms,Seed,Proof), Limit, Json) :-
+    statistics(inferences, Before),
+    call_with_inference_limit(walls_placed(Atoms, Proof, Answer, Seed, _), Limit, Result),
+    statistics(inferences, After),
+    Inferences is After - Before,
+    (   Result == inference_limit_exceeded
+    ->  Reply = _{limit:true}
+    ;   answer_record(Answer, Record), Reply = Record.put(inferences, Inferences) ),
+    as_json(Reply, Json).
+
+answer_record(infeasible(Why), _{infeasible:Reasons}) :- maplist(reason_record, Why, Reasons).
+answer_record(plan(Rooms,Doors,Windows), _{rooms:Rs, doors:Ds, windows:Ws}) :-
+    maplist(room_record, Rooms, Rs),
+    maplist(door_record, Doors, Ds),
+    maplist(window_record, Windows, Ws).
+
+room_record(room(R,Type,Box), Record)  :- box_record(Box, Rect), Record = Rect.put(_{number:R, type:Type}).
+door_record(door(Box,R,Q), Record)     :- box_record(Box, Rect), Record = Rect.put(between, [R,Q]).
+window_record(window(Box,R), Record)   :- box_record(Box, Rect), Record = Rect.put(room, R).
+
+box_record(box(X,Y,W,H), _{x:X, y:Y, width:W, height:H}).
+
+%!  plan_lengths(+Types, -Json) is det.
+%
+%   Json is [Doorway,Extremes]: the wall that a door takes with its margins, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
+%   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
+
+plan_lengths(Types, Json) :-
+    length_of(door_width, Width), length_of(door_margin, Margin), Doorway is Width + 2*Margin,
+    maplist(type_extremes, Types, Records),
+    as_json([Doorway,Records], Json).
+
+type_extremes(Type, [Type,[W1,W2,D1,D2],Bends,Brims]) :-
+    room_system(Type, W, D, System),
+    findall(A-B, ( posted(System), extremes(W, A), extremes(D, B) ), [(W1-W2)-(D1-D2)]),
+    findall([At,Most], ( within(System, {D >= D2}, W, _-Wide), step(Wide, W2, At), within(System, {W >= At}, D, _-Most) ), Bends),
+    findall([At,Least], ( within(System, {D =< D1}, W, Narrow-_), step(W1, Narrow, At), within(System, {W =< At}, D, Least-_) ), Brims).
+
+within(System, Constraint, X, Range) :- findall(R, ( posted(System), Constraint, extremes(X, R) ), [Range]).
+
+%   step(+From, +To, -At): some places between them, where there is a distance.
+
+step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-From)/4.
+
+%!  plan_conflict(+Atoms, +Without, -Json) is det.
+%
+%   Json lists the reasons of a minimal conflict of these walls where the clauses Without are left out; null if there is
+%   none, as where a topology lacks some walls.
+
+plan_conflict(Atoms, Without, Json) :-
+    (   wall_system(Atoms, _, System),
+        exclude(resting_on(Without), System, Rest),
+        exact_conflict(minimal, Rest, Conflict)
+    ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
+        sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
+    ;   Reasons = null ),
+    as_json(Reasons, Json).
+
+resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !.
+
+%!  plan_system(+Atoms, -Json) is det.
+%
+%   Json is the linear system of these walls, rows as in linear.pl, and what CLP(R) and CLP(Q) say: whether there is a
+%   solution.
+
+plan_system(Atoms, Json) :-
+    wall_system(Atoms, _, System),
+    rows(System, Rows),
+    ( \+ posted(System) -> Real = false ; Real = true ),
+    ( \+ exactly_posted(System) -> Rational = false ; Rational = true ),
+    as_json(_{rows:Rows, real:Real, rational:Rational}, Json).

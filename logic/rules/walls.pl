@@ -1,0 +1,158 @@
+:- module(walls, [walls_placed//3, wall_system/3, fewest_unknowns_first/2]).
+
+/** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
+
+A topology says on which line each side of a room lies: edge(R,Side,Line). The unknowns are the places of these lines: x
+where they run from north to south, y where they run from west to east, and the plan's north-west corner is (0,0). All
+constraints are linear (areas.pl), each with the atoms and clauses that make it. A room is here
+
+    room(R,Type,sides(X1,X2,Y1,Y2),edges(West,East,North,South))     with its edge/3 atoms
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(assoc)).
+:- use_module(library(clpr)).
+:- use_module(library(clpq), []).
+:- use_module(library(lists)).
+:- use_module(library(pairs)).
+:- use_module(areas).
+:- use_module(exact).
+:- use_module(lengths).
+:- use_module(linear).
+:- use_module(openings).
+:- use_module(sample).
+
+%!  walls_placed(+Atoms, +Proof, -Answer)// is det.
+%
+%   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
+%   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`.
+
+walls_placed(Atoms, Proof, Answer) -->
+    { wall_system(Atoms, plan(Lines,Rooms), System) },
+    (   lines_sample(real, Lines, Rooms, System)
+    ->  plan_openings(Atoms, Rooms, Answer)
+    ;   { exact_conflict(Proof, System, Conflict) }
+    ->  { findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
+          sort(Found, Reasons),
+          Answer = infeasible(Reasons) }
+    ;   lines_sample(rational, Lines, Rooms, System),      % CLP(R) was wrong
+        plan_openings(Atoms, Rooms, Answer) ).
+
+%!  wall_system(+Atoms, -Plan, -System) is det.
+%
+%   Plan is plan(Lines,Rooms), Lines a list of Name-Place; System are all constraints of it, those with the fewest unknowns
+%   first: in that order CLP(R) is least often wrong.
+
+wall_system(Atoms, plan(Lines,Rooms), System) :-
+    findall(Line, member(edge(_,_,Line), Atoms), Names0), sort(Names0, Names),
+    pairs_keys(Lines, Names),
+    list_to_assoc(Lines, Places),
+    get_assoc(outline(west), Places, 0.0), get_assoc(outline(north), Places, 0.0),
+    findall(r(R,T,[edge(R,west,W),edge(R,east,E),edge(R,north,N),edge(R,south,S)]),
+            ( member(room(R,T), Atoms),
+              memberchk(edge(R,west,W), Atoms), memberchk(edge(R,east,E), Atoms),
+              memberchk(edge(R,north,N), Atoms), memberchk(edge(R,south,S), Atoms) ),
+            Found),
+    maplist(room_sides(Places), Found, Rooms),
+    get_assoc(outline(east), Places, Width), get_assoc(outline(south), Places, Depth),
+    house_system(Width, Depth, Whole),
+    phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms) ), Each),
+    append(Whole, Each, All),
+    fewest_unknowns_first(All, System).
+
+room_sides(Places, r(R,T,Edges), room(R,T,Sides,AsTerm)) :-
+    maplist(line_place(Places), Edges, Xs),
+    Sides =.. [sides|Xs], AsTerm =.. [edges|Edges].
+
+line_place(Places, edge(_,_,Line), X) :- get_assoc(Line, Places, X).
+
+%!  fewest_unknowns_first(+Constraints, -Ordered) is det.
+
+fewest_unknowns_first(Constraints, Ordered) :-
+    map_list_to_pairs(unknowns, Constraints, Keyed),
+    keysort(Keyed, Sorted),
+    pairs_values(Sorted, Ordered).
+
+unknowns(Constraint-_, Count) :- term_variables(Constraint, Variables), length(Variables, Count).
+
+% - sizes --------------------------------------------------------------------------------------------------------
+
+all_rooms([], _)             --> [].
+all_rooms([Room|Rooms], Atoms) --> { room_size_constraints(Room, Atoms, Constraints) }, because(Constraints), all_rooms(Rooms, Atoms).
+
+because([])     --> [].
+because([C|Cs]) --> [C], because(Cs).
+
+%   A room that runs along x has its depth there, see oblong/1.
+
+room_size_constraints(room(R,T,sides(X1,X2,Y1,Y2),edges(West,East,North,South)), Atoms, Constraints) :-
+    (   memberchk(runs(R,x), Atoms)
+    ->  Own = [room(R,T),runs(R,x)], W = Y2-Y1, Across = [North,South], D = X2-X1, Along = [West,East]
+    ;   ( memberchk(runs(R,y), Atoms) -> Own = [room(R,T),runs(R,y)] ; Own = [room(R,T)] ),
+        W = X2-X1, Across = [West,East], D = Y2-Y1, Along = [North,South] ),
+    append([Own,Across], Wide), append([Own,Along], Deep), append([Own,Across,Along], Both),
+    room_system(T, W0, D0, System),
+    maplist(explained(W0, D0, Wide, Deep, Both), System, Constraints),
+    W0 = W, D0 = D.
+
+explained(W, D, Wide, Deep, Both, C-Why, C-All) :-
+    term_variables(C, Variables),
+    ( Variables == [W] -> Atoms = Wide ; Variables == [D] -> Atoms = Deep ; Atoms = Both ),
+    append(Why, Atoms, All).
+
+% - a random solution --------------------------------------------------------------------------------------------
+
+%   lines_sample(+Arithmetic, ?Lines, +Rooms, +System)// is semidet: every line is a number, sampled in the projection that
+%   those before it leave: first the outline, then line by line from the west and from the north. Lines that are still to
+%   come up to the outline share the slack, as in chain.pl. Arithmetic is real, or rational and slow.
+
+lines_sample(Arithmetic, Lines, Rooms, System, S0, S) :-
+    pairs_values(Lines, Places),
+    sampling_order(Lines, Rooms, Order),
+    findall(Places-S1, sampled(Arithmetic, System, Order, Places, S0, S1), [Places-S]).
+
+sampled(real, System, Order, _) --> { posted(System) }, all_sampled(Order).
+sampled(rational, System, Order, _) --> { exactly_posted(System) }, all_exactly_sampled(Order).
+
+all_sampled([]) --> [].
+all_sampled([Gaps-X|Order]) -->
+    (   { number(X) }
+    ->  []
+    ;   { inf(X, Low), sup(X, High) },
+        interval_sample(Low, High, Gaps, V),
+        { {X = V} } ),
+    all_sampled(Order).
+
+all_exactly_sampled([]) --> [].
+all_exactly_sampled([Gaps-X|Order]) -->
+    (   { number(X) }
+    ->  []
+    ;   { clpq:inf(X, Low), clpq:sup(X, High) },
+        interval_sample(0.0, 1.0, Gaps, U),
+        { rational_number(U, Q), V is Low + (High-Low)*Q, clpq:{X = V} } ),
+    all_exactly_sampled(Order).
+
+%   sampling_order(+Lines, +Rooms, -Order): Gaps-Place of the outline and then of the other lines, where Gaps is the most
+%   rooms in a row between the line and the outline's east or south side.
+
+sampling_order(Lines, Rooms, [1-Width,1-Depth|Order]) :-
+    memberchk(outline(east)-Width, Lines), memberchk(outline(south)-Depth, Lines),
+    findall(A-B, ( member(room(_,_,_,edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),edge(_,_,S))), Rooms),
+                   ( A = W, B = E ; A = N, B = S ) ), Steps0),
+    sort(Steps0, Steps),
+    findall(Line-0, member(Line-_, Lines), Zeros),
+    list_to_assoc(Zeros, Gaps0),
+    farthest(Steps, Gaps0, Gaps),
+    findall(N-Line, ( member(Line-_, Lines), \+ Line = outline(_), get_assoc(Line, Gaps, N) ), Ranks0),
+    sort(1, @>=, Ranks0, Ranks),
+    maplist(ranked(Lines), Ranks, Order).
+
+ranked(Lines, N-Line, N-Place) :- memberchk(Line-Place, Lines).
+
+farthest(Steps, Gaps0, Gaps) :-
+    foldl(farther, Steps, Gaps0, Gaps1),
+    ( Gaps1 == Gaps0 -> Gaps = Gaps0 ; farthest(Steps, Gaps1, Gaps) ).
+
+farther(A-B, Gaps0, Gaps) :-
+    get_assoc(A, Gaps0, N), get_assoc(B, Gaps0, M),
+    ( M + 1 > N -> N1 is M + 1, put_assoc(A, Gaps0, N1, Gaps) ; Gaps = Gaps0 ).

@@ -1,0 +1,212 @@
+"""Plans where rooms share walls: what their grammars promise, what is proved of them, who adds a topology."""
+
+import shutil
+from collections import Counter
+from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clingo import Symbol
+
+from benchmarks.generator.verdicts import feasible, systems
+from logic import GrammarError, RequestError, Unsatisfiable, check
+from logic.boxes import overlap
+from logic.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house import House
+from logic.layout import Nogood
+from logic.parts import OUTSIDE
+from logic.programs import Programs
+from logic.request import Request
+
+INFERENCES = 10**8
+ROW = """%# Topology `row`: the rooms stand in a row, from west to east.
+#program house.
+% - derive ------------------------------------------------------------------
+edge(R,north,outline(north)) :- R = 0..rooms-1.
+edge(R,south,outline(south)) :- R = 0..rooms-1.
+edge(0,west,outline(west)).
+edge(R,east,joint(R))   :- R = 0..rooms-2.
+edge(R+1,west,joint(R)) :- R = 0..rooms-2.
+edge(rooms-1,east,outline(east)).
+face(R,R+1) :- R = 0..rooms-2.
+face(R+1,R) :- R = 0..rooms-2.
+"""
+
+
+def builder(grammar: str | Path) -> Builder:
+    Programs.rooms.cache_clear()
+    Programs.furniture.cache_clear()
+    return Builder(find(grammar))
+
+
+@pytest.fixture(scope="module")
+def home() -> Builder:
+    return builder("home")
+
+
+def layouts(made: Builder, rooms: int, seeds: range) -> Iterator[list[Symbol]]:
+    program, assumed = made.programs.rooms_for(Request(rooms))
+    for seed in seeds:
+        layout = program.sample(np.random.default_rng([seed, rooms]), assumed)
+        assert layout is not None
+        yield layout
+
+
+def copied(folder: Path, *changes: tuple[str, str, str], **files: str) -> Path:
+    """A copy of home, edited: in a file, one text for another; and files of its own."""
+    folder = shutil.copytree(SHIPPED / "home", folder / "mine")
+    for name, text, other in changes:
+        file = folder / name
+        assert text in file.read_text()
+        file.write_text(file.read_text().replace(text, other))
+    for name, text in files.items():
+        (folder / f"{name}.lp").write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize("rooms", [4, 7, 10, 12])
+def test_a_home_keeps_all_that_its_grammar_promises(home: Builder, rooms: int) -> None:
+    for index in range(4):
+        house = home.house(Request(rooms), 5, index, INFERENCES)
+        assert check(house) == []
+        assert len(house.rooms) == rooms
+        assert house.topology == "ring"
+        assert House.from_dict(house.to_dict()) == house
+
+
+def test_rooms_fill_the_outline_and_every_room_can_be_entered(home: Builder) -> None:
+    for seed in range(20):
+        plan, _, _ = home.planner.bare(Request(8), np.random.default_rng(seed), INFERENCES, [])
+        boxes = [(r["x"], r["y"], r["x"] + r["width"], r["y"] + r["height"]) for r in plan["rooms"]]
+        assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
+        whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
+        assert sum(r["width"] * r["height"] for r in plan["rooms"]) == pytest.approx(whole)
+        reached: set[int | str] = {OUTSIDE}
+        ways = [{*door["between"]} for door in plan["doors"]]
+        for _ in plan["rooms"]:
+            reached.update(*(way for way in ways if reached & way))
+        assert len(reached) == 9
+
+
+def test_a_house_is_a_function_of_its_seed(home: Builder) -> None:
+    first = home.house(Request(6), 2, 3, INFERENCES)
+    home.house(Request(6), 9, 9, INFERENCES)
+    assert home.house(Request(6), 2, 3, INFERENCES) == first
+
+
+def test_hardly_two_plans_have_the_same_topology(home: Builder) -> None:
+    found = {tuple(map(str, layout)) for layout in layouts(home, 8, range(60))}
+    assert len(found) >= 59
+
+
+def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
+    """CLP(Q) agrees with HiGHS. CLP(R) may refute what has one, and accepts nothing else."""
+    verdicts = Counter()
+    for system in systems(home, 6, range(60)):
+        verdicts[system["real"], system["rational"], feasible(system["rows"])] += 1
+    assert {rational == highs for _, rational, highs in verdicts} == {True}
+    assert not any(real and not highs for real, _, highs in verdicts)
+    assert len(verdicts) >= 2
+
+
+def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
+    nogoods: list[Nogood] = []
+    for seed in range(40):
+        _, layout, _ = home.planner.bare(Request(6), np.random.default_rng(seed), INFERENCES, nogoods)
+        assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
+    assert nogoods
+
+
+@pytest.mark.parametrize(
+    ("rooms", "types", "reasons"),
+    [
+        (6, {"corridor": 2}, ["degree(corridor,4,9).", "--type corridor=2"]),
+        (4, {"hall": 0}, [":- { room(R,hall) } != 1.", "--type hall=0"]),
+    ],
+)
+def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
+    home: Builder, rooms: int, types: dict[str, int], reasons: list[str]
+) -> None:
+    with pytest.raises(Unsatisfiable) as error:
+        home.house(Request.read({"rooms": rooms, "types": types}), 0, 0, INFERENCES)
+    assert [each for each in reasons if each not in str(error.value)] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "rule"),
+    [
+        ("opens(outside, hall).", "opens(outside, hall).", ":- room(R,hall), from(R,outside)."),
+        ("kitchen; bedroom; study).", "kitchen; bedroom; study; hall).", ":- room(R,hall), window(R,_)."),
+    ],
+)
+def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
+    tmp_path: Path, text: str, other: str, rule: str
+) -> None:
+    folder = copied(tmp_path, ("rooms.lp", text, other), mine=f"#program house.\n{rule}\n")
+    with pytest.raises(Unsatisfiable) as error:
+        builder(folder).house(Request(5), 0, 0, INFERENCES)
+    assert other.rsplit(maxsplit=1)[-1] in str(error.value)
+    assert rule in str(error.value)
+
+
+def test_another_topology_of_the_core_serves_the_same_rules(tmp_path: Path) -> None:
+    made = builder(copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(cuts).")))
+    for index in range(3):
+        house = made.house(Request(5), 0, index, INFERENCES)
+        assert house.topology == "cuts"
+        assert [fault for fault in check(house) if "R" in fault] == []
+
+
+def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
+    long = ("sizes.pl", "W =< 2.2*D", "W =< 4*D")
+    folder = copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(row)."), long, row=ROW)
+    made = builder(folder)
+    house = made.house(Request.read({"rooms": 4, "types": {"dining": 0}}), 0, 0, INFERENCES)
+    assert house.topology == "row"
+    assert len({room.y for room in house.rooms}) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (("rooms.lp", "topology(ring).", "topology(rign)."), "did you mean ring"),
+        (("rooms.lp", "topology(ring).", "topology(ring). topology(cuts)."), "one topology"),
+        (("rooms.lp", "opens(outside, hall).", "opens(outside, haal)."), "haal"),
+    ],
+)
+def test_a_topology_or_type_that_there_is_not_is_named(
+    tmp_path: Path, change: tuple[str, str, str], says: str
+) -> None:
+    with pytest.raises(GrammarError, match=says):
+        builder(copied(tmp_path, change))
+
+
+def test_more_rooms_than_the_topology_holds_are_refused(home: Builder) -> None:
+    with pytest.raises(RequestError, match="at most 14"):
+        home.house(Request(15), 0, 0, INFERENCES)
+
+
+def test_a_grammar_that_names_no_topology_is_a_star() -> None:
+    assert find("family").topology_name == "star"
+    assert not find("family").shares_walls
+    assert find("home").shares_walls
+
+
+def test_what_plans_cannot_have_yet_is_said(home: Builder) -> None:
+    with pytest.raises(RequestError, match=r"cell: .* leave cell out"):
+        Builder(find("home"), 0.3)
+
+
+def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:
+    request = Request.read({"rooms": 6, "furniture": {"bedroom.bed": 2}})
+    house = home.house(request, 0, 0, INFERENCES)
+    beds = [
+        [piece.type for piece in room.pieces].count("bed") for room in house.rooms if room.type == "bedroom"
+    ]
+    assert set(beds) == {2}
+    with pytest.raises(Unsatisfiable) as error:
+        home.house(Request.read({"rooms": 6, "furniture": {"bedroom.bed": 9}}), 0, 0, INFERENCES)
+    assert "may(bedroom,bed,1,2)." in str(error.value)
