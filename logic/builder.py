@@ -16,11 +16,14 @@ from logic.grammar import Grammar
 from logic.house import House
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
+from logic.own_plan import OwnPlan
+from logic.own_planner import OwnPlanner
 from logic.parts import Provenance, Rect
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.plans import Planner
 from logic.proof import Prover
 from logic.request import Request, known
+from logic.spelling import unknown
 from logic.star import Star, StarRoom
 from logic.terms import to_furnish
 
@@ -45,6 +48,7 @@ class Builder:
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
         self.prover = Prover(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
         self.planner = Planner(grammar, self.loaded, self.prover)
+        self._own: OwnPlanner | None = None
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -53,11 +57,26 @@ class Builder:
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
         """Make house ``index``: a star, see ``made``, or a plan, see ``plans.py``."""
+        if request.plan:
+            return self._in_plan(request.plan, request, seed, index, inferences)
         if not self.grammar.shares_walls:
             return self.made(request, seed, index, inferences)[0]
         self.require_known(request)
         plan = self.planner.made(request, np.random.default_rng([seed, index]), inferences)
         return msgspec.structs.replace(plan, provenance=self._provenance(request, seed, index))
+
+    def _in_plan(self, plan: OwnPlan, request: Request, seed: int, index: int, inferences: int) -> House:
+        """House ``index`` in a plan of the user's: see ``own_planner.py``."""
+        if not self.grammar.shares_walls:
+            raise RequestError(
+                f"plan: a house of the grammar {self.grammar.name} is a star around a main room: take rules "
+                "for rooms that share walls, as --grammar home"
+            )
+        self.require_known(request)
+        if self._own is None or self._own.plan != plan:
+            self._own = OwnPlanner(self.grammar, self.loaded, plan)
+        house = self._own.made(request, np.random.default_rng([seed, index]), inferences)
+        return msgspec.structs.replace(house, provenance=self._provenance(request, seed, index))
 
     def made(self, request: Request, seed: int, index: int, inferences: int) -> tuple[House, Layout]:
         """Star ``index``, a function of the grammar, the request, the seed and the index; and its layout.
@@ -170,13 +189,16 @@ class Builder:
     def require_known(self, request: Request) -> None:
         """Refuse names of types and pieces that the grammar does not have."""
         furniture = self.loaded.furniture
-        if request.rooms > self.loaded.most_rooms:
+        if request.rooms > self.loaded.most_rooms and not request.plan:
             raise RequestError(
                 f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by "
                 f"its topology, not {request.rooms}"
             )
         for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):
             known("room type", type_, furniture)
+        for room in request.plan.rooms if request.plan else ():
+            if room.type and room.type not in furniture:
+                raise RequestError(f"plan: {room.name}: {unknown('room type', room.type, furniture)}")
         for name in request.furniture:
             type_, _, piece = name.rpartition(".")
             if type_:

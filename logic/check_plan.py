@@ -22,15 +22,9 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
             yield f"{_name(one)} overlaps {_name(other)} by {depth:.2f} m"
-    grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.rooms]
-    floor = shapely.union_all(grown)
-    if (parts := shapely.get_num_geometries(floor)) > 1:
+    if (parts := shapely.get_num_geometries(_floor(house))) > 1:
         yield f"house: its rooms lie in {parts} parts that do not touch"
-    # What is closed by squares as wide as a passage: courtyards of any size, and slits between rooms.
-    hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
-    closed = shapely.union_all(hulls).buffer(PASSAGE / 2, join_style="mitre")
-    gap = closed.buffer(-PASSAGE / 2, join_style="mitre").difference(floor).area
-    if gap > 1e-3:
+    if (gap := gaps(house).area) > 1e-3:
         yield f"house: {gap:.2f} m² between its rooms are no room's"
     for room in house.rooms:
         least, most = promises.areas.get(room.type, (0.0, room.area))
@@ -39,6 +33,19 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
         side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
         if side < narrowest - TOLERANCE:
             yield f"{_name(room)} is {side:.3f} m wide at its shorter side (at least {narrowest:g})"
+
+
+def gaps(house: House) -> shapely.Geometry:
+    """What squares as wide as a passage close between rooms: courtyards of any size, and slits."""
+    floor = _floor(house)
+    hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
+    closed = shapely.union_all(hulls).buffer(PASSAGE / 2, join_style="mitre")
+    return closed.buffer(-PASSAGE / 2, join_style="mitre").difference(floor)
+
+
+def _floor(house: House) -> shapely.Geometry:
+    grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.rooms]
+    return shapely.union_all(grown)
 
 
 def plan_doors(house: House, promises: Promises) -> Iterator[str]:

@@ -91,7 +91,8 @@ class Relaxed:
                         found.append((reason, clause))
                 stated = [_stated(numbers[clause]) for clause in clauses]
                 builder.add(ast.Rule(HERE, _literal(_atom(fact)), [_literal(atom) for atom in stated]))
-                for atom in stated:
+                # Without a clause a length has no bounds; what is no length does not hold.
+                for atom in stated if _unbound(fact) != fact else ():
                     missing = _literal(atom, ast.Sign.Negation)
                     builder.add(ast.Rule(HERE, _literal(_atom(_unbound(fact))), [missing]))
             for number in range(len(found)):

@@ -12,6 +12,7 @@ from logic.errors import Finding, GrammarError, GrammarWarning, LimitReached, Re
 from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import House
+from logic.own_plan import OwnPlan, read_plan
 from logic.parts import BODY
 from logic.request import MOST_ROOMS, Count, Request
 from logic.solver import START_UP, Idle, Solver
@@ -25,11 +26,12 @@ _warned: set[str] = set()
 
 @keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
 def generate(
-    rooms: int,
+    rooms: int | None = None,
     *,
     types: Mapping[str, Count] | None = None,
     furniture: Mapping[str, Count] | None = None,
     cell: float = 0.0,
+    plan: str | Path | House | Mapping[str, Any] | None = None,
     keep: House | None = None,
     grammar: str | Path = "family",
     seed: int = 0,
@@ -48,6 +50,9 @@ def generate(
     of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
     The rooms of ``keep`` (as in ``house.only("R0", "R2")``) are fixed, with their doors and furniture, and
     count among the ``rooms``; all else, the main room too, is generated around them.
+    ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, or
+    a file of either (``docs/house-file.md``). Doors, windows and furniture are generated in it, and ``rooms``
+    may be left out.
     ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
     request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
     ``inferences`` (of Prolog) and ``seconds`` bound each house.
@@ -56,6 +61,9 @@ def generate(
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
+    own = None if plan is None else read_plan(plan)
+    if own:
+        rooms = _rooms_of(own, rooms, cell, keep)
     for counts, least in (
         ({"rooms": rooms, "count": count, "workers": workers, "inferences": inferences}, 1),
         ({"seed": seed, "start": start}, 0),
@@ -63,6 +71,7 @@ def generate(
         for name, value in counts.items():
             if type(value) is not int or not least <= value < 2**31:
                 raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}")
+    assert rooms is not None
     if rooms > MOST_ROOMS:
         raise RequestError(f"rooms must be at most {MOST_ROOMS}, not {rooms}")
     if not 0 < seconds < 1e6:
@@ -82,10 +91,22 @@ def generate(
                 'more, or keep some of them: keep=house.only("R0"), on the command line --keep-rooms R0'
             )
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
+    wanted = replace(wanted, plan=own)
     question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
     rules = find(grammar)
     opening = {"grammar": str(rules.directory), "cell": float(cell)}
     return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
+
+
+def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None) -> int:
+    """How many rooms a plan has. Raises ``RequestError`` for what a request cannot have beside it."""
+    number = len(plan.rooms)
+    if rooms not in (None, number):
+        raise RequestError(f"plan: it has {number} rooms, but rooms={rooms}: leave rooms out")
+    for name, given in (("cell", cell), ("keep", keep)):
+        if given:
+            raise RequestError(f"plan: all rooms have their places already: leave out {name} or plan")
+    return number
 
 
 @keywords(pieces="furniture", rules="grammar", timeout="seconds")

@@ -7,7 +7,7 @@ import hashlib
 import os
 import re
 import stat
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from logic.errors import GrammarError
@@ -22,6 +22,9 @@ STAR = TOPOLOGIES / "star.lp"
 
 PLANS = tuple(sorted((RULES / "plans").glob("*.lp")))
 """What all other topologies share: rooms that share walls, and doors in them."""
+
+ACCESS, OWN = RULES / "plans" / "access.lp", RULES / "own.lp"
+"""What a plan of the user's has in the place of a topology."""
 
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
@@ -50,6 +53,11 @@ class Grammar:
     def shares_walls(self) -> bool:
         """Whether its houses are plans of rooms that share walls: all but stars are."""
         return set(PLANS) <= set(self.topology)
+
+    def for_own_plan(self) -> "Grammar":
+        """The same rules without their topology: those of a plan of the user's (``own_plan.py``)."""
+        own = tuple(file for file in self.own if file.stem != self.topology_name)
+        return replace(self, own=own, topology=(ACCESS, OWN), topology_name=OWN.stem)
 
 
 def shipped() -> list[str]:

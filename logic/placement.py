@@ -16,6 +16,8 @@ from logic.errors import GrammarError, LimitReached
 from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
 from logic.inexpressible import inexpressible
+from logic.own_plan import OwnPlan
+from logic.parts import OUTSIDE
 from logic.prolog import Term
 from logic.prolog_syntax import explained
 from logic.vocabulary import LENGTHS, core_words
@@ -178,6 +180,22 @@ class Placer:
         reasons = self._ask("plan_conflict", layout, without)
         return None if reasons is None else _conflict(reasons)
 
+    def own_plan_faults(self, plan: OwnPlan, types: Iterable[str]) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+        """What the lengths forbid in a user's plan: facts of ``rules/own.lp``, each with its clauses."""
+        rooms = [
+            Term("room", number, float(room.width), float(room.height))
+            for number, room in enumerate(plan.rooms)
+        ]
+        west, north, east, south = plan.outline
+        size = Term("size", float(east - west), float(south - north))
+        found = self._ask("own_plan_faults", size, rooms, _walls(plan), types)
+        return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
+
+    def own_openings(self, plan: OwnPlan, layout: Sequence[Symbol], seed: int) -> dict[str, Any]:
+        """Doors and windows with their places in a plan of the user's, metres: see ``rules/own_plan.pl``."""
+        types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
+        return self._ask("own_openings", layout, types, _walls(plan), seed)
+
     def furnish(
         self, rooms: Sequence[Any], inferences: int, minimal: bool = True
     ) -> tuple[list[Any], dict[int, Conflict], int]:
@@ -255,6 +273,19 @@ def _problem(file: str, line: int, column: int, text: str, name: str) -> Grammar
 def _fixed(number: int, room: FixedRoom) -> Term:
     size, place = Term("size", room.width, room.depth, room.door), Term("at", room.along, room.wall)
     return Term("fixed", number, room.side, size, place)
+
+
+def _walls(plan: OwnPlan) -> list[Term]:
+    return [
+        Term(
+            "wall",
+            wall.room,
+            wall.side,
+            OUTSIDE if wall.behind is None else wall.behind,
+            *map(float, (wall.place, wall.start, wall.end)),
+        )
+        for wall in plan.walls
+    ]
 
 
 def _conflict(reasons: Iterable[tuple[str, str]]) -> Conflict:

@@ -17,7 +17,7 @@ from logic.grammar import Grammar
 from logic.house import House
 from logic.layout import Nogood
 from logic.loaded import LoadedGrammar
-from logic.parts import OUTSIDE, Door, Rect, Room, Window
+from logic.parts import Door, Rect, Room, Window
 from logic.placement import Infeasible
 from logic.proof import Prover
 from logic.request import Request
@@ -45,12 +45,14 @@ class Planner:
             raise RequestError("keep: rooms that share walls cannot be kept yet: leave keep out")
         nogoods: list[Nogood] = []
         unfurnishable: set[str] = set()
+        last = ""
         for _ in range(MOST_TRIES):
             plan, layout, inferences = self.bare(request, rng, inferences, nogoods, unfurnishable)
             rooms = [_given(plan, number) for number in range(request.rooms)]
             try:
                 pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request)
             except Unfurnishable as proof:
+                last = str(proof)
                 # At this size and with these doors; or with one door at any size, and then nowhere.
                 if not self._prover.is_furnishable(request, proof.room.type):
                     unfurnishable.add(proof.room.type)
@@ -59,7 +61,8 @@ class Planner:
             plan["hub"] = hubs[0] if len(hubs) == 1 else ""
             return _house(plan, pieces, self._topology)
         raise LimitReached(
-            f"{MOST_TRIES} times a room could not be furnished at its size, though larger ones might be: "
+            f"{MOST_TRIES} times a room could not be furnished at its size, though larger ones might be (the "
+            f"last time {last}): "
             "try another seed, or larger rooms (room_size/3, room_area/3)"
         )
 
@@ -82,7 +85,7 @@ class Planner:
             if layout is None:
                 raise self._prover.unsatisfiable(request, unfurnishable)
             try:
-                plan = self._placer.walls(layout, int(rng.integers(2**63)), inferences)
+                plan = self._walls(request, layout, int(rng.integers(2**63)), inferences)
             except Infeasible as proof:
                 inferences -= proof.inferences
                 nogoods.append(proof.conflicts[0].atoms)
@@ -91,22 +94,25 @@ class Planner:
             if inferences <= 0:
                 raise LimitReached("the walls of a house reached their limit of inferences")
 
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+        """Walls, doors and windows with their places: see ``Placer.walls``."""
+        return self._placer.walls(layout, seed, inferences)
+
 
 def _house(plan: dict[str, Any], pieces: Sequence[Any], topology: str) -> House:
-    """The house of a plan, its rooms ``R0``, ``R1``... by their numbers."""
+    """The house of a plan, its rooms ``R0``, ``R1``... by their numbers, or with names of their own."""
+    names = [room.get("name", f"R{number}") for number, room in enumerate(plan["rooms"])]
     rooms = tuple(
-        msgspec.convert(
-            {**_sides(room), "name": f"R{number}", "type": room["type"], "children": within}, Room
-        )
-        for number, (room, within) in enumerate(zip(plan["rooms"], pieces, strict=True))
+        msgspec.convert({**_sides(room), "name": name, "type": room["type"], "children": within}, Room)
+        for name, room, within in zip(names, plan["rooms"], pieces, strict=True)
     )
-    doors = tuple(Door(**_sides(door), between=_names(door["between"])) for door in plan["doors"])
-    windows = tuple(Window(**_sides(window), room=f"R{window['room']}") for window in plan["windows"])
+    doors = tuple(Door(**_sides(door), between=_between(door["between"], names)) for door in plan["doors"])
+    windows = tuple(Window(**_sides(window), room=names[window["room"]]) for window in plan["windows"])
     return House(rooms, doors, windows, hub=plan["hub"], topology=topology)
 
 
-def _names(between: Sequence[int | str]) -> tuple[str, str]:
-    one, other = (OUTSIDE if each == OUTSIDE else f"R{each}" for each in between)
+def _between(numbers: Sequence[int | str], names: Sequence[str]) -> tuple[str, str]:
+    one, other = (each if isinstance(each, str) else names[each] for each in numbers)
     return one, other
 
 

@@ -16,6 +16,7 @@ from logic.terms import (
     Lengths,
     fixed_requirements,
     granted,
+    own_requirements,
     parts,
     requirements,
     room_requirements,
@@ -45,9 +46,15 @@ class Prover:
     between the fixed rooms.
     """
 
-    def __init__(self, grammar: Grammar, placer: Placer, lengths: Lengths, walls: Walls = ()) -> None:
-        """Know a grammar, the lengths of each of its room types, and those of walls that rooms share."""
+    def __init__(
+        self, grammar: Grammar, placer: Placer, lengths: Lengths, walls: Walls = (), placed: bool = False
+    ) -> None:
+        """Know a grammar, the lengths of each of its room types, and those of walls that rooms share.
+
+        Where these are ``placed`` already, stage 2 has no part in them.
+        """
         self._grammar, self._placer, self._lengths, self._walls = grammar, placer, lengths, walls
+        self._placed = placed
         self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
 
     def unsatisfiable(
@@ -67,7 +74,9 @@ class Prover:
         needed = minimal(statements, self._has_walls(relaxed), relaxed.core)
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
-        if not infeasible:
+        if request.plan:
+            named = False
+        elif not infeasible:
             named, rooms = self._number_of_rooms(request, unfurnishable, {each.reason for each in needed})
         bare = {_bare(type_): type_ for type_ in sorted(unfurnishable)}
         types = tuple(bare[each.reason] for each in needed if each.reason in bare)
@@ -90,6 +99,7 @@ class Prover:
         required = room_requirements(request)
         reasons = [_option("--type", name, request.types) for name in sorted(request.types)]
         reasons += map(_fixed, request.fixed)
+        reasons += map(Reason, own_requirements(request.plan).values() if request.plan else ())
         relaxed = Relaxed(
             self._grammar.asp,
             {"rooms": request.rooms},
@@ -214,7 +224,8 @@ class Prover:
         def possible(some: Sequence[Statement]) -> bool:
             without = {each.clause for each in relaxed.statements if each.clause and each not in some}
             while (layout := relaxed.model(some)) is not None:
-                conflict = self._placer.wall_conflict(layout, without) if self._walls else None
+                unplaced = self._walls and not self._placed
+                conflict = self._placer.wall_conflict(layout, without) if unplaced else None
                 if conflict is None:
                     return True
                 relaxed.exclude(conflict)

@@ -8,6 +8,7 @@ import msgspec
 
 from logic.errors import RequestError
 from logic.fixed import FixedRoom, from_records
+from logic.own_plan import OwnPlan
 from logic.spelling import unknown
 
 Range = tuple[int, int | None]
@@ -36,6 +37,8 @@ class Request:
     cell: float = 0.0
     fixed: tuple[FixedRoom, ...] = ()
     """Rooms of another house, clockwise."""
+    plan: OwnPlan | None = None
+    """All rooms, if they have their places already."""
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> "Request":
@@ -46,6 +49,7 @@ class Request:
             {name: as_range(f"piece {name}", count) for name, count in record.get("furniture", {}).items()},
             record.get("cell", 0.0),
             tuple(from_records(record.get("keep", ()))),
+            msgspec.convert(record["plan"], OwnPlan) if "plan" in record else None,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -57,6 +61,8 @@ class Request:
             record["cell"] = self.cell
         if self.fixed:
             record["keep"] = [msgspec.to_builtins(fixed.room) for fixed in self.fixed]
+        if self.plan:
+            record["plan"] = msgspec.to_builtins(self.plan)
         return record
 
     def furniture_of(self, type_: str) -> list[tuple[str, str, Range]]:
@@ -87,7 +93,8 @@ class Request:
             pieces.append(f"{in_words(wanted)} of {piece} in each {of or 'room for it'}")
         grid = [f"all on a grid of {self.cell:g} m"] if self.cell else []
         fixed = [f"{each.room.type} fixed on the {each.side} side" for each in self.fixed]
-        return ", ".join([rooms, *types, *pieces, *grid, *fixed])
+        drawn = ["all where the plan says"] if self.plan else []
+        return ", ".join([rooms, *types, *pieces, *grid, *fixed, *drawn])
 
 
 def as_range(name: str, count: Any) -> Range:

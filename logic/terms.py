@@ -8,6 +8,7 @@ from clingo import Function, Number, Symbol
 
 from logic.fixed import FixedRoom
 from logic.layout import Part
+from logic.own_plan import OwnPlan
 from logic.request import MOST, Range, Request
 
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
@@ -32,7 +33,28 @@ def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
 
 def room_requirements(request: Request) -> list[Symbol]:
     """All that a request requires of the rooms of a house."""
-    return [*requirements("among", request.types), *fixed_requirements(request.fixed)]
+    own = own_requirements(request.plan) if request.plan else {}
+    return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own]
+
+
+def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
+    """The requirements of a plan of the user's, each in words: see ``rules/own.lp``."""
+    found = {}
+    ends = [max(line[side][1] for line in plan.lines) for side in ("east", "south")]
+    for number, (room, lines) in enumerate(zip(plan.rooms, plan.lines, strict=True)):
+        at = []
+        for side in ("west", "east", "north", "south"):
+            axis, place = lines[side]
+            last = ends["xy".index(axis)]
+            outline = {("x", 0): "west", ("x", last): "east", ("y", 0): "north", ("y", last): "south"}
+            name = outline[axis, place] if place in (0, last) else ""
+            at.append(Function("outline", [Function(name)]) if name else Function(axis, [Number(place)]))
+        size = f"{room.width:.2f} by {room.height:.2f} m at x {room.x:.2f}, y {room.y:.2f}"
+        found[Function("drawn", [Number(number), *at])] = f"plan: {room.name} is {size}"
+        if room.type:
+            typed = Function("typed", [Number(number), Function(room.type)])
+            found[typed] = f"plan: {room.name} is of type {room.type}"
+    return found
 
 
 def granted(requirement: Symbol) -> Symbol:

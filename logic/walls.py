@@ -38,7 +38,7 @@ def walls_of_rooms(rooms: Iterable[Room], doors: Iterable[Door]) -> tuple[list[L
                 for door in open_doors
                 if door[axis] == door[axis + 2] and abs(door[axis] - at) <= TOLERANCE
             ]
-            walls += [(at, *left) for span in _joined(spans) for left in _remaining(span, gaps)]
+            walls += [(at, *left) for span in _joined(spans) for left in remaining(span, gaps)]
         found.append(walls)
     return found[0], found[1]
 
@@ -57,18 +57,18 @@ def walls_of_star(floor: Rect, rooms: Sequence[StarRoom]) -> tuple[list[Line], l
         door_y = min(north, south, key=lambda y: abs(y - doorway_y)) if room.door.height == 0 else None
         for x in (west, east):
             gaps = [(doorway_y, doorway_south)] if x == door_x else []
-            verticals += [(x, *span) for span in _remaining((north, south), gaps)]
+            verticals += [(x, *span) for span in remaining((north, south), gaps)]
         for y in (north, south):
             gaps = [(doorway_x, doorway_east)] if y == door_y else []
-            horizontals += [(y, *span) for span in _remaining((west, east), gaps)]
+            horizontals += [(y, *span) for span in remaining((west, east), gaps)]
     west, north, east, south = floor.box
     boxes = [room.box for room in rooms]
     for x in (west, east):
         covers = [(b[1], b[3]) for b in boxes if b[0] - TOLERANCE <= x <= b[2] + TOLERANCE]
-        verticals += [(x, *span) for span in _remaining((north, south), covers)]
+        verticals += [(x, *span) for span in remaining((north, south), covers)]
     for y in (north, south):
         covers = [(b[0], b[2]) for b in boxes if b[1] - TOLERANCE <= y <= b[3] + TOLERANCE]
-        horizontals += [(y, *span) for span in _remaining((west, east), covers)]
+        horizontals += [(y, *span) for span in remaining((west, east), covers)]
     return verticals, horizontals
 
 
@@ -88,7 +88,7 @@ def _joined(spans: Iterable[Interval]) -> list[Interval]:
     return joined
 
 
-def _remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
+def remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
     """What is left of a span when the gaps are cut out of it, in order."""
     low, high = span
     left = []

@@ -23,8 +23,8 @@ FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 class Generate:
     """Make houses from rules."""
 
-    rooms: int
-    """Number of secondary rooms, 1 to 128."""
+    rooms: int | None = None
+    """Number of secondary rooms, 1 to 128; with a plan, as many as it has."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
     """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
@@ -34,6 +34,9 @@ class Generate:
 
     cell: float = 0.0
     """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
+
+    plan: Path | None = None
+    """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
 
     keep: Path | None = None
     """House file: a house of it keeps its rooms, and the rest is generated around them."""
@@ -85,6 +88,7 @@ class Generate:
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             cell=self.cell,
+            plan=self.plan,
             keep=self._kept(),
             grammar=self.grammar,
             seed=self.seed,

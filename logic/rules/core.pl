@@ -33,6 +33,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     plans.pl           plans where rooms share walls: what Python asks for them
     walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them
     exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
+    own_plan.pl        doors and windows in rooms that a user gives
     given_rooms.pl     furniture for rooms whose sizes and doors are given
 
     answers.pl         answers as JSON
@@ -55,6 +56,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
+:- reexport(own_plan).
 :- reexport(plans).
 :- use_module(record_access).
 :- use_module(records).

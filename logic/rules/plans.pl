@@ -1,4 +1,4 @@
-:- module(plans, [plan_placed/3, plan_lengths/2, plan_conflict/3, plan_system/2]).
+:- module(plans, [answer_record/2, plan_placed/3, plan_lengths/2, plan_conflict/3, plan_system/2]).
 
 /** <module> Plans where rooms share walls: the goals that Python asks
 

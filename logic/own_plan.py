@@ -1,0 +1,238 @@
+"""A plan of the user's: rooms that have their places, for doors, windows and furniture to be generated in.
+
+It is read from a house file or from GeoJSON, and refused here if it is no plan: rooms that overlap, lie apart
+or leave gaps. Which rules it breaks is found later, as a proof (``own_planner.py``).
+"""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain, combinations, pairwise
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import shapely
+
+from logic.boxes import TOLERANCE, Box, overlap
+from logic.check_plan import gaps
+from logic.errors import RequestError
+from logic.files import load
+from logic.house import House
+from logic.parts import FARTHEST, OUTSIDE, Room
+from logic.walls import remaining
+
+GEOJSON = "FeatureCollection"
+MOST_BYTES = 1 << 24
+"""What is read of a GeoJSON file."""
+
+SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
+"""The sides of a room, and the place of each in its box."""
+
+FAR = 1e8
+"""Metres: as far from the origin as coordinates of maps are."""
+
+HINT = "rooms are rectangles side by side, and walls have no thickness: draw rooms to the middle of each wall"
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A part of one side of a room: on the other side is one other room, by its number, or the outside.
+
+    Metres: ``place`` across the wall, ``start`` and ``end`` along it.
+    """
+
+    room: int
+    side: str
+    behind: int | None
+    place: float
+    start: float
+    end: float
+
+
+class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
+    """Rooms with names, types (empty: any) and places in metres, x east, y south; without furniture."""
+
+    rooms: tuple[Room, ...]
+
+    @cached_property
+    def lines(self) -> list[dict[str, tuple[str, int]]]:
+        """For each room and side the line that it lies on: its axis, and its number from west or north."""
+        numbers = [_numbers(edge for room in self.rooms for edge in room.box[k::2]) for k in (0, 1)]
+        return [
+            {side: ("xy"[k % 2], numbers[k % 2][room.box[k]]) for side, k in SIDES.items()}
+            for room in self.rooms
+        ]
+
+    @property
+    def outline(self) -> Box:
+        """The box around all rooms: (west, north, east, south), metres."""
+        west, north, east, south = zip(*(room.box for room in self.rooms), strict=True)
+        return min(west), min(north), max(east), max(south)
+
+    @cached_property
+    def walls(self) -> list[Wall]:
+        """The sides of all rooms, each cut at what lies behind it."""
+        return [
+            wall for number in range(len(self.rooms)) for side in SIDES for wall in self._side(number, side)
+        ]
+
+    def _side(self, number: int, side: str) -> Iterator[Wall]:
+        k = SIDES[side]
+        opposite = next(name for name, place in SIDES.items() if place == (k + 2) % 4)
+        box = self.rooms[number].box
+        shared = []
+        for other, room in enumerate(self.rooms):
+            if self.lines[other][opposite] == self.lines[number][side]:
+                start, end = _common(box, room.box, 1 - k % 2)
+                if end - start > TOLERANCE:
+                    shared.append((start, end))
+                    yield Wall(number, side, other, box[k], start, end)
+        for start, end in remaining((box[1 - k % 2], box[3 - k % 2]), shared):
+            yield Wall(number, side, None, box[k], start, end)
+
+
+def read_plan(source: str | Path | House | Mapping[str, Any]) -> OwnPlan:
+    """A plan from a house, from GeoJSON as a dict, or from a file of either.
+
+    Raises ``HouseFileError`` for a file that cannot be read, ``RequestError`` for what is no plan.
+    """
+    if isinstance(source, str | Path):
+        source = _from_file(Path(source))
+    rooms = source.rooms if isinstance(source, House) else tuple(_from_geojson(source))
+    plan = OwnPlan(tuple(msgspec.structs.replace(room, children=()) for room in rooms))
+    _require_plan(plan)
+    return plan
+
+
+def _from_file(path: Path) -> House | dict[str, Any]:
+    try:
+        with path.open("rb") as file:
+            record = json.loads(file.read(MOST_BYTES))
+    except (OSError, ValueError, RecursionError):
+        record = None  # A file that is absent or no JSON; JSON Lines and packed files are no GeoJSON.
+    if isinstance(record, dict) and record.get("type") == GEOJSON:
+        return record
+    houses = load(path)
+    if len(houses) > 1:
+        raise RequestError(
+            f"plan: {path} holds {len(houses)} houses: give a file of one, or generate(plan=house)"
+        )
+    return houses[0]
+
+
+def _from_geojson(record: Mapping[str, Any]) -> Iterator[Room]:
+    """The rooms of a feature collection. Its y grows north: the plan's north-west corner becomes (0, 0)."""
+    features = (
+        record.get("features") if isinstance(record, Mapping) and record.get("type") == GEOJSON else None
+    )
+    if not isinstance(features, list) or not features:
+        raise RequestError(f"plan: GeoJSON is a {GEOJSON} with a list of features, a polygon for each room")
+    found = [_polygon(feature, f"R{number}") for number, feature in enumerate(features)]
+    left, top = min(box[0] for *_, box in found), max(box[3] for *_, box in found)
+    for name, type_, (west, south, east, north) in found:
+        x, y, width, height = (round(m, 6) for m in (west - left, top - north, east - west, north - south))
+        try:
+            record = {"name": name, "type": type_, "x": x, "y": y, "width": width, "height": height}
+            yield msgspec.convert(record, Room)
+        except msgspec.ValidationError as error:
+            raise RequestError(f"plan: room {name!r}: {error}") from None
+
+
+def _polygon(feature: Any, default: str) -> tuple[Any, Any, Box]:
+    """The name, the type and the box (west, south, east, north) of a feature."""
+    properties = (feature.get("properties") if isinstance(feature, dict) else None) or {}
+    name = properties.get("name", default) if isinstance(properties, dict) else default
+    try:
+        type_ = properties.get("type", "")
+        geometry = feature["geometry"]
+        (ring,) = geometry["coordinates"]
+        points = [(float(point[0]), float(point[1])) for point in ring]
+        assert geometry["type"] == "Polygon"
+    except (AssertionError, AttributeError, IndexError, KeyError, TypeError, ValueError):
+        raise RequestError(
+            f"plan: room {name!r}: a room is a Feature with a Polygon of one ring, in metres"
+        ) from None
+    xs, ys = zip(*points, strict=True) if points else ((), ())
+    if not points or not all(abs(value) <= FAR for value in xs + ys):
+        raise RequestError(f"plan: room {name!r}: its polygon has no points, or one that is no place")
+    box = min(xs), min(ys), max(xs), max(ys)
+    if not _is_rectangle(points, box):
+        raise RequestError(
+            f"plan: room {name!r} is no rectangle along the axes: cut it into rectangles, each a room"
+        )
+    return name, type_, box
+
+
+def _is_rectangle(points: Sequence[tuple[float, float]], box: Box) -> bool:
+    """Whether the points go round the box, from any corner and either way; some may lie between corners."""
+    west, south, east, north = box
+    ring = [(x - west, y - south) for x, y in (*points, points[0])]
+    steps = list(pairwise(ring))
+    along = all(min(abs(a - b), abs(c - d)) <= TOLERANCE for (a, c), (b, d) in steps)
+    area, length = 0.0, 0.0
+    for (a, c), (b, d) in steps:
+        area += (a * d - b * c) / 2
+        length += abs(a - b) + abs(c - d)
+    width, height = east - west, north - south
+    fills = abs(abs(area) - width * height) + abs(length - 2 * (width + height)) <= TOLERANCE
+    return along and fills
+
+
+def _require_plan(plan: OwnPlan) -> None:
+    """Refuse rooms that are no plan, each by its name."""
+    names = [room.name for room in plan.rooms]
+    for room in plan.rooms:
+        if names.count(room.name) > 1 or room.name == OUTSIDE:
+            raise RequestError(f"plan: the name {room.name!r} is another room's: give each room its own")
+        if not max(map(abs, room.box)) <= FARTHEST or min(room.width, room.height) < TOLERANCE:
+            size = f"{room.width:g} by {room.height:g} m at x {room.x:g}, y {room.y:g}"
+            raise RequestError(
+                f"plan: {room.name} is {size}: a room has a size, within {FARTHEST:g} m of (0, 0)"
+            )
+    for fault in chain(_overlaps(plan), _apart(plan), _gaps(plan)):
+        raise RequestError(f"plan: {fault}: {HINT}")
+
+
+def _overlaps(plan: OwnPlan) -> Iterator[str]:
+    for one, other in combinations(plan.rooms, 2):
+        if (depth := overlap(one.box, other.box)) > TOLERANCE:
+            yield f"{one.name} overlaps {other.name} by {depth:.2f} m"
+
+
+def _apart(plan: OwnPlan) -> Iterator[str]:
+    """The first room that no way by shared walls leads to from the first of all."""
+    reached, waiting = {0}, [0]
+    while waiting:
+        number = waiting.pop()
+        new = {wall.behind for wall in plan.walls if wall.room == number and wall.behind is not None}
+        waiting += new - reached
+        reached |= new
+    for number, room in enumerate(plan.rooms):
+        if number not in reached:
+            yield f"{room.name} shares no wall with the rooms around {plan.rooms[0].name}"
+            return
+
+
+def _gaps(plan: OwnPlan) -> Iterator[str]:
+    """What lies between rooms and is none, as the check finds it too."""
+    for gap in shapely.get_parts(gaps(House(plan.rooms, (), ()))):
+        if gap.area > 1e-4:
+            around = [room.name for room in plan.rooms if shapely.box(*room.box).distance(gap) < 1e-4]
+            yield f"{gap.area:.2f} m² between {', '.join(around)} are no room's"
+
+
+def _numbers(values: Iterable[float]) -> dict[float, int]:
+    """The number of each value in their order; those that differ by a tolerance at most have the same."""
+    numbers: dict[float, int] = {}
+    last, number = float("-inf"), -1
+    for value in sorted(set(values)):
+        number += value - last > TOLERANCE
+        numbers[value] = number
+        last = value
+    return numbers
+
+
+def _common(one: Box, other: Box, axis: int) -> tuple[float, float]:
+    return max(one[axis], other[axis]), min(one[axis + 2], other[axis + 2])

@@ -1,0 +1,95 @@
+:- module(own_plan, [own_plan_faults/5, own_openings/5]).
+
+/** <module> A user's own plan: what the grammar's lengths forbid in it, and its doors and windows
+
+A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a room, before another room or `outside`.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(answers).
+:- use_module(areas).
+:- use_module(grammar_files).
+:- use_module(lengths).
+:- use_module(linear).
+:- use_module(openings).
+:- use_module(plans).
+:- use_module(sample).
+:- use_module(sizes).
+
+%!  own_plan_faults(+Outline, +Rooms, +Walls, +Types, -Json) is det.
+%
+%   Outline is size(Width,Depth), Rooms are room(R,Width,Depth). Json lists [Fact,Clauses], facts of own.lp.
+
+own_plan_faults(Outline, Rooms, Walls, Types, Json) :-
+    findall([Text,Texts],
+            ( fault(Outline, Rooms, Walls, Types, Fact, Clauses),
+              term_string(Fact, Text), maplist(term_string, Clauses, Texts) ),
+            Faults),
+    as_json(Faults, Json).
+
+fault(size(W,D), _, _, _, misfit(house), [house_size]) :- house_system(W, D, System), \+ posted(System).
+fault(_, Rooms, _, Types, misfit(at(R),T,Axis), [Clause]) :-
+    member(room(R,X,Y), Rooms),
+    member(T, Types),
+    member(Axis-W-D, [x-Y-X,y-X-Y]),
+    unfit(T, W, D, Clause).
+fault(_, _, Walls, _, narrow(at(R),at(Q)), [length(door_width),length(door_margin)]) :-
+    member(wall(R,_,Q,_,A,B), Walls), Q \== outside,
+    doorway(Least), \+ reaches(A-B, Least).
+fault(_, _, Walls, _, shut(at(R),S), [length(door_width),length(door_margin)]) :-
+    outer_side(Walls, R, S, A-B), doorway(Least), \+ reaches(A-B, Least).
+fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)]) :-
+    outer_side(Walls, R, S, A-B), member(T, Types), least_wall(T, Least), \+ reaches(A-B, Least).
+
+unfit(T, W, D, size(T)) :- room_size_system(T, W, D, System), \+ posted(System), !.
+unfit(T, W, D, room_area(T)) :- grammar:room_area(T, Least, Most), Area is W*D, ( Area < Least - 1.0e-6 ; Area > Most + 1.0e-6 ), !.
+
+doorway(Least) :- length_of(door_width, Width), length_of(door_margin, Margin), Least is Width + 2*Margin.
+
+reaches(A-B, Least) :- B - A >= Least - 1.0e-6.
+
+%   outer_side(+Walls, ?Room, ?Side, -Span) is nondet: the longest part of the side that is an outer wall.
+
+outer_side(Walls, R, S, Span) :- outer_wall(Walls, R, S, _, Span).
+
+outer_wall(Walls, R, S, At, A-B) :-
+    setof(R-S, At0^A0^B0^member(wall(R,S,outside,At0,A0,B0), Walls), Sides),
+    member(R-S, Sides),
+    findall(L-wall(At1,A1,B1), ( member(wall(R,S,outside,At1,A1,B1), Walls), L is B1-A1 ), Parts),
+    max_member(_-wall(At,A,B), Parts).
+
+%!  own_openings(+Atoms, +Types, +Walls, +Seed, -Json) is det.
+%
+%   Types are R-Type. Json is {"doors": [..], "windows": [..]}, as in plan_placed/3: each somewhere in its wall.
+
+own_openings(Atoms, Types, Walls, Seed, Json) :-
+    findall(A, ( member(A, Atoms), ( A = door(_,_,_) ; A = entrance(_,_) ) ), Joins),
+    findall(window(R,S), member(window(R,S), Atoms), Panes),
+    openings_sample(Joins, Types, Walls, Doors, Seed, Seed1),
+    openings_sample(Panes, Types, Walls, Windows, Seed1, _),
+    answer_record(plan([],Doors,Windows), Record),
+    as_json(Record, Json).
+
+openings_sample([], _, _, []) --> [].
+openings_sample([A|As], Types, Walls, [Opening|Openings]) -->
+    opening_sample(A, Types, Walls, Opening),
+    openings_sample(As, Types, Walls, Openings).
+
+opening_sample(door(R,Q,_), _, Walls, door(Box,R,Q)) -->
+    { memberchk(wall(R,Side,Q,At,A,B), Walls), length_of(door_width, Width), length_of(door_margin, Margin) },
+    segment_sample(Side, At, A-B, Width, Margin, Box).
+opening_sample(entrance(R,Side), _, Walls, door(Box,R,outside)) -->
+    { once(outer_wall(Walls, R, Side, At, Span)), length_of(door_width, Width), length_of(door_margin, Margin) },
+    segment_sample(Side, At, Span, Width, Margin, Box).
+opening_sample(window(R,Side), Types, Walls, window(Box,R)) -->
+    { once(outer_wall(Walls, R, Side, At, A-B)), memberchk(R-Type, Types), length_of(window_margin, Margin),
+      Most is B - A - 2*Margin,
+      window_range(Type, A-B, Most, Low-High) },
+    interval_sample(Low, High, 1, Length),
+    segment_sample(Side, At, A-B, Length, Margin, Box).
+
+segment_sample(Side, At, A-B, Length, Margin, Box) -->
+    { side_axis(Side, Axis), Low is A + Margin, High is B - Length - Margin },
+    interval_sample(Low, High, 1, Start),
+    { segment(Axis, At, Start, Length, Box) }.
