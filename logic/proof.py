@@ -71,7 +71,12 @@ class Prover:
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in infeasible:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
-        needed = minimal(statements, self._has_walls(relaxed), relaxed.core)
+        possible = self._has_walls(relaxed)
+        if request.plan:
+            # Sizes that forbid a room of the plan say more than what follows for the other rooms.
+            sizes = [each for each in statements if each.clause or not each.reason.file]
+            statements = statements if possible(sizes) else sizes
+        needed = minimal(statements, possible, relaxed.core)
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
         if request.plan:
