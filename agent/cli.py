@@ -9,11 +9,13 @@ import sys
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
+from importlib.metadata import version
 from typing import Any
 
 import tyro
 
 from benchmarks import STUDIES
+from logic import confinement
 from logic.commands import say
 from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.spelling import closest, unknown
@@ -111,6 +113,9 @@ def _help_of(table: Mapping[str, tuple[str, str]]) -> dict[str, Any]:
 
 def _run(arguments: list[str]) -> int:
     """Run the command. Raises ``MissingProgram`` where it lacks a module that an extra installs."""
+    if arguments == ["--version"]:
+        print(f"vitruvius {version('vitruvius')}: {confinement.summary()}")
+        return 0
     try:
         return parse(arguments).run() or 0
     except ModuleNotFoundError as error:

@@ -225,7 +225,8 @@ class DQN(Learner):
         self.target.load_state_dict(state["target"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.replay.restore(state["replay"])
-        for name, value in state["last"].items():
+        for name in LAST:
+            value = state["last"][name]
             setattr(self, name, value.clone() if isinstance(value, Tensor) else value)
 
 

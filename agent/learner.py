@@ -195,9 +195,10 @@ class Learner(ABC):
         self.network.load_state_dict(state["network"])
         self.generator.set_state(state["generator"])
         self.envs.state = {name: tensor.numpy() for name, tensor in state["envs"].items()}
-        self.steps, self.clock = state["steps"], Clock(**state["clock"])
+        self.steps = int(state["steps"])
+        self.clock = Clock(**{name: float(seconds) for name, seconds in state["clock"].items()})
         self.recent.clear()
-        self.recent.extend(state["recent"])
+        self.recent.extend((float(targets), float(steps)) for targets, steps in state["recent"])
         self.restore_own(state)
 
     @abstractmethod

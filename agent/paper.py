@@ -247,7 +247,8 @@ class Paper(Learner):
         """Take up what ``own_state`` gave."""
         self.optimizer.load_state_dict(state["optimizer"])
         self.replay.restore(state["replay"])
-        for name, value in state["last"].items():
+        for name in LAST:
+            value = state["last"][name]
             setattr(self, name, value.clone() if isinstance(value, Tensor) else value)
 
 

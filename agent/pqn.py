@@ -184,8 +184,8 @@ class PQN(Learner):
         self.optimizer.load_state_dict(state["optimizer"])
         if self.map:
             self.map.state = state["map"]
-        for name, last in state["last"].items():
-            getattr(self.rollout, name)[-1] = last
+        for name in LAST:
+            getattr(self.rollout, name)[-1] = state["last"][name]
 
 
 LAST = ("s", "blocked", "memory", "features", "terminated", "truncated")

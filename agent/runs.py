@@ -47,8 +47,8 @@ from logic.stopping import Terminated, at_sigterm
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
 
-MOST_STATE, MOST_LINE = 1 << 33, 1 << 16
-"""What is read of a run's state, unpacked, and of a report."""
+MORE_STATE, MOST_METRICS = 1 << 24, 1 << 28
+"""What is read of a run's state, unpacked, besides twice that of a new run; of its reports."""
 
 
 @dataclass(frozen=True)
@@ -82,14 +82,28 @@ class Folder:
         """The reports, for TensorBoard."""
         return self.path / "tensorboard"
 
+    @property
+    def lock(self) -> Path:
+        """An empty file, locked by the run that is at work."""
+        return self.path / ".lock"
+
+    def _require_own(self) -> None:
+        for path in (self.agent, self.config, self.metrics, self.state, self.lock, self.tensorboard):
+            is_own = path.is_dir() if path == self.tensorboard else path.is_file()
+            if path.is_symlink() or (path.exists() and not is_own):
+                kind = "folder" if path == self.tensorboard else "file"
+                raise CheckpointError(f"{path}: is no {kind} of its own, so no run goes on here")
+
     @contextmanager
     def alone(self, resume: bool) -> Iterator[None]:
         """Hold the folder for as long as the block lasts.
 
-        Raises ``RequestError`` where another run does, or where a run lies in it and is not to go on.
+        Raises ``RequestError`` where another run does, or where a run lies in it and is not to go on, and
+        ``CheckpointError`` where what lies in it is no run's: what leads out of it would be written to.
         """
         self.path.mkdir(parents=True, exist_ok=True)
-        with (self.path / ".lock").open("w") as lock:
+        self._require_own()
+        with self.lock.open("a") as lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -192,24 +206,28 @@ def _learn(
 
 def _keep(learner: Learner, made: Checkpoint, folder: Folder) -> None:
     """Write the state of all ranks, then the agent."""
-    content = io.BytesIO()
-    torch.save(learner.state(), content)
-    parts = ranks.gathered(content.getvalue())
+    parts = ranks.gathered(_saved(learner.state()))
     if not ranks.rank():
         states = [torch.load(io.BytesIO(part), weights_only=True) for part in parts]
-        content = io.BytesIO()
-        torch.save(states, content)
-        write_whole(folder.state, gzip.compress(content.getvalue(), compresslevel=1, mtime=0))
+        write_whole(folder.state, gzip.compress(_saved(states), compresslevel=1, mtime=0))
         checkpoint.save(made, folder.agent)
+
+
+def _saved(value: Any) -> bytes:
+    """As torch writes it."""
+    content = io.BytesIO()
+    torch.save(value, content)
+    return content.getvalue()
 
 
 def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
     """Restore the state that was saved last; the reports up to there."""
     try:
+        most = ranks.size() * 2 * len(_saved(learner.state())) + MORE_STATE
         with gzip.open(folder.state) as file:
-            content = file.read(MOST_STATE + 1)
-        if len(content) > MOST_STATE:
-            raise ValueError(f"it holds more than {MOST_STATE >> 30} GiB")
+            content = file.read(most + 1)
+        if len(content) > most:
+            raise ValueError(f"it holds more than {most >> 20} MiB, which no state of such a run does")
         states = torch.load(io.BytesIO(content), weights_only=True)
         if len(states) != ranks.size():
             raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
@@ -220,8 +238,8 @@ def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise CheckpointError(f"{folder.state}: cannot be read: {reason}") from None
     history = []
-    with folder.metrics.open("rb") as lines:
-        for line in iter(lambda: lines.readline(MOST_LINE), b""):
+    with folder.metrics.open("rb") as file:
+        for line in io.BytesIO(file.read(MOST_METRICS)):
             try:
                 now = msgspec.json.decode(line, type=Progress)
             except ValueError:

@@ -49,7 +49,7 @@ def _objection(node: Any) -> str:
 
 
 def unreadable(file: Path) -> Iterator[GrammarError]:
-    """What clingo would end at without a word, or read from elsewhere, outside of comments and strings."""
+    """What clingo would end at without a word, outside of comments and strings, or read from elsewhere."""
     try:
         text = file.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -60,6 +60,7 @@ def unreadable(file: Path) -> Iterator[GrammarError]:
         for column, letter in enumerate(code, start=1):
             if not letter.isascii():
                 yield GrammarError(f"{letter}: names are of plain letters", file, number, column)
-        if include := re.search(r"#include\b", code):
+        # In comments and strings too: a file cannot be read by another idea of where these end than clingo's.
+        if include := re.search(r"#\s*include\b", line):
             why = "all .lp files of the grammar's directory are read: leave #include out, copy the file there"
             yield GrammarError(why, file, number, include.start() + 1)

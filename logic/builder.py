@@ -50,7 +50,7 @@ class Builder:
         }
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
-        """Make house ``index``: a star, see ``made``, or a plan of rooms that share walls, see ``plans.py``."""
+        """Make house ``index``: a star, see ``made``, or a plan, see ``plans.py``."""
         if not self.grammar.shares_walls:
             return self.made(request, seed, index, inferences)[0]
         self.require_known(request)
@@ -170,8 +170,8 @@ class Builder:
         furniture = self.loaded.furniture
         if request.rooms > self.loaded.most_rooms:
             raise RequestError(
-                f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by its "
-                f"topology, not {request.rooms}"
+                f"rooms: a house of the grammar {self.grammar.name} has at most {self.loaded.most_rooms}, by "
+                f"its topology, not {request.rooms}"
             )
         for type_ in (*request.types, *(fixed.room.type for fixed in request.fixed)):
             known("room type", type_, furniture)

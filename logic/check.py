@@ -149,7 +149,7 @@ def _furniture(house: House, room: Room, promises: Promises) -> Iterator[str]:
         juts = excess(piece.box, room.box)
         if juts > TOLERANCE:
             yield f"{place}: {name} juts {juts:.2f} m out of the room"
-        # Behind a wall that two rooms share, nothing is in the way of a door that is another room's.
+        # Rooms that share walls stand back to back: what is near to others' doors is behind a wall.
         for door in house.doors if house.is_star else house.doors_of(room.name):
             away = distance(piece.box, door.box)
             if away < CLEARANCE - TOLERANCE:

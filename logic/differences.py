@@ -1,8 +1,9 @@
 """Difference constraints in stage 1: clingo's own theory of them, where the rules state any.
 
-``&diff { a - b } <= c`` in ``rules/plans/differences.lp`` says what lengths forbid while the walls are still being
-chosen (clingo-dl: Janhunen, Kaminski, Ostrowski, Schaub, Schellhorn and Wanko, TPLP 17, 2017). Stage 2 has
-these constraints too, and those that are no differences: the theory saves time, and excludes nothing that fits.
+``&diff { a - b } <= c`` in ``rules/plans/differences.lp`` says what lengths forbid while the walls are still
+being chosen (clingo-dl: Janhunen, Kaminski, Ostrowski, Schaub, Schellhorn and Wanko, TPLP 17, 2017). Stage 2
+has these constraints too, beside those that are no differences: the theory saves time and excludes nothing
+that fits.
 """
 
 from collections.abc import Callable, Sequence

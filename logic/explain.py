@@ -5,9 +5,9 @@
 Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
 is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
-something. Without its fact a type of room opens into all others. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
+something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
 is anything from nothing to very much. And without its fact there may be any number of what a request asks for
-too many of: so the fact that bounds it is among the reasons.
+too many of, and a type of room opens into all others: so the fact that bounds it is among the reasons.
 """
 
 import contextlib
@@ -172,17 +172,15 @@ def _conditional(
 ) -> list[ast.AST]:
     """The files' statements, each rule with its condition; ``found`` gets a reason for each.
 
-    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a number is followed by
-    a rule with wider bounds for where it is left out.
+    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a
+    number is followed by a rule with wider bounds for where it is left out.
     """
     rules = [ast.Program(HERE, "base", [])]
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
         own = RULES not in Path(begin.filename).parents
-        if statement.ast_type == ast.ASTType.Rule and (
-            own or (laws and str(statement.head) == "#false")
-        ):
+        if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
             stated = _stated(len(found))
             left_out = _literal(stated, ast.Sign.Negation)
             if more and _signature(statement.head) in COUNTS:

@@ -6,10 +6,10 @@ import os
 import secrets
 import stat
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
+from typing import IO, Any
 
 import msgspec
 
@@ -26,8 +26,8 @@ FILES = (
 )
 """How names end that are no folder's."""
 
-MOST_BYTES, MOST_LINE = 1 << 30, 1 << 25
-"""What is read of a house file, unpacked, and of one house."""
+MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
+"""What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
 
 
 def load(path: str | Path) -> list[House]:
@@ -38,19 +38,30 @@ def load(path: str | Path) -> list[House]:
     path = Path(path)
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
+            houses = list(_houses(file, path))
     except FileNotFoundError:
         raise HouseFileError(f"{path}: there is no such file{_beside(path)}") from None
     except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
-    if len(content) > MOST_BYTES:
-        raise HouseFileError(f"{path}: holds more than {MOST_BYTES >> 20} MiB: split it")
-    lines = [(1, content)] if _holds_one(path) else enumerate(content.split(b"\n"), start=1)
-    houses = [_parsed(line, f"{path}:{number}") for number, line in lines if line.strip() and not _ends(line)]
     if not houses:
         raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
     return houses
+
+
+def _houses(file: IO[bytes], path: Path) -> Iterator[House]:
+    """The houses of an open file, line by line: what is too large is not read to its end."""
+    read = file.read if _holds_one(path) else file.readline
+    number, left = 0, MOST_BYTES
+    while line := read(MOST_LINE + 1):
+        number, left = number + 1, left - len(line)
+        if left < 0 or number > MOST_LINES:
+            most = f"{MOST_BYTES >> 20} MiB or {MOST_LINES:,} lines"
+            raise HouseFileError(f"{path}: holds more than {most}: split it")
+        if len(line) > MOST_LINE:
+            raise HouseFileError(f"{path}:{number}: a house of more than {MOST_LINE >> 20} MiB")
+        if line.strip() and not _ends(line):
+            yield _parsed(line, f"{path}:{number}")
 
 
 def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
@@ -172,8 +183,6 @@ def _require_once(pairs: list[tuple[str, Any]]) -> None:
 
 
 def _parsed(line: bytes, place: str) -> House:
-    if len(line) > MOST_LINE:
-        raise HouseFileError(f"{place}: a house of more than {MOST_LINE >> 20} MiB")
     try:
         record: dict[str, Any] = msgspec.json.decode(line)
         json.loads(line, object_pairs_hook=_require_once)

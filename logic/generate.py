@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import Finding, GrammarWarning, RequestError, Unsatisfiable
+from logic.errors import Finding, GrammarError, GrammarWarning, LimitReached, RequestError, Unsatisfiable
 from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import House
@@ -115,8 +115,9 @@ def _layouts(
     worker = Solver(opening)
     try:
         worker.loaded()
-        worker.ask({"count": seconds, "request": wanted.to_dict()})
-        while count := worker.answer(START_UP + 100 * seconds, "late")["count"]:
+        most = START_UP + 100 * seconds
+        worker.ask({"count": seconds, "request": wanted.to_dict()}, most)
+        while count := worker.answer(most, f"counting took {most:g} s")["count"]:
             name, number, whole = count
             if whole is None:
                 report(name, number)
@@ -135,12 +136,11 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
     opening = {"grammar": str(find(grammar).directory), "lint": True}
     worker = Solver(opening)
     try:
-        record = worker.answer(
-            seconds, f"{opening['grammar']}: reading took {seconds:g} s: do its rules recur?"
-        )
+        return msgspec.convert(worker.loaded(seconds)["findings"], list[Finding])
+    except GrammarError as error:
+        return [Finding("error", str(error.file), error.line or 1, error.column or 1, error.message)]
     finally:
         worker.end()
-    return msgspec.convert(record["findings"], list[Finding])
 
 
 def _houses(
@@ -166,14 +166,19 @@ def _houses(
                 for text in worker.loaded()["warnings"]:
                     warnings.warn(text, GrammarWarning, stacklevel=2)
         for turn, worker in enumerate(team):
-            worker.ask(request | {"index": indices[turn]})
+            worker.ask(request | {"index": indices[turn]}, seconds)
         for turn, index in enumerate(indices):
             worker = team[turn % len(team)]
-            record = worker.answer(
-                seconds, f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
-            )
+            late = f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
+            try:
+                record = worker.answer(seconds, late)
+            except LimitReached as limit:
+                if turn >= len(team):
+                    raise
+                # Rules are grounded for a worker's first house.
+                raise worker.blamed(limit, request["request"]["rooms"]) from None
             if turn + len(team) < len(indices):
-                worker.ask(request | {"index": indices[turn + len(team)]})
+                worker.ask(request | {"index": indices[turn + len(team)]}, seconds)
             reusable = True
             yield House.from_dict(record["house"])
             reusable = False

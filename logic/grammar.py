@@ -1,10 +1,12 @@
 """A grammar is a directory of rule files: ``.lp`` for clingo, ``.pl`` for SWI-Prolog, all at its top.
 
-It may name a topology, how rooms lie together: a file of ``rules/topologies``, or one of its own by that name.
+It may name a topology, how rooms lie together: a file of ``rules/topologies``, or its own file of that name.
 """
 
 import hashlib
+import os
 import re
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,21 +61,26 @@ def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
     Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
-    that cannot be read or hold more than ``MOST_BYTES``.
+    that lie elsewhere, cannot be read, are devices or pipes, or hold more than ``MOST_BYTES``.
     """
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
     if not directory.is_dir():
         raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
     directory = directory.resolve()
     # Editors leave hidden files beside those that they edit.
-    files = [file for file in sorted(directory.iterdir()) if file.is_file() and not file.name.startswith(".")]
+    files = [file for file in sorted(directory.iterdir()) if not (file.name.startswith(".") or file.is_dir())]
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
+    for file in asp + prolog:
+        # What an error quotes of a rule file may be seen by others than the reader of what the link leads to.
+        if Path(os.path.realpath(file)).parent != directory:
+            raise GrammarError("is a link out of the grammar's directory: copy the file there", file)
     for found, kind in ((asp, ".lp"), (prolog, ".pl")):
         if not found:
             raise GrammarError(
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory
             )
-    return Grammar(directory.name, directory, asp, *_topology(asp), prolog, _hash(asp + prolog))
+    digest = _hash(asp + prolog)  # Refuses what is not to be read.
+    return Grammar(directory.name, directory, asp, *_topology(asp), prolog, digest)
 
 
 def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
@@ -85,7 +92,7 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
     known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
     named: list[str] = []
     for file in files:
-        lines = file.read_bytes()[:MOST_BYTES].decode("utf-8", "replace").split("\n")
+        lines = file.read_text("utf-8", "replace").split("\n")
         for number, line in enumerate(lines, start=1):
             for found in re.finditer(r"\btopology\((\w+)\)\.", line.partition("%")[0]):
                 place = (file, number, found.start() + 1)
@@ -106,7 +113,10 @@ def _hash(files: tuple[Path, ...]) -> str:
     digest, left = hashlib.sha256(), MOST_BYTES
     for file in (*files, *sorted(RULES.rglob("*.[lp][lp]"))):
         try:
-            with file.open("rb") as rules:
+            # Not to wait where it is a pipe: what is read is what was opened.
+            with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:
+                if not stat.S_ISREG(os.fstat(rules.fileno()).st_mode):
+                    raise GrammarError("is a device or a pipe, and no file of rules", file)
                 content = rules.read(left + 1)
         except OSError as error:
             raise GrammarError(f"cannot be read: {error.strerror}", file) from None

@@ -1,11 +1,11 @@
 """Stage 1, clingo: every discrete choice of a house, sampled by weight whatever the solver's state.
 
 The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
-sampled pick by pick: the variables turn by turn, in random order within each, each taking its first value, in random order, that some
-stable model shares with all the picks before it. clingo finds that model in one go: it branches on the picks
-in just this order, so what it has to take back is proved impossible, and the first model is the
-lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a layout depends on the
-rules and the random numbers alone, never on what was solved before.
+sampled pick by pick: the variables turn by turn, in random order within each turn, each taking its first
+value, in random order, that some stable model shares with all the picks before it. clingo finds that model in
+one go: it branches on the picks in just this order, so what it has to take back is proved impossible, and the
+first model is the lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a
+layout depends on the rules and the random numbers alone, never on what was solved before.
 """
 
 import time
@@ -101,6 +101,8 @@ class Program:
             self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
         except RuntimeError as error:
+            if "bad_alloc" in str(error):
+                raise MemoryError from None
             raise clingo_error(self.remarks, str(error)) from None
         self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
@@ -116,8 +118,8 @@ class Program:
     def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
         """The options of all variables, in the rules' own order.
 
-        For each variable: its turn, how many options there are. For each option: whether its variable picks just one, its pick
-        literal, its weight.
+        For each variable: its turn, how many options there are. For each option: whether its variable picks
+        just one, its pick literal, its weight.
         """
         options: dict[Symbol, dict[Symbol, int]] = {}
         for symbol in self.atoms("option", 3):

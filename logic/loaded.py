@@ -67,7 +67,11 @@ class LoadedGrammar:
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
-        self._words = words(statements, core_words(self._grammar.topology))
+        try:
+            self._words = words(statements, core_words(self._grammar.topology))
+        except RecursionError:
+            yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
+            return
         refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words)}
         yield from refused.values()
         yield from audit(each for each in statements if id(each.node) not in refused)
@@ -90,7 +94,7 @@ class LoadedGrammar:
         yield from wrong
         if wrong:
             return
-        self.furniture = _furniture(probe)
+        self.furniture = furniture_of(probe)
         limits = [symbol.arguments[0].number for symbol in probe.atoms("most_rooms", 1)]
         self.most_rooms = min([MOST_ROOMS, *limits])
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
@@ -175,6 +179,15 @@ class LoadedGrammar:
         return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
 
 
+def _too_deep(statement: Statement) -> bool:
+    """Whether the terms of a statement lie deeper in each other than Python's stack is."""
+    try:
+        words([statement])
+    except RecursionError:
+        return True
+    return False
+
+
 def _stated(fact: Symbol) -> Symbol:
     """The grammar's own fact: of companions of both kinds it is named by the first argument."""
     if fact.name != "companions":
@@ -182,7 +195,7 @@ def _stated(fact: Symbol) -> Symbol:
     return Function(fact.arguments[0].name, fact.arguments[1:])
 
 
-def _furniture(probe: Program) -> dict[str, list[str]]:
+def furniture_of(probe: Program) -> dict[str, list[str]]:
     """For each room type the pieces that it may have, and their companions."""
     furniture: dict[str, list[str]] = {str(symbol.arguments[0]): [] for symbol in probe.atoms("type", 1)}
     for symbol in probe.atoms("may", 4):

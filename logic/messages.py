@@ -74,7 +74,10 @@ def placed_error(remark: str) -> GrammarError:
 
 def excerpt(file: str, begin: tuple[int, int], end: tuple[int, int | None]) -> str:
     """What stands between two places of a file, lines and columns, on one line."""
-    part = Path(file).read_text(encoding="utf-8").split("\n")[begin[0] - 1 : end[0]]
+    lines = Path(file).read_text(encoding="utf-8").split("\n")
+    # Where a file ends within a statement, clingo names a line after its last.
+    first = min(begin[0], len(lines)) - 1
+    part = lines[first : max(first + 1, end[0])]
     part[-1] = part[-1][: end[1] and end[1] - 1]
     part[0] = part[0][begin[1] - 1 :]
     return " ".join(" ".join(text.split()) for text in part)

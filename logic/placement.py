@@ -54,7 +54,7 @@ class Conflict:
 
 
 class Infeasible(Exception):
-    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for the walls of a plan."""
+    """Proved: no sizes and places satisfy the rules for these rooms of a layout, or for a plan's walls."""
 
     def __init__(self, conflicts: Mapping[int, Conflict], inferences: int) -> None:
         """Keep the conflict in each room, by number, and the Prolog inferences that the proof took."""
@@ -131,7 +131,8 @@ class Placer:
         Conflicts are ``minimal``, or else found five times as quickly.
 
         Raises ``Infeasible`` where the constraints have no solution, ``Misfit`` where the rooms do not fit
-        between the fixed rooms, ``LimitReached`` past this number of inferences.
+        between the fixed rooms, ``LimitReached`` past this number of inferences, ``GrammarError`` for a
+        clause that does not end.
         """
         # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
         rooms = [
@@ -142,6 +143,9 @@ class Placer:
         ]
         seed, proof = int(rng.integers(2**63)), "minimal" if minimal else "quick"
         answer = self._ask("placed", Term("layout", rooms, layout.corners, seed, proof), inferences)
+        if "wrong" in answer:
+            file, line, column, text = answer["wrong"]
+            raise GrammarError(text, file, line, column)
         if "limit" in answer:
             raise LimitReached(f"a house reached its limit of {inferences} inferences")
         if "misfit" in answer:
@@ -153,7 +157,7 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """How much wall a door takes, and for each room type the extremes of its size, metres: ``plans.pl``."""
+        """How much wall a door takes, and the extremes of each room type's size, metres: ``plans.pl``."""
         return self._ask("plan_lengths", types)
 
     def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Plans: houses whose rooms share walls, of any topology but a star. From a request to such a house.
 
-Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``rules/walls.pl``), and then the
-rooms are furnished at these sizes (``given_rooms.py``).
+Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``rules/walls.pl``), and then
+the rooms are furnished at these sizes (``given_rooms.py``).
 """
 
 from collections.abc import Collection, Sequence
@@ -60,7 +60,7 @@ class Planner:
             plan["hub"] = hubs[0] if len(hubs) == 1 else ""
             return _house(plan, pieces, self._topology)
         raise LimitReached(
-            f"{MOST_TRIES} times a sampled room could not be furnished at its size, though larger ones might: "
+            f"{MOST_TRIES} times a room could not be furnished at its size, though larger ones might be: "
             "try another seed, or larger rooms (room_size/3, room_area/3)"
         )
 
@@ -96,7 +96,9 @@ class Planner:
 def _house(plan: dict[str, Any], pieces: Sequence[Any], topology: str) -> House:
     """The house of a plan, its rooms ``R0``, ``R1``... by their numbers."""
     rooms = tuple(
-        msgspec.convert({**_sides(room), "name": f"R{number}", "type": room["type"], "children": within}, Room)
+        msgspec.convert(
+            {**_sides(room), "name": f"R{number}", "type": room["type"], "children": within}, Room
+        )
         for number, (room, within) in enumerate(zip(plan["rooms"], pieces, strict=True))
     )
     doors = tuple(Door(**_sides(door), between=_names(door["between"])) for door in plan["doors"])

@@ -175,7 +175,12 @@ class Prover:
         relaxed = Relaxed(
             self._grammar.asp,
             {"this_room": type_},
-            [("room", []), ("capacity", []), *parts(requirement for _, requirement in required), *parts(more)],
+            [
+                ("room", []),
+                ("capacity", []),
+                *parts(requirement for _, requirement in required),
+                *parts(more),
+            ],
             lengths,
             more=True,
             laws=laws,
@@ -201,9 +206,7 @@ class Prover:
         known = list(facts)
         origins = self._placer.origins({clause for _, clauses in known for clause in clauses})
         places = {clause: located(*place) for clause, place in origins.items()}
-        return [
-            (fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known
-        ]
+        return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
     def _has_walls(self, relaxed: Relaxed) -> Callable[[Sequence[Statement]], bool]:
         """A test whether there are rooms under some statements, and places for the walls that they share."""

@@ -10,6 +10,7 @@ import msgspec
 from msgspec import Meta
 
 from logic.parts import (
+    BODY,
     FARTHEST,
     FORMAT,
     MAIN,
@@ -103,7 +104,7 @@ def _require_sizes(house: Record, in_star: bool) -> None:
     or too far parts, before anything is computed of them.
     """
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
-    if type(cell) not in (int, float) or not 0 <= cell <= FARTHEST:
+    if type(cell) not in (int, float) or (cell and not BODY <= cell <= FARTHEST):
         raise msgspec.ValidationError(f"provenance.request.cell must be a length in metres, not {cell!r}")
 
     def require(rect: Rect, name: str) -> None:

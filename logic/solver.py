@@ -22,6 +22,12 @@ from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
 
+LOADING = 2.5
+"""Seconds of processor time to load a grammar, which takes less than 1; past them it is tried by steps."""
+
+STEP = 1.0
+"""Seconds of processor time for one of these steps (``logic.trial``), which take some hundredths."""
+
 MOST_IDLE = 2
 """Solver processes kept for the next request for the same rules: to start one takes half a second."""
 
@@ -50,7 +56,11 @@ class Solver:
 
     def __init__(self, opening: dict[str, Any]) -> None:
         """Start it; it loads what ``opening`` names."""
-        self._grammar = opening["grammar"]
+        self._start(opening)
+
+    def _start(self, opening: dict[str, Any]) -> None:
+        self._opening, self._grammar = opening, opening["grammar"]
+        self._step: VitruviusError | None = None
         package, path = Path(__file__).with_name("__init__.py"), os.environ.get("PYTHONPATH", "")
         # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
         self._process = subprocess.Popen(
@@ -68,46 +78,75 @@ class Solver:
         self._answers.register(self._output, selectors.EVENT_READ)
         self._received = b""
         self.unanswered = 0
-        self.ask(opening)
+        self.ask(opening, START_UP if "trial" in opening else LOADING)
 
-    def ask(self, question: dict[str, Any]) -> None:
-        """Send a request; that the process is gone shows in its answer."""
+    def ask(self, question: dict[str, Any], seconds: float) -> None:
+        """Send a request to be answered in these seconds; that the process is gone shows in its answer."""
         self.unanswered += 1
         try:
-            self._questions.write(json.dumps(question).encode() + b"\n")
+            self._questions.write(json.dumps(question | {"seconds": seconds}).encode() + b"\n")
             self._questions.flush()
         except BrokenPipeError:
             pass
 
-    def loaded(self) -> dict[str, Any]:
-        """Wait until the grammar is loaded: its versions and warnings."""
-        return self.answer(
-            START_UP, f"{self._grammar}: loading took {START_UP:g} s: do its rules recur without end?"
-        )
+    def loaded(self, seconds: float = START_UP) -> dict[str, Any]:
+        """Wait for the answer to the opening: the grammar's versions and warnings, or lint's findings.
+
+        Where the grammar ends the process or takes too much, another one tries it step by step, so that the
+        step is named (see ``logic.trial``). Past the seconds ``LimitReached``.
+        """
+        late = f"{self._grammar}: loading took {seconds:g} s: do its rules recur without end?"
+        try:
+            return self.answer(seconds, late)
+        except VitruviusError as error:
+            ended = isinstance(error, LimitReached) or not self.is_alive()
+            if not ended or "trial" in self._opening:
+                raise
+        self.end()
+        self._start(self._opening | {"trial": [], "step": STEP})
+        return self.answer(seconds, late)
+
+    def blamed(self, limit: LimitReached, rooms: int) -> LimitReached:
+        """The same limit, with the rule at fault where a trial finds one for a house of so many rooms."""
+        trial = Solver(self._opening | {"trial": [rooms], "step": STEP})
+        try:
+            trial.loaded()
+        except VitruviusError as error:
+            return LimitReached(f"{limit}: {error}") if isinstance(error, GrammarError) else limit
+        else:
+            return limit
+        finally:
+            trial.end()
 
     def answer(self, seconds: float, late: str) -> dict[str, Any]:
         """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``."""
         deadline = time.monotonic() + seconds
-        while b"\n" not in self._received:
-            if not self._answers.select(max(0.0, deadline - time.monotonic())):
-                raise LimitReached(late)
-            part = os.read(self._output, 1 << 20)
-            if not part:
-                raise self._died()
-            self._received += part
-        line, self._received = self._received.split(b"\n", 1)
+        while True:
+            while b"\n" not in self._received:
+                if not self._answers.select(max(0.0, deadline - time.monotonic())):
+                    raise self._step or LimitReached(late)
+                part = os.read(self._output, 1 << 20)
+                if not part:
+                    raise self._step or self._died(late)
+                self._received += part
+            line, self._received = self._received.split(b"\n", 1)
+            record = json.loads(line)
+            if "trial" not in record:
+                break
+            self._step = record["trial"] and from_record(record["trial"])
         self.unanswered -= 1
-        record = json.loads(line)
         if "error" in record:
-            raise from_record(record["error"])
+            raise self._step or from_record(record["error"])
         return record
 
     def is_alive(self) -> bool:
         """Whether the process still runs."""
         return self._process.poll() is None
 
-    def _died(self) -> VitruviusError:
+    def _died(self, late: str) -> VitruviusError:
         code = self._process.wait()
+        if code == -signal.SIGXCPU:
+            return LimitReached(late)
         if code == -signal.SIGKILL:
             return LimitReached("a solver process was killed from outside, perhaps for want of memory")
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
@@ -171,7 +210,7 @@ def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, 
     worker = Solver(opening)
     try:
         worker.loaded()
-        worker.ask(question)
+        worker.ask(question, seconds)
         return worker.answer(seconds, late)
     finally:
         worker.end()

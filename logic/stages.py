@@ -76,7 +76,7 @@ def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
 
 def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
     """The programs in which it is of use to derive a predicate: all, where the core does not use it."""
-    readers = _programs(core.used.get(signature, ())) - {"pick"}
+    readers = _programs(core.used.get(signature, ())) & ALL
     if not readers:
         return ALL
     # What a grammar states is read, and found wrong, in the program house.

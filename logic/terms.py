@@ -70,7 +70,8 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
 def wall_facts(extremes: Iterable[Sequence[Any]], doorway: float) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
 
-    ``extremes``: see ``logic.placement.Placer.wall_lengths``; ``doorway``: metres. Clauses that only stage 2 knows have a fact too.
+    ``extremes``: see ``logic.placement.Placer.wall_lengths``; ``doorway``: metres. Clauses
+    that only stage 2 knows have a fact too.
     """
     door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
     clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))

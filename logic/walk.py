@@ -71,7 +71,9 @@ def joins_all(room: Room, doorways: Iterable[BaseGeometry], spaces: Iterable[Pol
     """
     doorways, floor = list(doorways), shapely.box(*room.box)
     parts = [part for space in spaces for part in _polygons(space.intersection(floor))]
-    return any(all(part.distance(each) < TOLERANCE for each in doorways) for part in parts) or len(doorways) < 2
+    return (
+        any(all(part.distance(each) < TOLERANCE for each in doorways) for part in parts) or len(doorways) < 2
+    )
 
 
 def places_inside(room: Rect, side: float) -> BaseGeometry:

@@ -25,6 +25,8 @@ class Witness:
         """Make the house again from its provenance. Raises ``HouseFileError`` where it comes out another."""
         made = house.provenance
         assert made is not None
+        if builder.grammar.shares_walls:
+            raise RequestError(f"why: it is known of stars alone yet, not of a {house.topology}")
         self._builder, self._request, self._house = builder, Request.read(made.request), house
         self._origin = f"{made.grammar}, seed {made.seed}, house {made.index}"
         self._rooms, _ = builder.programs.rooms_for(self._request)

@@ -1,82 +1,120 @@
 """A solver process, started by ``logic.solver``: JSON lines in and out over pipes.
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
-with limited memory, and the parent owns deadlines and Ctrl-C. The first line names the grammar; each
-further line asks for one house, or why one is as it is. Each is answered by a line: ``{"versions": ...}``,
-with ``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}`` or ``{"error": ...}``; a
-count of layouts by several, of which ``{"count": null}`` is the last.
+confined before a rule is read (``logic.confinement``), and the parent owns deadlines and Ctrl-C. The first
+line names the grammar; each further line asks for one house, or why one is as it is. Each is answered by:
+``{"versions": ...}``, with ``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}`` or
+``{"error": ...}``; a count of layouts by several, of which ``{"count": null}`` is the last. Lines
+``{"trial": ...}`` before an answer say what is wrong if it does not come.
 """
 
 import json
 import os
 import queue
-import resource
+import sys
 import threading
 import traceback
-from typing import TextIO
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, TextIO
 
 import msgspec
 
+from logic import confinement
 from logic.errors import LimitReached, VitruviusError, to_record
-
-MEMORY = 4 << 30
-"""Bytes of address space that a worker may take."""
 
 
 def main() -> None:
     """Answer requests until the parent closes its end of the pipe."""
     questions, answers = _private_pipes()
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    confinement.limit()
     requests: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(questions, requests), daemon=True).start()
-    builder = None
+    worker = Worker()
     while True:
-        request = json.loads(requests.get())
-        try:
-            # Imported here: that a solver is missing is an answer too.
-            from logic.builder import Builder
-            from logic.grammar import find
-            from logic.request import Request
+        for answer in _with_errors(worker.answers(json.loads(requests.get()))):
+            answers.write(json.dumps(answer) + "\n")
+            answers.flush()
 
-            if "lint" in request:
-                from logic.linter import findings
 
-                answer = {"findings": msgspec.to_builtins(findings(find(request["grammar"])))}
-            elif builder is None:
-                grammar = find(request["grammar"])
-                builder = Builder(grammar, request["cell"])
-                answer = {"versions": builder.versions, "warnings": []}
-                if request.get("warn"):
-                    from logic.linter import warnings
+class Worker:
+    """The rules that a process has loaded, and what it answers."""
 
-                    answer["warnings"] = list(map(str, warnings(grammar, builder.loaded)))
-            elif "count" in request:
-                wanted = Request.read(request["request"])
-                builder.require_known(wanted)
-                for count in builder.programs.counts(wanted, request["count"]):
-                    answers.write(json.dumps({"count": count}) + "\n")
-                    answers.flush()
-                answer = {"count": None}
-            elif "why" in request:
-                from logic.house import House
-                from logic.witness import Witness
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._builder: Any = None
 
-                witness = Witness(builder, House.from_dict(request["house"]), request["inferences"])
-                answer = {"why": msgspec.to_builtins(witness.why(**request["why"]))}
-            else:
-                wanted = Request.read(request["request"])
-                house = builder.house(wanted, request["seed"], request["index"], request["inferences"])
-                answer = {"house": house.to_dict()}
-        except VitruviusError as error:
-            answer = {"error": to_record(error)}
-        except MemoryError:
-            answer = {
-                "error": to_record(LimitReached(f"the solvers need more than {MEMORY >> 30} GiB of memory"))
-            }
-        except Exception:
-            answer = {"error": to_record(VitruviusError(traceback.format_exc()))}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    def answers(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+        """The lines that answer a request."""
+        if self._builder is None:
+            yield from self._loaded(request)
+            return
+        from logic.request import Request
+
+        confinement.allow_seconds(request["seconds"])
+        if "why" in request:
+            from logic.house import House
+            from logic.witness import Witness
+
+            witness = Witness(self._builder, House.from_dict(request["house"]), request["inferences"])
+            yield {"why": msgspec.to_builtins(witness.why(**request["why"]))}
+            return
+        wanted = Request.read(request["request"])
+        if "count" in request:
+            self._builder.require_known(wanted)
+            for count in self._builder.programs.counts(wanted, request["count"]):
+                yield {"count": count}
+            yield {"count": None}
+            return
+        house = self._builder.house(wanted, request["seed"], request["index"], request["inferences"])
+        yield {"house": house.to_dict()}
+
+    def _loaded(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+        """Load a grammar, or find what is wrong with it, confined; after a trial of its steps if asked to."""
+        # Imported here: that a solver is missing is an answer too.
+        from logic import prolog
+        from logic.builder import Builder
+        from logic.grammar import RULES, find
+        from logic.linter import SIZES, findings, warnings
+
+        grammar = find(request["grammar"])
+        prolog.load(RULES / "core.pl")
+        confinement.confine([grammar.directory, *_installed()])
+        if "trial" in request:
+            from logic.trial import steps
+
+            for error in steps(grammar, request["trial"] or SIZES):
+                confinement.allow_seconds(request["step"])
+                yield {"trial": to_record(error)}
+            yield {"trial": None}
+        confinement.allow_seconds(request["seconds"])
+        if "lint" in request:
+            yield {"findings": msgspec.to_builtins(findings(grammar))}
+            return
+        self._builder = Builder(grammar, request["cell"])
+        found = warnings(grammar, self._builder.loaded) if request.get("warn") else []
+        yield {"versions": self._builder.versions, "warnings": list(map(str, found))}
+
+
+def _installed() -> Iterator[Path]:
+    """Where this package, Python, SWI-Prolog and their libraries are."""
+    from pyswip.core import SWI_HOME_DIR
+
+    folders = [*sys.path, sys.prefix, sys.base_prefix, SWI_HOME_DIR, "/lib", "/lib64", "/usr"]
+    return (Path(folder) for folder in (Path(__file__).parent, *folders) if folder)
+
+
+def _with_errors(answers: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The answers, the last of which says what ended them, if anything did."""
+    try:
+        yield from answers
+    except VitruviusError as error:
+        yield {"error": to_record(error)}
+    except (MemoryError, RecursionError):
+        most = f"{confinement.MEMORY >> 30} GiB of memory"
+        yield {"error": to_record(LimitReached(f"the solvers need more than {most}, or nest too deeply"))}
+    except Exception:
+        yield {"error": to_record(VitruviusError(traceback.format_exc()))}
 
 
 def _private_pipes() -> tuple[TextIO, TextIO]:

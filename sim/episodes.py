@@ -25,6 +25,9 @@ EPISODE, SENSOR = 0, 1
 HOUSE = 3
 """Where the house is among the whole numbers of an environment's state."""
 
+MOST_CELLS = 1 << 16, 1 << 16, 8
+"""Of a house, east and south, and headings."""
+
 HEADER = 6
 """Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
 targets."""

@@ -14,7 +14,7 @@ from logic.spelling import keywords
 from sim.arguments import BANK, Houses, backend_class, configuration, house_list, require
 from sim.backend import Backend
 from sim.config import Config
-from sim.episodes import HOUSE
+from sim.episodes import HOUSE, MOST_CELLS
 from sim.geometry import Geometry
 from sim.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
 from sim.options import read_options, read_seeds
@@ -298,9 +298,13 @@ class HouseVectorEnv(VectorEnv):
         kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
         if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
             raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
-        house = int(state["wholes"][:, HOUSE].max())
-        if house >= len(self.houses):
-            raise ValueError(f"a state of another bank: a body is in house {house} of {len(self.houses)}")
+        houses, cells = state["wholes"][:, HOUSE], state["wholes"][:, :HOUSE]
+        if strange := houses[(houses < 0) | (houses >= len(self.houses))].tolist():
+            raise ValueError(
+                f"a state of another bank: a body is in house {strange[0]} of {len(self.houses)}"
+            )
+        if not ((cells >= 0) & (cells < MOST_CELLS)).all():
+            raise ValueError("a state of no house: a body is in no cell, or has no heading")
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]

@@ -24,14 +24,14 @@ def test_the_page_is_short_and_names_no_host():
 
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
     from agent import checkpoint
-    from logic import files, grammar, house
+    from logic import files, grammar, parts
     from sim import world
 
     mebi = 1 << 20
     for words in (
         f"{grammar.MOST_BYTES // mebi} MiB in all its rule files",
         f"{files.MOST_BYTES >> 30} GiB unpacked, {files.MOST_LINE // mebi} MiB a house",
-        f"{house.MOST_ROOMS:,} rooms, {house.MOST_PIECES} pieces a room, {house.FARTHEST:,.0f} m",
+        f"{parts.MOST_ROOMS:,} rooms, {parts.MOST_PIECES} pieces a room, {parts.FARTHEST:,.0f} m",
         f"{world.FARTHEST:.0f} m to be simulated",
         f"{checkpoint.MOST_BYTES // mebi} MiB, {checkpoint.MOST_HEADER // mebi} MiB of header",
     ):

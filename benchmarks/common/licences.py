@@ -76,12 +76,16 @@ def licence(package: Distribution) -> str:
     """What a package says that its licence is, as an SPDX expression."""
     said: Any = package.metadata  # a mapping whose keys repeat
     classes = [words.split(" :: ")[-1] for words in said.get_all("Classifier", []) if "License ::" in words]
-    for words in (said.get("License-Expression"), *classes, said.get("License", "").strip().split("\n")[0]):
-        if words:
-            return SPDX.get(words, words)
+    stated: list[str] = [
+        said.get("License-Expression"),
+        *classes,
+        said.get("License", "").strip().split("\n")[0],
+    ]
+    for words in filter(None, stated):
+        return SPDX.get(words, words)
     if any(text.startswith("MIT License") for _, text in _texts(package)):
         return "MIT"
-    return UNSTATED[said["Name"]]
+    return UNSTATED[str(package.name)]
 
 
 def parts(package: Distribution) -> list[str]:

@@ -45,6 +45,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(library(lists)).
 :- use_module(answers).
 :- use_module(bounds).
+:- use_module(faults).
 :- use_module(furnish).
 :- use_module(grammar_files).
 :- use_module(grid).
@@ -92,12 +93,20 @@ name_report(Name, [Name,Record]) :- length_report(Name, Report), report_record(R
 %   Of the pieces in a room that is wrong itself nothing is said.
 
 type_report(furniture(Type,Pieces), [Type,Room,Records]) :-
-    room_report(Type, Report), report_record(Report, Room),
+    ended(room_report(Type, Report), Report), report_record(Report, Room),
     ( is_list(Report) -> maplist(type_piece_report(Type), Pieces, Records) ; Records = [] ).
 
 type_piece_report(Type, piece(Piece,Turns), [Piece,Record]) :-
-    piece_report(Type, Piece, Turns, Report),
+    ended(piece_report(Type, Piece, Turns, Report), Report),
     report_record(Report, Record).
+
+%   ended(:Goal, -Report): Goal, or the report of a clause that does not end for it, see sized/1.
+
+ended(Goal, Report) :- catch(Goal, endless(Head), endless_report(Head, Report)).
+
+endless_report(Head, Report) :-
+    Head =.. [Name,Type|Given], same_length(Given, Any), Call =.. [Name,Type|Any],
+    fault_report(endless, []-Call, Report).
 
 report_record(wrong(File,Line,Column,Text), _{wrong:[File,Line,Column,Text]}) :- !.
 report_record(Report, Report).
@@ -112,13 +121,16 @@ report_record(Report, Report).
 %                                           (minimal or quick, as Proof is): [holds,Atom], [fails,Atom], [clause,Clause]
 %       {"misfit": Any}                     the rooms do not fit between the fixed ones; Any: nor with any other sizes
 %       {"limit": true}                     that takes more inferences than Limit
+%       {"wrong": [File,Line,Column,Text]}  a clause of the grammar's does not end for these rooms
 
 placed(Layout, Limit, Json) :-
     statistics(inferences, Before),
-    call_with_inference_limit(house_answer(Layout, Answer), Limit, Result),
+    call_with_inference_limit(ended(house_answer(Layout, Answer), Answer), Limit, Result),
     statistics(inferences, After),
     Inferences is After - Before,
-    ( Result == inference_limit_exceeded -> Reply = _{limit:true} ; Reply = Answer.put(inferences, Inferences) ),
+    (   Result == inference_limit_exceeded
+    ->  Reply = _{limit:true}
+    ;   report_record(Answer, Record), Reply = Record.put(inferences, Inferences) ),
     as_json(Reply, Json).
 
 house_answer(layout(Rooms,Corners,Seed,Proof), Answer) :-

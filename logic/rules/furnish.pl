@@ -101,7 +101,7 @@ room_sizes_sample(line(A1,A2,B1,B2), _, Ease, W, D) -->
 room_sizes_sample(clause, Type, _, W, D) --> own_store(W-D, room_clause_sample(Type, W, D)).
 
 room_clause_sample(Type, W, D) -->
-    { once(grammar:room_size(Type, W, D)) },
+    { sized(room_size(Type, W, D)) },
     all_projections_sample([W,D]).
 
 %   large_sample(+Range, +Ease, -Size)// and small_sample: in the upper or lower part of a range of metres.
@@ -133,7 +133,7 @@ item_sample(line(L1,L2,D1,D2), Ease, item(_,L,D,_)) -->
 item_sample(clause, _, item(F,L,D,Wall))            --> own_store(L-D, item_clause_sample(F, L, D, Wall)).
 
 item_clause_sample(F, L, D, Wall) -->
-    { once(grammar:piece_size(F, L, D, Wall)) },
+    { sized(piece_size(F, L, D, Wall)) },
     projection_sample(L),
     projection_sample(D).
 

@@ -25,7 +25,7 @@ A law is in metres, and is what can be sampled without the solver:
 %   Law of the width and the depth of a room.
 
 room_law(Type, Law) :-
-    once(grammar:room_size(Type, W, D)),
+    sized(room_size(Type, W, D)),
     law(W, D, Law).
 
 %!  piece_law(+Type, +Piece, -Law) is det.
@@ -35,7 +35,7 @@ room_law(Type, Law) :-
 piece_law(Type, Piece, Law) :-
     room_range(Type, W1-W2, D1-D2),
     Short is min(W1, D1), Long is max(W2, D2), Middle is (Short+Long)/2,
-    once(grammar:piece_size(Piece, L, D, Wall)),
+    sized(piece_size(Piece, L, D, Wall)),
     (   \+ attvar(Wall)
     ->  law(L, D, Law)
     ;   maplist(law_for_wall(Piece), [Short,Middle,Long], [Law1,Law2,Law3]),
@@ -44,7 +44,7 @@ piece_law(Type, Piece, Law) :-
     ->  Sloped =.. [Kind|Straight], Law = sloped(Sloped)
     ;   Law = clause ).
 
-law_for_wall(Piece, Wall, Law) :- once(grammar:piece_size(Piece, L, D, Wall)), law(L, D, Law).
+law_for_wall(Piece, Wall, Law) :- sized(piece_size(Piece, L, D, Wall)), law(L, D, Law).
 
 %   The least and the greatest of a linear program are convex and concave in what is given: what lies on the straight
 %   line in the middle lies on it throughout.

@@ -1,4 +1,4 @@
-:- module(lengths, [stated_length/2, length_of/2, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+:- module(lengths, [stated_length/2, length_of/2, sized/1, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
 
 /** <module> A grammar's lengths and the extremes of its sizes
 
@@ -29,12 +29,20 @@ stated_length(window_margin,  M) :- ( grammar:window_margin(_) -> grammar:window
 
 length_of(Name, Length) :- stated_length(Name, M), rounded_up(M, Length).
 
+%!  sized(?Head) is semidet.
+%
+%   The grammar's clause of a size holds. Throws endless(Head) where that takes more inferences than any size should.
+
+sized(Head) :-
+    call_with_inference_limit(grammar:Head, 300 000, Result),
+    ( Result == inference_limit_exceeded -> throw(endless(Head)) ; true ), !.
+
 %!  room_range(+Type, -Width, -Depth) is semidet.
 %
 %   Width and Depth are the ranges of a room of this type. Fails where the grammar has no clause for it.
 
 room_range(Type, Width, Depth) :-
-    once(grammar:room_size(Type, W, D)),
+    sized(room_size(Type, W, D)),
     extremes(W, Width),
     extremes(D, Depth).
 
@@ -52,7 +60,7 @@ room_extent(Type, Width, Depth) :-
 %   Length and Depth are the ranges of a piece at a wall this long, a number of metres or constrained.
 
 piece_range(Piece, Wall, Length, Depth) :-
-    once(grammar:piece_size(Piece, L, D, Wall)),
+    sized(piece_size(Piece, L, D, Wall)),
     extremes(L, Length),
     extremes(D, Depth).
 

@@ -70,9 +70,9 @@ piece_found(Piece, Least-Most, Found) :-
 %   fits(+Type, +Piece, +Turns) is semidet: the piece can stand within the walls of some room of this type.
 
 fits(Type, Piece, Turns) :-
-    once(grammar:room_size(Type, W, D)),
+    sized(room_size(Type, W, D)),
     member(Wall-Other, [W-D,D-W]),
-    once(grammar:piece_size(Piece, Length, Depth, Wall)),
+    sized(piece_size(Piece, Length, Depth, Wall)),
     ( Along-Out = Length-Depth ; Turns == true, Along-Out = Depth-Length ),
     \+ \+ {Along =< Wall, Out =< Other}, !.
 

@@ -21,7 +21,7 @@ room_size_system(Type, W, D, Constraints) :-
     room_extent(Type, Width, Depth),
     box_system(W-D, Width, Depth, size(Type), Constraints).
 room_size_system(Type, W, D, Constraints) :-
-    once(grammar:room_size(Type, W0, D0)),
+    sized(room_size(Type, W0, D0)),
     size_system([W,D], [W0,D0], size(Type), Constraints).
 
 %!  item_size_system(+Type, ?Item, -Constraints) is det.
@@ -44,7 +44,7 @@ box_system(L-D, L1-L2, D1-D2, Reason, Constraints) :-
     maplist(reasoned(Reason), [L1 =< L, L =< L2, D1 =< D, D =< D2], Constraints).
 
 clause_system(Type, Piece, Sizes, Constraints) :-
-    once(grammar:piece_size(Piece, L, D, Wall)),
+    sized(piece_size(Piece, L, D, Wall)),
     size_system(Sizes, [L,D,Wall], size(Type,Piece), Constraints).
 
 %!  size_system(?Sizes, +Solved, +Reason, -Constraints) is det.

@@ -61,6 +61,13 @@ def test_a_correct_plan_has_no_violation(name: str) -> None:
         assert check(PLANS[name], HOME) == []
 
 
+def test_furniture_may_stand_behind_the_wall_beside_a_door_of_other_rooms() -> None:
+    """In the kitchen's corner, beside the door between corridor and bathroom."""
+    house = with_door(("R0", "R5"), x=2.9)
+    rooms = with_piece("R6", 3.9, 4.8, 0.15, 0.3).rooms
+    assert check(replace(house, rooms=rooms)) == []
+
+
 MISTAKES: dict[str, Callable[[], House]] = {
     r"R2 \(bathroom\) overlaps R3 \(bedroom\) by 0.30 m": lambda: with_room("R3", x=5.4, width=4.8),
     r"house: 1.08 m² between its rooms are no room's": lambda: with_room("R3", x=6.0, width=4.2),

@@ -216,8 +216,13 @@ def test_a_small_file_that_unpacks_to_more_than_is_read_is_refused(
     monkeypatch.setattr("logic.files.MOST_LINE", 1 << 20)
     with pytest.raises(HouseFileError, match=":1: a house of more than 1 MiB"):
         load(path)
+    path.write_bytes(gzip.compress((bytes([32]) * 999 + b"\n") * 3000))
     monkeypatch.setattr("logic.files.MOST_BYTES", 2 << 20)
     with pytest.raises(HouseFileError, match="holds more than 2 MiB"):
+        load(path)
+    path.write_bytes(gzip.compress(b"\n" * 3000))
+    monkeypatch.setattr("logic.files.MOST_LINES", 2000)
+    with pytest.raises(HouseFileError, match="holds more than 2 MiB or 2,000 lines"):
         load(path)
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from agent.cli import main
-from logic import House, load, save
+from logic import House, check, load, save
 from logic.records import schema
 from tests.logic.handmade import houses
 from tests.plans import PLANS
@@ -112,6 +112,13 @@ def test_the_published_schema_is_that_of_the_reader(capsys: pytest.CaptureFixtur
         main(["schema"])
     published = Path(__file__).parents[2] / "docs" / "house.schema.json"
     assert published.read_text() == capsys.readouterr().out, "./run schema > docs/house.schema.json"
+
+
+def test_the_page_about_house_files_shows_a_house_that_conforms() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "house-file.md").read_text()
+    (example,) = re.findall(r"```json\n(.*?)```", page, re.DOTALL)
+    assert accepts(SCHEMA, json.loads(example))
+    assert check(House.from_dict(json.loads(example))) == []
 
 
 def accepts(rule: dict[str, Any], value: Any) -> bool:  # noqa: PLR0911

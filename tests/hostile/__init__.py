@@ -1,0 +1,1 @@
+"""Inputs that others might have made to do harm: each is answered, and has no effect."""

@@ -1,0 +1,145 @@
+"""What reads the inputs: one process for many of them, which notes what Python does in it."""
+
+import importlib
+import os
+import resource
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import TimeoutError as Late
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from logic.errors import LimitReached, VitruviusError
+from tests.hostile.case import ACCEPTED, LIMITED, REFUSED
+
+SECONDS = 60.0
+"""Wall time for an answer: it takes a tenth of a second, but the machine may be busy."""
+
+MEMORY = 4 << 30
+"""Bytes of address space: as a solver process has."""
+
+EVENTS = {
+    *("os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.system", "subprocess.Popen", "pty.spawn"),
+    *("socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto"),
+    *("pickle.find_class", "webbrowser.open", "urllib.Request"),
+    *("os.remove", "os.rename", "os.rmdir", "os.chmod", "os.chown", "os.link", "os.symlink", "os.truncate"),
+}
+"""Of Python's audit events those that no reading of a file has."""
+
+noted: list[str] = []
+"""The events of the input that is being read."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One of the three answers, in which words, with what was noted on the way; any other is a fault."""
+
+    answer: str
+    text: str
+    events: list[str] = field(default_factory=list)
+
+
+def answer_of(error: BaseException) -> Answer:
+    """Which answer an error is."""
+    if isinstance(error, LimitReached):
+        return Answer(LIMITED, str(error))
+    if isinstance(error, VitruviusError) and error.exit_code != VitruviusError.exit_code:
+        return Answer(REFUSED, str(error))
+    return Answer(type(error).__name__, str(error))
+
+
+class Reader:
+    """A process that reads one input after another. Where one ends it, the next has another process."""
+
+    def __init__(self, *modules: str, memory: int = MEMORY) -> None:
+        """Start none yet; it imports these modules first, which may ask programs where they lie."""
+        self._modules, self._memory, self._pool = modules, memory, None
+
+    def ready(self) -> int:
+        """The number of a process that waits for an input."""
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self._modules, self._memory))
+        return self._pool.submit(os.getpid).result(60)
+
+    def answer(self, read: Callable[..., Answer], *arguments: Path) -> Answer:
+        """What a function of this or another module answers."""
+        assert self._pool
+        try:
+            return self._pool.submit(_answered, read, arguments).result(SECONDS)
+        except (BrokenProcessPool, Late) as error:
+            self.end()
+            return Answer(type(error).__name__, f"the process ended, or had no answer in {SECONDS:g} s")
+
+    def is_alive(self) -> bool:
+        """Whether the last input did not end the process."""
+        return self._pool is not None
+
+    def end(self) -> None:
+        """End the process."""
+        if self._pool:
+            for process in self._pool._processes.values():
+                process.kill()
+            self._pool.shutdown()
+        self._pool = None
+
+
+def _begin(modules: tuple[str, ...], memory: int) -> None:
+    for module in modules:
+        importlib.import_module(module)
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    sys.addaudithook(
+        lambda event, values: noted.append(f"{event}{values!r:.200}") if event in EVENTS else None
+    )
+
+
+def _answered(read: Callable[..., Answer], arguments: tuple[Path, ...]) -> Answer:
+    noted.clear()
+    try:
+        found = read(*arguments)
+    except BaseException as error:
+        found = answer_of(error)
+    return Answer(found.answer, found.text, noted[:9])
+
+
+def rules(folder: Path) -> Answer:
+    """What ``generate`` and ``lint`` do with a grammar, in this process: it is refused, or makes a house."""
+    from logic.builder import Builder
+    from logic.grammar import find
+    from logic.request import Request
+
+    builder = Builder(find(folder), 0.0)
+    request = Request.read({"rooms": 1, "types": {}, "furniture": {}, "cell": 0.0})
+    house = builder.house(request, seed=0, index=0, inferences=3_000_000)
+    return Answer(ACCEPTED, f"a house of {len(house.rooms)} rooms")
+
+
+def bomb(folder: Path) -> Answer:
+    """What ``generate`` answers, by a solver process, to a grammar that may take long."""
+    from logic import generate
+
+    try:
+        house = next(generate(rooms=1, grammar=folder, seconds=2.0))
+    finally:
+        noted.clear()  # the solver process itself
+    return Answer(ACCEPTED, f"a house of {len(house.rooms)} rooms")
+
+
+def command(*words: Any) -> Answer:
+    """What a command of ``vitruvius`` prints and exits with."""
+    import io
+    from contextlib import redirect_stderr, redirect_stdout
+
+    from agent.cli import main
+
+    said = io.StringIO()
+    with redirect_stdout(said), redirect_stderr(said):
+        try:
+            main([str(word) for word in words])
+        except SystemExit as end:
+            code = end.code
+    answer = {0: ACCEPTED, 1: ACCEPTED, 2: REFUSED, 4: LIMITED, 5: REFUSED}.get(code, f"exit code {code}")
+    return Answer(answer, said.getvalue())

@@ -1,0 +1,118 @@
+"""Each of the hostile inputs is refused, ends at a stated limit or is data, and none has an effect.
+
+They are run by ``./run test -m hostile tests/hostile``, which prints a table by kind at its end.
+"""
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.hostile import answer_sets, bombs, checkpoints, files, folders, houses, prolog, subjects
+from tests.hostile.case import SECRET, Yard
+from tests.hostile.subjects import Answer, Reader
+from tests.hostile.watch import Ear, forget_peak, peak, watched
+
+pytestmark = pytest.mark.hostile
+
+MEMORY = 1 << 30
+"""Bytes that reading an input may take, beside what the program takes itself."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Who reads the inputs of some tables, in a process that has imported these modules."""
+
+    read: Callable[..., Answer]
+    tables: tuple[object, ...]
+    modules: tuple[str, ...] = ("pyswip", "logic.builder")
+    address_space: int = subjects.MEMORY
+
+
+TORCH = ("pyswip", "agent.runs", "torch.utils.tensorboard")
+SUBJECTS = (
+    Subject(subjects.rules, (prolog, answer_sets, files)),
+    Subject(subjects.bomb, (bombs,)),
+    Subject(houses.shown, (houses,), ("agent.cli", "logic.draw", "matplotlib")),
+    Subject(checkpoints.loaded, (checkpoints,), TORCH, 32 << 30),
+    Subject(folders.resumed, (folders,), TORCH, 32 << 30),
+)
+CASES = {
+    str(case): (case, subject) for subject in SUBJECTS for table in subject.tables for case in table.CASES
+}
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Where everything lies: the yard of each case, the current folder, the home of the user."""
+    root = tmp_path_factory.mktemp("hostile")
+    (root / "home").mkdir()
+    (root / "here").mkdir()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(root / "here")
+        patch.setenv("HOME", str(root / "home"))
+        patch.setenv("XDG_CACHE_HOME", os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache")))
+        yield root
+
+
+@pytest.fixture(scope="module")
+def readers(root: Path) -> Iterator[dict[Subject, Reader]]:
+    """A process for each that reads."""
+    readers = {each: Reader(*each.modules, memory=each.address_space) for each in SUBJECTS}
+    yield readers
+    for reader in readers.values():
+        reader.end()
+
+
+@pytest.fixture(scope="module")
+def ear() -> Ear:
+    """A server that must hear nothing."""
+    return Ear()
+
+
+@pytest.mark.parametrize("title", CASES)
+def test_a_hostile_input_is_answered_and_has_no_effect(
+    title: str,
+    root: Path,
+    readers: dict[Subject, Reader],
+    ear: Ear,
+    record_property: Callable[[str, object], None],
+) -> None:
+    case, subject = CASES[title]
+    reader = readers[subject]
+    process = reader.ready()
+    if subject.read is folders.resumed and not (root / "run").exists():
+        assert reader.answer(folders.trained, root / "run").answer == "accepted"
+    yard = Yard(root / "yard", ear.port)
+    yard.lay_out()
+    try:
+        path = case.make(yard)
+        forget_peak(process)
+        before = peak(process)
+        with watched(root, yard.out, ear, process) as effects:
+            answer = reader.answer(
+                subject.read, *((path, yard.out) if subject.read is houses.shown else (path,))
+            )
+            took = peak(process) - before if reader.is_alive() else 0
+    finally:
+        yard.clear()
+    if subject.read is subjects.bomb:  # its solver process is its own, and may wait for the next house
+        effects.found = [each for each in effects.found if "processes" not in each]
+    effects.found += [event for event in answer.events if str(yard.out) not in event]
+    record_property("hostile", (case.kind, answer.answer, len(effects.found)))
+    assert not effects.found
+    assert answer.answer in case.answers, answer.text
+    assert case.says in answer.text
+    assert SECRET not in answer.text
+    assert took < MEMORY
+
+
+def test_there_are_many_of_each_kind() -> None:
+    numbers = Counter(case.kind.partition(":")[0] for case, _ in CASES.values())
+    assert numbers["Prolog"] + numbers["clingo"] + numbers["grammars"] >= 120
+    assert numbers["houses"] >= 60
+    assert numbers["checkpoints"] + numbers["run folders"] >= 40
+    assert len(CASES) == sum(len(table.CASES) for subject in SUBJECTS for table in subject.tables)

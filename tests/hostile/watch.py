@@ -1,0 +1,122 @@
+"""What an input does besides the answer: files, processes, connections, memory."""
+
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+Files = dict[str, tuple[int, int, int]]
+
+
+def files(root: Path, but: Path) -> Files:
+    """Mode, size and time of all that lies beneath a folder, but for one folder."""
+    found = {}
+    for folder, names, leaves in os.walk(root):
+        for name in (*names, *leaves):
+            path = os.path.join(folder, name)
+            if not Path(path).is_relative_to(but):
+                state = os.lstat(path)
+                found[path] = (state.st_mode, state.st_size, state.st_mtime_ns)
+    return found
+
+
+def processes() -> dict[int, tuple[int, str]]:
+    """The parent and the name of each process of this machine."""
+    found = {}
+    for entry in os.listdir("/proc"):
+        if entry.isdecimal():
+            try:
+                head, _, tail = Path("/proc", entry, "stat").read_text().rpartition(")")
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            found[int(entry)] = (int(tail.split()[1]), head.partition("(")[2])
+    return found
+
+
+def descendants(ancestor: int) -> dict[int, str]:
+    """The names of all processes that a process has started, and these, by their numbers."""
+    every, found = processes(), {ancestor: ""}
+    while new := {p: name for p, (parent, name) in every.items() if parent in found and p not in found}:
+        found |= new
+    del found[ancestor]
+    return found
+
+
+def children_reaped(process: int) -> int:
+    """Page faults of the children that a process has waited for: 0 as long as it had none."""
+    return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[8])
+
+
+def sockets(process: int) -> int:
+    """How many sockets a process has open."""
+    folder, number = f"/proc/{process}/fd", 0
+    for descriptor in os.listdir(folder):
+        try:
+            number += os.readlink(f"{folder}/{descriptor}").startswith("socket:")
+        except FileNotFoundError:
+            continue
+    return number
+
+
+def peak(process: int) -> int:
+    """The most memory that a process has had at once since ``forget_peak``, bytes."""
+    for line in Path(f"/proc/{process}/status").read_text().splitlines():
+        if line.startswith("VmHWM"):
+            return int(line.split()[1]) << 10
+    return 0
+
+
+def forget_peak(process: int) -> None:
+    """Measure the peak from now on."""
+    Path(f"/proc/{process}/clear_refs").write_text("5")
+
+
+class Ear:
+    """A server of this machine to which nothing is to connect."""
+
+    def __init__(self) -> None:
+        """Listen."""
+        self.server = socket.create_server(("127.0.0.1", 0))
+        self.server.setblocking(False)
+        self.port: int = self.server.getsockname()[1]
+
+    def heard(self) -> int:
+        """How many have connected since the last time."""
+        number = 0
+        while True:
+            try:
+                self.server.accept()[0].close()
+            except BlockingIOError:
+                return number
+            number += 1
+
+
+@dataclass
+class Effects:
+    """What an input has done, a line for each thing."""
+
+    found: list[str] = field(default_factory=list)
+
+    def add(self, what: str, number: int) -> None:
+        """Something, where there is any."""
+        if number:
+            self.found.append(f"{number} {what}")
+
+
+@contextmanager
+def watched(root: Path, out: Path, ear: Ear, process: int) -> Iterator[Effects]:
+    """What happens within a block to a folder but for ``out``, and what a process starts and opens."""
+    effects = Effects()
+    before = files(root, out), descendants(process), children_reaped(process), sockets(process)
+    yield effects
+    after = files(root, out)
+    changed = {path for path in before[0].keys() | after.keys() if before[0].get(path) != after.get(path)}
+    effects.found += [f"changed {path}" for path in sorted(changed)]
+    effects.add("connections", ear.heard())
+    if Path(f"/proc/{process}/stat").exists() and os.listdir(f"/proc/{process}/task"):
+        left = descendants(process).keys() - before[1].keys()
+        effects.add("processes left", len(left))
+        effects.add("page faults of processes that ended", children_reaped(process) - before[2])
+        effects.add("sockets", sockets(process) - before[3])
