@@ -36,6 +36,8 @@ class Builder:
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
+        if cell and grammar.shares_walls:
+            raise RequestError("cell: walls that rooms share lie on no grid yet: leave cell out")
         self.grammar = grammar
         self.loaded = LoadedGrammar(grammar, cell)
         if self.loaded.errors:

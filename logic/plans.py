@@ -41,9 +41,8 @@ class Planner:
         Raises ``Unsatisfiable`` where it is proved that there is none, ``LimitReached`` past this number of
         Prolog inferences.
         """
-        if request.cell or request.fixed:
-            what = "cell" if request.cell else "keep"
-            raise RequestError(f"{what}: rooms that share walls cannot have it yet: leave {what} out")
+        if request.fixed:
+            raise RequestError("keep: rooms that share walls cannot be kept yet: leave keep out")
         nogoods: list[Nogood] = []
         unfurnishable: set[str] = set()
         for _ in range(MOST_TRIES):

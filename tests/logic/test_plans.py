@@ -183,3 +183,20 @@ def test_a_grammar_that_names_no_topology_is_a_star() -> None:
     assert find("family").topology_name == "star"
     assert not find("family").shares_walls
     assert find("home").shares_walls
+
+
+def test_what_plans_cannot_have_yet_is_said(home: Builder) -> None:
+    with pytest.raises(RequestError, match=r"cell: .* leave cell out"):
+        Builder(find("home"), 0.3)
+
+
+def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:
+    request = Request.read({"rooms": 6, "furniture": {"bedroom.bed": 2}})
+    house = home.house(request, 0, 0, INFERENCES)
+    beds = [
+        [piece.type for piece in room.pieces].count("bed") for room in house.rooms if room.type == "bedroom"
+    ]
+    assert set(beds) == {2}
+    with pytest.raises(Unsatisfiable) as error:
+        home.house(Request.read({"rooms": 6, "furniture": {"bedroom.bed": 9}}), 0, 0, INFERENCES)
+    assert "may(bedroom,bed,1,2)." in str(error.value)
