@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import IO, Any
+from typing import Any, BinaryIO
 
 import msgspec
 
@@ -49,7 +49,7 @@ def load(path: str | Path) -> list[House]:
     return houses
 
 
-def _houses(file: IO[bytes], path: Path) -> Iterator[House]:
+def _houses(file: BinaryIO | gzip.GzipFile, path: Path) -> Iterator[House]:
     """The houses of an open file, line by line: what is too large is not read to its end."""
     read = file.read if _holds_one(path) else file.readline
     number, left = 0, MOST_BYTES

@@ -152,6 +152,8 @@ def _begin(arch: Any, threads: int | None) -> None:
     before = _threads()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(**options)
+    # In this thread, which alone can: other threads then compile and launch before there is a field.
+    impl.get_runtime().materialize()
     _spread(sorted(_threads() - before), threads)
 
 

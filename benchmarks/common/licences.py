@@ -4,6 +4,7 @@
 """
 
 import re
+from argparse import ArgumentParser
 from collections.abc import Iterator
 from importlib.metadata import Distribution, distribution
 from pathlib import Path
@@ -125,4 +126,5 @@ def notice() -> str:
 
 
 if __name__ == "__main__":
+    ArgumentParser(description=__doc__).parse_args()
     print(notice(), end="")

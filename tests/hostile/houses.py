@@ -11,12 +11,16 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from msgspec.structs import replace
+
 from tests.hostile.case import ACCEPTED, HARMLESS, REFUSED, Case, Yard, titled
 from tests.hostile.subjects import Answer, command
 from tests.logic.handmade import built, sketches
 
-LINE = json.dumps(built(4.2, 4.2, tuple((sketch,) for sketch in sketches())).to_dict())
-RECORD = json.loads(LINE)
+HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
+LINE = json.dumps(replace(HOUSE, format="vitruvius-1").to_dict())
+RECORD, PLAN = json.loads(LINE), json.loads(json.dumps(replace(HOUSE, format="vitruvius-2").to_dict()))
+"""A star, and the same house in the format of houses of any topology."""
 
 DRAWN = {"svg", "g", "rect", "line", "path", "polyline", "polygon", "ellipse", "circle", "text", "title"}
 """Elements of a plan: nothing that runs, loads or links."""
@@ -84,18 +88,30 @@ PLACES = (
     *("R0.children.0.orientation", "provenance", "provenance.request", "provenance.request.cell"),
     *("provenance.seed", "provenance.index", "provenance.versions", "provenance.grammar"),
 )
+PLACES_OF_A_PLAN = (
+    *("format", "unit", "rooms", "rooms.0", "rooms.0.name", "rooms.0.x", "rooms.0.width", "rooms.0.type"),
+    *("rooms.1.children", "doors", "doors.0", "doors.0.between", "doors.0.between.0", "doors.0.x", "windows"),
+    *("doors.0.width", "hub", "topology"),
+)
 PROVENANCE = {"grammar": "family", "grammar_hash": "", "request": {}, "seed": 0, "index": 0, "versions": {}}
 
 
-def changed(path: str, value: Any) -> str:
-    """The record as JSON with another value at a dotted path."""
-    record: Any = copy.deepcopy(RECORD) | {"provenance": copy.deepcopy(PROVENANCE)}
+def changed(path: str, value: Any, of: Any = RECORD) -> str:
+    """A record as JSON with another value at a dotted path."""
+    record: Any = copy.deepcopy(of) | {"provenance": copy.deepcopy(PROVENANCE)}
     *way, last = [int(step) if step.isdecimal() else step for step in path.split(".")]
     place = record
     for step in way:
         place = place[step]
     place[last] = value
     return json.dumps(record)
+
+
+def good(folder: Path) -> Path:
+    """A file of one house: the first that a process reads, which then starts what it needs."""
+    path = folder / "good.jsonl"
+    path.write_text(LINE)
+    return path
 
 
 def piece(**changes: Any) -> dict[str, Any]:
@@ -294,6 +310,26 @@ CASES = [
         )
         for name in NAMES
         for place in ("R0.type", "R0.children.0.type", "provenance.grammar")
+    ),
+    *(
+        Case(
+            "houses: names",
+            f"{titled(name)} as {place} of a plan",
+            _written(lambda place=place, name=name: changed(place, name, PLAN)),
+            HARMLESS,
+        )
+        for name in NAMES
+        for place in ("rooms.0.name", "topology")
+    ),
+    *(
+        Case(
+            "houses: values",
+            f"{title} as {place} of a plan",
+            _written(lambda place=place, value=value: changed(place, value, PLAN)),
+            HARMLESS,
+        )
+        for title, value in VALUES.items()
+        for place in PLACES_OF_A_PLAN
     ),
     *(
         Case(

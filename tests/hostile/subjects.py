@@ -135,11 +135,11 @@ def command(*words: Any) -> Answer:
 
     from agent.cli import main
 
-    said = io.StringIO()
+    said, code = io.StringIO(), -1
     with redirect_stdout(said), redirect_stderr(said):
         try:
             main([str(word) for word in words])
         except SystemExit as end:
-            code = end.code
+            code = end.code if isinstance(end.code, int) else -1
     answer = {0: ACCEPTED, 1: ACCEPTED, 2: REFUSED, 4: LIMITED, 5: REFUSED}.get(code, f"exit code {code}")
     return Answer(answer, said.getvalue())

@@ -67,7 +67,7 @@ MISTAKES = (
     Command("generate --rooms 2 --out x.csv", ("x.csv: .csv is not written", ".jsonl")),
     Command("generate --rooms 2 --out x", ("x: no extension is not written", ".jsonl")),
     Command("generate --rooms 2 --count 2 --out x.json", ("holds one house, not 2", "use .jsonl")),
-    Command("generate --rooms 2 --out runs", ("runs: is a folder", "runs/houses.jsonl")),
+    Command("generate --rooms 2 --out runs", ("runs: is a folder", "runs/name.jsonl")),
     Command("export pqn-map --out x.pt", ("x.pt: .pt is not written", ".onnx")),
     Command("evaluate --out x.json", ("x.json: a folder is written",)),
     Command("train --steps 1 --out x.safetensors", ("x.safetensors: a folder is written",)),
