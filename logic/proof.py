@@ -72,11 +72,15 @@ class Prover:
         for order in infeasible:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
         possible = self._has_walls(relaxed)
-        if request.plan:
+        core = relaxed.core
+        for room in _rooms_of(request):
             # Sizes that forbid a room of the plan say more than what follows for the other rooms.
-            sizes = [each for each in statements if each.clause or not each.reason.file]
-            statements = statements if possible(sizes) else sizes
-        needed = minimal(statements, possible, relaxed.core)
+            chosen = [each for each in statements if each.reason in room]
+            some = chosen + [each for each in statements if each.clause]
+            if not possible(some):
+                statements, core = some, list
+                break
+        needed = minimal(statements, possible, core)
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
         if request.plan:
@@ -281,6 +285,14 @@ def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
     for name in request.furniture:
         fewer = {other: wanted for other, wanted in request.furniture.items() if other != name}
         yield _option("--piece", name, request.furniture), replace(request, furniture=fewer)
+
+
+def _rooms_of(request: Request) -> list[set[Reason]]:
+    """What the request's plan says of each of its rooms, if it has one."""
+    rooms: dict[Symbol, set[Reason]] = {}
+    for requirement, text in own_requirements(request.plan).items() if request.plan else ():
+        rooms.setdefault(requirement.arguments[0], set()).add(Reason(text))
+    return list(rooms.values())
 
 
 def _fixed(fixed: FixedRoom) -> Reason:
