@@ -64,6 +64,8 @@ def generate(
     own = None if plan is None else read_plan(plan)
     if own:
         rooms = _rooms_of(own, rooms, cell, keep)
+    if rooms is None:
+        raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
     for counts, least in (
         ({"rooms": rooms, "count": count, "workers": workers, "inferences": inferences}, 1),
         ({"seed": seed, "start": start}, 0),
@@ -71,7 +73,6 @@ def generate(
         for name, value in counts.items():
             if type(value) is not int or not least <= value < 2**31:
                 raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}")
-    assert rooms is not None
     if rooms > MOST_ROOMS:
         raise RequestError(f"rooms must be at most {MOST_ROOMS}, not {rooms}")
     if not 0 < seconds < 1e6:

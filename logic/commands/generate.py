@@ -157,8 +157,11 @@ class Generate:
         """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
         from logic import count_layouts
 
-        if self.keep:
-            raise RequestError("--count-layouts counts those of whole houses: leave out --keep")
+        for option, given in (("--keep", self.keep), ("--plan", self.plan)):
+            if given:
+                raise RequestError(f"--count-layouts counts those of whole houses: leave out {option}")
+        if self.rooms is None:
+            raise RequestError("--count-layouts counts those of some rooms: say how many, as in --rooms 6")
         if self.out:
             raise RequestError("--count-layouts makes no houses: leave out --out")
         begun, exact = time.monotonic(), True

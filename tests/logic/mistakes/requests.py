@@ -82,6 +82,17 @@ MISTAKES = (
     Command("generate --rooms 3 --keep houses.jsonl --cell 0.3", ("leave out cell or keep",)),
     Command("generate --rooms 3 --keep houses.jsonl --count-layouts", ("leave out --keep",)),
     Command("generate --rooms 3 --count-layouts --out houses.jsonl", ("leave out --out",)),
+    # plans of the user's
+    Command("generate", ("rooms: say how many, as in --rooms 6", "--plan FILE")),
+    Command("generate --count-layouts", ("say how many, as in --rooms 6",)),
+    Command("generate --plan houses.jsonl --rooms 9", ("it has 3 rooms, but rooms=9: leave rooms out",)),
+    Command("generate --plan houses.jsonl --cell 0.3", ("leave out cell or plan",)),
+    Command("generate --plan houses.jsonl --keep houses.jsonl", ("leave out keep or plan",)),
+    Command("generate --plan houses.jsonl --count-layouts", ("leave out --plan",)),
+    Command("generate --plan houses.jsonl", ("family is a star", "--grammar home")),
+    Command("generate --plan houses.jsonl --grammar home", ("plan: main: there is no room type main",)),
+    Command("generate --plan flat.geojson", ("flat.geojson: there is no such file",), 5),
+    Command("generate --plan runs/mine/agent.safetensors", ("agent.safetensors: holds no house",), 5),
     # studies
     Command("bench generator --rounds 0", ("--rounds 1 or more",)),
     Command("bench generator --part house --publish", ("leave out --part",)),
