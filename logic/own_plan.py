@@ -20,7 +20,7 @@ from logic.check_plan import gaps
 from logic.errors import RequestError
 from logic.files import load
 from logic.house import House
-from logic.parts import FARTHEST, OUTSIDE, Room
+from logic.parts import FARTHEST, OUTSIDE, Door, Room, Window
 from logic.walls import remaining
 
 GEOJSON = "FeatureCollection"
@@ -52,9 +52,14 @@ class Wall:
 
 
 class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
-    """Rooms with names, types (empty: any) and places in metres, x east, y south; without furniture."""
+    """Rooms with names, types (empty: any) and places in metres, x east, y south; without furniture.
+
+    If there are doors between rooms, there will be no others; likewise an entrance, and windows.
+    """
 
     rooms: tuple[Room, ...]
+    doors: tuple[Door, ...] = ()
+    windows: tuple[Window, ...] = ()
 
     @cached_property
     def lines(self) -> list[dict[str, tuple[str, int]]]:
@@ -78,6 +83,20 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
             wall for number in range(len(self.rooms)) for side in SIDES for wall in self._side(number, side)
         ]
 
+    def wall_of(self, opening: Door | Window) -> Wall | None:
+        """The wall that a door or window lies in, on the side of its first room; None if in none."""
+        names = [room.name for room in self.rooms]
+        between = opening.between if isinstance(opening, Door) else (opening.room, OUTSIDE)
+        room, behind = sorted((names.index(name) if name != OUTSIDE else None for name in between), key=str)
+        for wall in self.walls:
+            k = SIDES[wall.side] % 2
+            start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
+            along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE
+            on = abs(place - wall.place) + abs(opening.box[k + 2] - wall.place) <= TOLERANCE
+            if (wall.room, wall.behind) == (room, behind) and along and on:
+                return wall
+        return None
+
     def _side(self, number: int, side: str) -> Iterator[Wall]:
         k = SIDES[side]
         opposite = next(name for name, place in SIDES.items() if place == (k + 2) % 4)
@@ -100,8 +119,11 @@ def read_plan(source: str | Path | House | Mapping[str, Any]) -> OwnPlan:
     """
     if isinstance(source, str | Path):
         source = _from_file(Path(source))
-    rooms = source.rooms if isinstance(source, House) else tuple(_from_geojson(source))
-    plan = OwnPlan(tuple(msgspec.structs.replace(room, children=()) for room in rooms))
+    if isinstance(source, House):
+        bare = tuple(msgspec.structs.replace(room, children=()) for room in source.rooms)
+        plan = OwnPlan(bare, source.doors, source.windows)
+    else:
+        plan = OwnPlan(tuple(_from_geojson(source)))
     _require_plan(plan)
     return plan
 
@@ -193,6 +215,8 @@ def _require_plan(plan: OwnPlan) -> None:
             )
     for fault in chain(_overlaps(plan), _apart(plan), _gaps(plan)):
         raise RequestError(f"plan: {fault}: {HINT}")
+    for fault in _misplaced(plan):
+        raise RequestError(f"plan: {fault}")
 
 
 def _overlaps(plan: OwnPlan) -> Iterator[str]:
@@ -221,6 +245,21 @@ def _gaps(plan: OwnPlan) -> Iterator[str]:
         if gap.area > 1e-4:
             around = [room.name for room in plan.rooms if shapely.box(*room.box).distance(gap) < 1e-4]
             yield f"{gap.area:.2f} m² between {', '.join(around)} are no room's"
+
+
+def _misplaced(plan: OwnPlan) -> Iterator[str]:
+    """Doors and windows that lie in no wall of their rooms, and all but one door between the same rooms."""
+    joined: set[frozenset[str]] = set()
+    for door in plan.doors:
+        one, other = door.between
+        if plan.wall_of(door) is None:
+            yield f"the door between {one} and {other} is in no wall that they share"
+        if frozenset(door.between) in joined:
+            yield f"there are two doors between {one} and {other}: keep one of them"
+        joined.add(frozenset(door.between))
+    for window in plan.windows:
+        if plan.wall_of(window) is None:
+            yield f"a window of {window.room} at x {window.x:g}, y {window.y:g} is in no outer wall of it"
 
 
 def _numbers(values: Iterable[float]) -> dict[float, int]:

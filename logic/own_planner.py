@@ -37,15 +37,29 @@ class OwnPlanner(Planner):
             {**msgspec.to_builtins(room), "number": number, "type": types[number]}
             for number, room in enumerate(self.plan.rooms)
         ]
-        return {**self._placer.own_openings(self.plan, layout, seed), "rooms": rooms, "inferences": 0}
+        openings = self._placer.own_openings(self.plan, layout, seed)
+        # What the plan has stays in its place.
+        kept = {frozenset(door.between): msgspec.to_builtins(door) for door in self.plan.doors}
+        for door in openings["doors"]:
+            names = (each if isinstance(each, str) else rooms[each]["name"] for each in door["between"])
+            door.update(kept.get(frozenset(names), {}) | {"between": door["between"]})
+        if self.plan.windows:
+            numbers = {room["name"]: room["number"] for room in rooms}
+            openings["windows"] = [
+                {**msgspec.to_builtins(window), "room": numbers[window.room]} for window in self.plan.windows
+            ]
+        return {**openings, "rooms": rooms, "inferences": 0}
 
 
 def _meetings(plan: OwnPlan) -> Walls:
-    """Which rooms share walls, and which sides are outer walls, wholly or in part."""
-    found = {}
+    """Which rooms share walls, which sides are outer walls, wholly or in part, and which have windows."""
+    found = []
     for wall in plan.walls:
-        side = Function("outside", [Number(wall.room), Function(wall.side)])
-        found[
-            side if wall.behind is None else Function("touch", [Number(wall.room), Number(wall.behind)])
-        ] = ()
-    return list(found.items())
+        room, side = Number(wall.room), Function(wall.side)
+        outer = wall.behind is None
+        found.append(
+            Function("outside", [room, side]) if outer else Function("touch", [room, Number(wall.behind)])
+        )
+    panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
+    found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
+    return [(fact, ()) for fact in dict.fromkeys(found)]

@@ -188,7 +188,12 @@ class Placer:
         ]
         west, north, east, south = plan.outline
         size = Term("size", float(east - west), float(south - north))
-        found = self._ask("own_plan_faults", size, rooms, _walls(plan), types)
+        doors = []
+        for door in plan.doors:
+            if wall := plan.wall_of(door):
+                behind = wall.side if wall.behind is None else wall.behind
+                doors.append(Term("door", wall.room, behind, float(door.length)))
+        found = self._ask("own_plan_faults", size, rooms, _walls(plan), doors, types)
         return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
 
     def own_openings(self, plan: OwnPlan, layout: Sequence[Symbol], seed: int) -> dict[str, Any]:

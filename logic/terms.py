@@ -54,6 +54,17 @@ def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
         if room.type:
             typed = Function("typed", [Number(number), Function(room.type)])
             found[typed] = f"plan: {room.name} is of type {room.type}"
+    for door in plan.doors:
+        if wall := plan.wall_of(door):
+            behind = Function(wall.side) if wall.behind is None else Number(wall.behind)
+            joined = Function("joined", [Number(wall.room), behind])
+            found[joined] = f"plan: a door joins {door.between[0]} and {door.between[1]}"
+    for kind, some in (
+        ("doors", [door for door in plan.doors if not door.is_entrance]),
+        ("windows", plan.windows),
+    ):
+        if some:
+            found[Function("only", [Function(kind)])] = f"plan: there are no other {kind}"
     return found
 
 

@@ -1,4 +1,4 @@
-:- module(own_plan, [own_plan_faults/5, own_openings/5]).
+:- module(own_plan, [own_plan_faults/6, own_openings/5]).
 
 /** <module> A user's own plan: what the grammar's lengths forbid in it, and its doors and windows
 
@@ -17,13 +17,13 @@ A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a roo
 :- use_module(sample).
 :- use_module(sizes).
 
-%!  own_plan_faults(+Outline, +Rooms, +Walls, +Types, -Json) is det.
+%!  own_plan_faults(+Outline, +Rooms, +Walls, +Doors, +Types, -Json) is det.
 %
-%   Outline is size(Width,Depth), Rooms are room(R,Width,Depth). Json lists [Fact,Clauses], facts of own.lp.
+%   Outline is size(Width,Depth), Rooms are room(R,Width,Depth), Doors are door(R,Q,Length) with a room or side Q. Json lists [Fact,Clauses], facts of own.lp.
 
-own_plan_faults(Outline, Rooms, Walls, Types, Json) :-
+own_plan_faults(Outline, Rooms, Walls, Doors, Types, Json) :-
     findall([Text,Texts],
-            ( fault(Outline, Rooms, Walls, Types, Fact, Clauses),
+            ( ( fault(Outline, Rooms, Walls, Types, Fact, Clauses) ; thin(Doors, Fact, Clauses) ),
               term_string(Fact, Text), maplist(term_string, Clauses, Texts) ),
             Faults),
     as_json(Faults, Json).
@@ -41,6 +41,8 @@ fault(_, _, Walls, _, shut(at(R),S), [length(door_width),length(door_margin)]) :
     outer_side(Walls, R, S, A-B), doorway(Least), \+ reaches(A-B, Least).
 fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)]) :-
     outer_side(Walls, R, S, A-B), member(T, Types), least_wall(T, Least), \+ reaches(A-B, Least).
+
+thin(Doors, thin(at(R),Q), [length(door_width)]) :- member(door(R,Q,L), Doors), length_of(door_width, W), L < W - 1.0e-6.
 
 unfit(T, W, D, size(T)) :- room_size_system(T, W, D, System), \+ posted(System), !.
 unfit(T, W, D, room_area(T)) :- grammar:room_area(T, Least, Most), Area is W*D, ( Area < Least - 1.0e-6 ; Area > Most + 1.0e-6 ), !.

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from logic import RequestError, Unsatisfiable, check
 from logic.builder import Builder
@@ -91,14 +92,35 @@ def test_y_of_geojson_grows_north_and_any_direction_or_start_of_a_ring_is_a_rect
     assert {room.name: room.box for room in read_plan(moved).rooms} == boxes
 
 
-def test_a_house_is_a_plan_of_rooms_that_are_furnished_again(home: Builder, tmp_path: Path) -> None:
+def test_a_house_is_a_plan_whose_rooms_doors_and_windows_stay_and_are_furnished_again(
+    home: Builder, tmp_path: Path
+) -> None:
     house = made(home, FILE)
     (tmp_path / "house.json").write_text(json.dumps(house.to_dict()))
     other = made(home, tmp_path / "house.json", 1)
+    assert check(other) == []
     assert places(other.rooms) == places(house.rooms)
     assert [room.type for room in other.rooms] == [room.type for room in house.rooms]
+    assert sorted(door.box for door in other.doors) == sorted(door.box for door in house.doors)
+    assert other.windows == house.windows
+    assert [room.children for room in other.rooms] != [room.children for room in house.rooms]
     assert other.provenance
     assert other.provenance.request["plan"]["rooms"][0]["name"] == house.rooms[0].name
+
+
+def test_doors_of_a_plan_that_the_rules_forbid_are_named_in_the_proof(home: Builder) -> None:
+    house = made(home, FILE)
+    to_bath = next(door for door in house.doors if "bath" in door.between)
+    others = tuple(door for door in house.doors if door is not to_bath)
+    with pytest.raises(Unsatisfiable, match="plan: there are no other doors"):
+        made(home, replace(house, doors=others))
+    thin = replace(to_bath, width=to_bath.width * 0.7, height=to_bath.height * 0.7)
+    with pytest.raises(Unsatisfiable, match="plan: a door joins bath and hall") as proof:
+        made(home, replace(house, doors=(*others, thin)))
+    assert "door_width" in str(proof.value)
+    for astray in (replace(to_bath, x=0.0), replace(to_bath, between=("bath", "living"))):
+        with pytest.raises(RequestError, match=r"the door between bath and .* is in no wall that they share"):
+            read_plan(replace(house, doors=(*others, astray)))
 
 
 @pytest.mark.parametrize(
