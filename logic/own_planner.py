@@ -21,6 +21,8 @@ from logic.request import Request
 class OwnPlanner(Planner):
     """Makes houses in one plan by one grammar."""
 
+    advice = "another seed, a larger room, less furniture, or doors and windows elsewhere"
+
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, plan: OwnPlan) -> None:
         """Find what the grammar forbids in the plan."""
         self.plan = plan

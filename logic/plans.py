@@ -30,6 +30,9 @@ MOST_TRIES = 200
 class Planner:
     """Makes plans of one grammar."""
 
+    advice = "another seed, or larger rooms (room_size/3, room_area/3)"
+    """Where rooms cannot be furnished."""
+
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
         """Know its rules."""
         self._topology = grammar.topology_name
@@ -52,7 +55,8 @@ class Planner:
             try:
                 pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request)
             except Unfurnishable as proof:
-                last = str(proof)
+                name = plan["rooms"][proof.place].get("name", f"R{proof.place}")
+                last = f"{name}, {proof}"
                 # At this size and with these doors; or with one door at any size, and then nowhere.
                 if not self._prover.is_furnishable(request, proof.room.type):
                     unfurnishable.add(proof.room.type)
@@ -61,9 +65,8 @@ class Planner:
             plan["hub"] = hubs[0] if len(hubs) == 1 else ""
             return _house(plan, pieces, self._topology)
         raise LimitReached(
-            f"{MOST_TRIES} times a room could not be furnished at its size, though larger ones might be (the "
-            f"last time {last}): "
-            "try another seed, or larger rooms (room_size/3, room_area/3)"
+            f"{MOST_TRIES} times a room could not be furnished at its size (the last time {last}), though it "
+            f"might be otherwise: try {self.advice}"
         )
 
     def bare(

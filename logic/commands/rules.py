@@ -34,6 +34,9 @@ class Explain:
     piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
     """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
 
+    plan: Path | None = None
+    """Of a request: a house file of one house, or GeoJSON, with all rooms in their places."""
+
     cell: float = 0.0
     """Side of a grid's cell in metres; 0 for none."""
 
@@ -54,7 +57,7 @@ class Explain:
         say_warnings()
         if self.file is not None:
             return self._house(self.file)
-        if self.rooms is None or self.why is not None:
+        if (self.rooms is None and self.plan is None) or self.why is not None:
             raise RequestError(
                 "explain a request, as in explain --rooms 3 --type bathroom=9, or a part of a house, as in "
                 "explain houses.jsonl --why R3"
@@ -63,6 +66,7 @@ class Explain:
             rooms=self.rooms,
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
+            plan=self.plan,
             cell=self.cell,
             grammar=self.grammar or "family",
             seconds=self.seconds,
@@ -82,6 +86,7 @@ class Explain:
         from logic import explain_house, load
 
         asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
+        asked["--plan"] = self.plan
         if given := [option for option, value in asked.items() if value]:
             raise RequestError(f"{' and '.join(given)}: asks about a request: leave out that, or {file}")
         if self.why is None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from logic import RequestError, Unsatisfiable, check
+from logic import LimitReached, RequestError, Unsatisfiable, check
 from logic.builder import Builder
 from logic.grammar import find
 from logic.house import House
@@ -121,6 +121,12 @@ def test_doors_of_a_plan_that_the_rules_forbid_are_named_in_the_proof(home: Buil
     for astray in (replace(to_bath, x=0.0), replace(to_bath, between=("bath", "living"))):
         with pytest.raises(RequestError, match=r"the door between bath and .* is in no wall that they share"):
             read_plan(replace(house, doors=(*others, astray)))
+
+
+def test_a_room_that_cannot_be_furnished_is_named_at_the_limit(home: Builder) -> None:
+    small = geojson(BOXES | {"bath": (6, 3, 7.6, 5.15)}, bath="bathroom")
+    with pytest.raises(LimitReached, match=r"the last time bath, a bathroom of 1\.60 by 2\.15 m"):
+        made(home, small, furniture={"bathtub": 1, "shower": 1, "washingMachine": 1})
 
 
 @pytest.mark.parametrize(
