@@ -20,7 +20,7 @@ from logic.check_plan import gaps
 from logic.errors import RequestError
 from logic.files import load
 from logic.house import House
-from logic.parts import FARTHEST, OUTSIDE, Door, Room, Window
+from logic.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
 from logic.walls import remaining
 
 GEOJSON = "FeatureCollection"
@@ -204,6 +204,8 @@ def _is_rectangle(points: Sequence[tuple[float, float]], box: Box) -> bool:
 
 def _require_plan(plan: OwnPlan) -> None:
     """Refuse rooms that are no plan, each by its name."""
+    if len(plan.rooms) > MOST_ROOMS:
+        raise RequestError(f"plan: it has {len(plan.rooms):,} rooms: at most {MOST_ROOMS:,} are read")
     names = [room.name for room in plan.rooms]
     for room in plan.rooms:
         if names.count(room.name) > 1 or room.name == OUTSIDE:
