@@ -10,12 +10,12 @@ from msgspec.structs import replace
 
 from logic import LimitReached, RequestError, Unsatisfiable, check
 from logic.builder import Builder
-from logic.grammar import find
 from logic.house import House
 from logic.own_plan import read_plan
 from logic.parts import Room
-from logic.programs import Programs
+from logic.promises import PROMISES
 from logic.request import Request
+from tests.logic.test_plans import ROW, builder, copied
 
 FILE = Path(__file__).parents[1] / "fixtures" / "plan.geojson"
 INFERENCES = 10**8
@@ -44,9 +44,7 @@ def geojson(boxes: Mapping[str, Box], **types: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def home() -> Builder:
-    Programs.rooms.cache_clear()
-    Programs.furniture.cache_clear()
-    return Builder(find("home"))
+    return builder("home")
 
 
 def places(rooms: Iterable[Room]) -> list[tuple[Any, ...]]:
@@ -190,3 +188,10 @@ def test_what_is_no_rectangle_is_refused_by_name() -> None:
     ):
         with pytest.raises(RequestError, match="plan: "):
             read_plan(plan)
+
+
+def test_a_plan_stands_in_the_place_of_a_topology_of_the_users(tmp_path: Path) -> None:
+    rules = copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(row)."), row=ROW)
+    house = made(builder(rules), FILE)
+    assert check(house, PROMISES["home"]) == []
+    assert places(house.rooms) == places(read_plan(FILE).rooms)
