@@ -4,6 +4,7 @@ them share, an entrance, and windows in outer walls.
 
 from collections.abc import Iterator
 from itertools import combinations
+from typing import Any
 
 import shapely
 
@@ -35,7 +36,7 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
             yield f"{_name(room)} is {side:.3f} m wide at its shorter side (at least {narrowest:g})"
 
 
-def gaps(house: House) -> shapely.Geometry:
+def gaps(house: House) -> Any:
     """What squares as wide as a passage close between rooms: courtyards of any size, and slits."""
     floor = _floor(house)
     hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
@@ -43,7 +44,7 @@ def gaps(house: House) -> shapely.Geometry:
     return closed.buffer(-PASSAGE / 2, join_style="mitre").difference(floor)
 
 
-def _floor(house: House) -> shapely.Geometry:
+def _floor(house: House) -> Any:
     grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.rooms]
     return shapely.union_all(grown)
 

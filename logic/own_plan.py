@@ -10,17 +10,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, combinations, pairwise
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 import shapely
+from msgspec import Meta
 
 from logic.boxes import TOLERANCE, Box, overlap
 from logic.check_plan import gaps
 from logic.errors import RequestError
 from logic.files import load
 from logic.house import House
-from logic.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
+from logic.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Name, Room, Window
 from logic.walls import remaining
 
 GEOJSON = "FeatureCollection"
@@ -34,6 +35,27 @@ FAR = 1e8
 """Metres: as far from the origin as coordinates of maps are."""
 
 HINT = "rooms are rectangles side by side, and walls have no thickness: draw rooms to the middle of each wall"
+
+
+class Geometry(msgspec.Struct, frozen=True):
+    """A polygon of GeoJSON (RFC 7946) without holes: x and y of its corners."""
+
+    type: Literal["Polygon"]
+    coordinates: tuple[Annotated[list[Annotated[list[float], Meta(min_length=2)]], Meta(min_length=4)]]
+
+
+class Properties(msgspec.Struct, frozen=True):
+    """What a feature says of its room."""
+
+    name: Name | None = None
+    type: str = ""
+
+
+class Feature(msgspec.Struct, frozen=True):
+    """A room in GeoJSON."""
+
+    geometry: Geometry
+    properties: Properties | None = None
 
 
 @dataclass(frozen=True)
@@ -151,40 +173,34 @@ def _from_geojson(record: Mapping[str, Any]) -> Iterator[Room]:
     )
     if not isinstance(features, list) or not features:
         raise RequestError(f"plan: GeoJSON is a {GEOJSON} with a list of features, a polygon for each room")
-    found = [_polygon(feature, f"R{number}") for number, feature in enumerate(features)]
+    found: list[tuple[str, str, Box]] = []
+    for number, feature in enumerate(features):
+        try:
+            read = msgspec.convert(feature, Feature)
+        except msgspec.ValidationError as error:
+            raise RequestError(
+                f"plan: features[{number}]: {error}: a room is a polygon of one ring"
+            ) from None
+        properties = read.properties or Properties()
+        found.append(
+            (properties.name or f"R{number}", properties.type, _box(read, properties.name or number))
+        )
     left, top = min(box[0] for *_, box in found), max(box[3] for *_, box in found)
     for name, type_, (west, south, east, north) in found:
-        x, y, width, height = (round(m, 6) for m in (west - left, top - north, east - west, north - south))
-        try:
-            record = {"name": name, "type": type_, "x": x, "y": y, "width": width, "height": height}
-            yield msgspec.convert(record, Room)
-        except msgspec.ValidationError as error:
-            raise RequestError(f"plan: room {name!r}: {error}") from None
+        sizes = (round(m, 6) for m in (west - left, top - north, east - west, north - south))
+        yield Room(*sizes, name=name, type=type_)
 
 
-def _polygon(feature: Any, default: str) -> tuple[Any, Any, Box]:
-    """The name, the type and the box (west, south, east, north) of a feature."""
-    properties = (feature.get("properties") if isinstance(feature, dict) else None) or {}
-    name = properties.get("name", default) if isinstance(properties, dict) else default
-    try:
-        type_ = properties.get("type", "")
-        geometry = feature["geometry"]
-        (ring,) = geometry["coordinates"]
-        points = [(float(point[0]), float(point[1])) for point in ring]
-        assert geometry["type"] == "Polygon"
-    except (AssertionError, AttributeError, IndexError, KeyError, TypeError, ValueError):
-        raise RequestError(
-            f"plan: room {name!r}: a room is a Feature with a Polygon of one ring, in metres"
-        ) from None
-    xs, ys = zip(*points, strict=True) if points else ((), ())
-    if not points or not all(abs(value) <= FAR for value in xs + ys):
-        raise RequestError(f"plan: room {name!r}: its polygon has no points, or one that is no place")
+def _box(feature: Feature, name: str | int) -> Box:
+    """The box of a feature: (west, south, east, north)."""
+    points = [(point[0], point[1]) for point in feature.geometry.coordinates[0]]
+    xs, ys = zip(*points, strict=True)
     box = min(xs), min(ys), max(xs), max(ys)
-    if not _is_rectangle(points, box):
+    if not all(abs(value) <= FAR for value in (*xs, *ys)) or not _is_rectangle(points, box):
         raise RequestError(
             f"plan: room {name!r} is no rectangle along the axes: cut it into rectangles, each a room"
         )
-    return name, type_, box
+    return box
 
 
 def _is_rectangle(points: Sequence[tuple[float, float]], box: Box) -> bool:

@@ -57,11 +57,11 @@ def _meetings(plan: OwnPlan) -> Walls:
     """Which rooms share walls, which sides are outer walls, wholly or in part, and which have windows."""
     found = []
     for wall in plan.walls:
-        room, side = Number(wall.room), Function(wall.side)
-        outer = wall.behind is None
-        found.append(
-            Function("outside", [room, side]) if outer else Function("touch", [room, Number(wall.behind)])
-        )
+        room = Number(wall.room)
+        if wall.behind is None:
+            found.append(Function("outside", [room, Function(wall.side)]))
+        else:
+            found.append(Function("touch", [room, Number(wall.behind)]))
     panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
     found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
     return [(fact, ()) for fact in dict.fromkeys(found)]
