@@ -50,15 +50,18 @@ class GivenRoom:
     doors: Sequence[Rect]
     windows: Sequence[Rect] = ()
 
+    def __str__(self) -> str:
+        """Its type, size and doors."""
+        size = f"{self.rect.width:.2f} by {self.rect.height:.2f} m"
+        return f"a {self.type} of {size} with {len(self.doors)} door{'s' if len(self.doors) > 1 else ''}"
+
 
 class Unfurnishable(Exception):
     """Proved: a room of a plan cannot have the furniture that its type needs. ``place``: which one."""
 
     def __init__(self, place: int, room: GivenRoom) -> None:
         """Keep the room and its place in the plan."""
-        size = f"{room.rect.width:.2f} by {room.rect.height:.2f} m"
-        doors = f"{len(room.doors)} door{'s' if len(room.doors) > 1 else ''}"
-        super().__init__(f"a {room.type} of {size} with {doors} cannot have the furniture that it needs")
+        super().__init__(f"{room} cannot have the furniture that it needs")
         self.place, self.room = place, room
 
 

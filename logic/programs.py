@@ -12,6 +12,9 @@ from logic.messages import placed_error
 from logic.request import Request
 from logic.terms import Lengths, granted, parts, requirements, room_requirements
 
+GIVEN = {"in_a_row": 4, "fuller": 2}
+"""Constants of ``rules/room.lp`` for rooms of given sizes."""
+
 
 class Programs:
     """Grounds each program once and keeps it."""
@@ -57,7 +60,7 @@ class Programs:
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
         return Program(
             self._grammar.asp,
-            {"this_room": type_, "in_a_row": 4, "fuller": 2},
+            {"this_room": type_, **GIVEN},
             [("room", []), ("plan", []), *parts(facts), *parts(doorways), *parts(required)],
         )
 
