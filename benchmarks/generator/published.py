@@ -99,8 +99,8 @@ In homes of all these sizes, as many of each. The entrance counts as a door.
 {published}
 
 Standards state the least, not what is usual. Walls here have no thickness, so areas are net. Plans have no
-window heights: {window} m is assumed. Not found, so not here: a survey of the share of corridors or of doors a
-room, and areas of single published plans that could be verified.
+window heights: {window} m is assumed. Surveys of the share of corridors and of doors a room, and areas of
+single published plans, were not found in a form that could be verified.
 
 - space standard, England: *Technical housing standards: nationally described space standard*, 2015,
   table 1 and paragraph 10; homes of one storey.
