@@ -31,8 +31,8 @@ WALLS = {
 }
 """The walls of a room in its own frame, and the stretches before its first and behind its last door."""
 
-STEP, STEPS = 0.064, 127
-"""Metres and their number: how short a wall is, as ``rules/doors.lp`` knows it."""
+STEP, BITS = 0.016, 9
+"""Metres and the bits of their number: how short a wall is, as ``rules/doors.lp`` knows it."""
 
 Span = tuple[float, float]
 """Metres along a wall, from and to: from the left, or from the front."""
@@ -146,7 +146,7 @@ class Frame:
         """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not."""
         holds: dict[bool, list[Symbol]] = {True: [], False: []}
         for what, length in self.lengths():
-            short = min(STEPS, max(0, int(STEPS - length / STEP)))
+            short = max(0, int(2**BITS - 1 - length / STEP))
             for bit, atom in enumerate(_bits(what)):
                 holds[bool(short >> bit & 1)].append(atom)
         for wall, spans in self.windows.items():
@@ -167,7 +167,7 @@ class Frame:
 @cache
 def _bits(what: str) -> list[Symbol]:
     """How short this is, bit by bit."""
-    return [Function("short", [parse_term(what), Number(bit)]) for bit in range(7)]
+    return [Function("short", [parse_term(what), Number(bit)]) for bit in range(BITS)]
 
 
 @cache

@@ -170,7 +170,9 @@ class Program:
         """
         # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
         keys = rng.exponential(size=len(self._weights)) / self._weights
-        places = np.argsort(np.lexsort((rng.permutation(len(self._counts)), self._turns)))
+        places = rng.permutation(len(self._counts))
+        if self._turns.any():
+            places = np.argsort(np.lexsort((places, self._turns)))
         ranks = np.repeat(places, self._counts)
         order = np.lexsort((keys, ranks))
         # Where a variable picks one value, the first that is taken settles its others.

@@ -52,10 +52,11 @@ Made from `requirements.lock` and the installed packages, which bring the texts,
 
 Read them before you pass these on, for instance in an image with all of it.
 
-- **CLP(R) of SWI-Prolog**, `library(clpr)`, which the solver processes load: the GNU General Public License,
-  version 2 or later, with an exception: "if you link this library with other files, compiled with a Free
-  Software compiler, to produce an executable, this library does not by itself cause the resulting executable
-  to be covered by the GNU General Public License". So the header of `clpr.pl` says.
+- **CLP(R) and CLP(Q) of SWI-Prolog**, `library(clpr)` and `library(clpq)`, which the solver processes load:
+  the GNU General Public License, version 2 or later, with an exception: "if you link this library with other
+  files, compiled with a Free Software compiler, to produce an executable, this library does not by itself
+  cause the resulting executable to be covered by the GNU General Public License". So the headers of
+  `clpr.pl` and `clpq.pl` say.
 - **SWI-Prolog** itself is under BSD-2-Clause; libgmp, which it links, under the GNU LGPL, version 3 or later,
   or the GNU GPL, version 2 or later.
 """

@@ -7,13 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from clingo import Function, Number, Symbol
 from shapely.geometry.base import BaseGeometry
 
 from logic.builder import Builder
 from logic.errors import LimitReached
 from logic.given_rooms import Frame, GivenRoom, Unfurnishable, furnished
 from logic.grammar import SHIPPED, find
+from logic.layout import Program
 from logic.parts import Rect
+from logic.programs import GIVEN
+from logic.terms import parts as terms_of
 
 NEAR = 1e-6
 PASSAGE, CLEARANCE, DOOR = 0.42, 0.45, 0.8
@@ -186,3 +190,43 @@ def test_past_the_limit_of_inferences_a_house_ends_in_it(builder: Builder) -> No
 def test_a_door_off_the_walls_is_refused() -> None:
     with pytest.raises(ValueError, match="lies on none of its walls"):
         Frame(GivenRoom("bedroom", ROOM, [SOUTH, Rect(2.0, 3.0, DOOR, 0.0)]))
+
+
+@pytest.mark.parametrize(("type_", "doors"), [("bedroom", 2), ("kitchen", 3), ("hall", 2), ("bathroom", 2)])
+def test_furniture_that_the_capacity_of_a_given_room_refuses_has_no_places(
+    builder: Builder, type_: str, doors: int
+) -> None:
+    wide = [Number(mm) for mm in (1, 99999, 1, 99999)]
+    refused = 0
+    for seed, room in zip(range(60), rooms(7, type_, (4, 12), doors), strict=False):
+        frame = Frame(room)
+        strict = builder.programs.given(type_, frame.doorways())
+        facts = [
+            Function(
+                fact.name,
+                [fact.arguments[0], *wide] if fact.name == "extent" else [fact.arguments[0], Number(0)],
+            )
+            for fact, _ in builder.loaded.lengths[type_]
+            if fact.name != "reach"
+        ]
+        lax = Program(
+            builder.grammar.asp,
+            {"this_room": type_, **GIVEN},
+            [("room", []), ("plan", []), *terms_of([*facts, *frame.doorways()])],
+        )
+        holds, fails = frame.given()
+        furniture = lax.sample(np.random.default_rng(seed), holds, fails)
+        assert furniture
+        if not strict.possible([*furniture, *holds], [*fails, *others(strict, furniture)]):
+            refused += 1
+            (_,), conflicts, _ = builder.placer.furnish([frame.term(0, type_, furniture, seed)], 10**8)
+            assert conflicts, (room, furniture)
+    assert refused > 5
+
+
+def others(program: Program, furniture: Sequence[Symbol]) -> list[Symbol]:
+    """All other atoms of a layout of this program."""
+    shown = {(atom.name, len(atom.arguments)) for atom in furniture}
+    shown |= {("on", 4), ("joined", 2), ("last", 2), ("end", 1), ("busy", 1), ("row", 1), ("corner", 3)}
+    shown |= {("turned", 3), ("faces", 3), ("with", 4), ("open", 2)}
+    return [atom for name, arity in shown for atom in program.atoms(name, arity) if atom not in furniture]

@@ -77,7 +77,9 @@ def test_a_home_keeps_all_that_its_grammar_promises(home: Builder, rooms: int) -
         assert House.from_dict(house.to_dict()) == house
 
 
-def test_rooms_fill_the_outline_and_every_room_can_be_entered(home: Builder) -> None:
+def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_both_walls(
+    home: Builder,
+) -> None:
     for seed in range(20):
         plan, _, _ = home.planner.bare(Request(8), np.random.default_rng(seed), INFERENCES, [])
         boxes = [(r["x"], r["y"], r["x"] + r["width"], r["y"] + r["height"]) for r in plan["rooms"]]
@@ -85,6 +87,12 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered(home: Builder) -> 
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
         assert sum(r["width"] * r["height"] for r in plan["rooms"]) == pytest.approx(whole)
         reached: set[int | str] = {OUTSIDE}
+        for door in plan["doors"]:
+            for room in (plan["rooms"][each] for each in door["between"] if each != OUTSIDE):
+                assert all(
+                    room[at] - 1e-6 <= door[at] <= door[at] + door[size] <= room[at] + room[size] + 1e-6
+                    for at, size in (("x", "width"), ("y", "height"))
+                )
         ways = [{*door["between"]} for door in plan["doors"]]
         for _ in plan["rooms"]:
             reached.update(*(way for way in ways if reached & way))
