@@ -100,7 +100,7 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
                 if named:
                     raise GrammarError(f"a grammar has one topology, and {named[0]} is named already", *place)
                 if name not in own and name not in known:
-                    hint = unknown("topology", name, {*known, *own})
+                    hint = unknown("topology", name, known)
                     raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
                 named.append(name)
     if not named:

@@ -82,7 +82,8 @@ class Placer:
         self._directory = grammar.directory
         prolog.load(RULES / "core.pl")
         files = [str(file) for file in grammar.prolog]
-        self.problems = [_problem(*row) for row in self._ask("grammar_problems", files, cell)]
+        walls = "shared" if grammar.shares_walls else "apart"
+        self.problems = [_problem(*row) for row in self._ask("grammar_problems", files, walls, cell)]
 
     def lengths(
         self, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()

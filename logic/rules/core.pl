@@ -1,4 +1,4 @@
-:- module(core, [grammar_problems/3, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
+:- module(core, [grammar_problems/4, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
                  room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
                  main_lengths/4, solver_version/1]).
 
@@ -60,13 +60,15 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(records).
 :- use_module(reports).
 
-%!  grammar_problems(+Files, +Cell, -Json) is det.
+%!  grammar_problems(+Files, +Walls, +Cell, -Json) is det.
 %
 %   Json lists [File,Line,Column,Text,Name] for what is wrong with the grammar's files; Name is that of a predicate that is
-%   not known, or "". Where there is none they are loaded, for houses on a grid of such cells (m) if not 0.0.
+%   not known, or "". Where there is none they are loaded, for houses on a grid of such cells (m) if not 0.0. Walls are
+%   shared or apart, as the grammar's topology has them.
 %   Of a grammar loaded before nothing is left.
 
-grammar_problems(Files, Cell, Json) :-
+grammar_problems(Files, Walls, Cell, Json) :-
+    nb_setval(grammar_walls, Walls),
     load_grammar(Files, Problems),
     set_cell(Cell),
     findall([F,L,C,T,N], member(problem(F,L,C,T,N), Problems), List),

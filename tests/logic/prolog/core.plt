@@ -4,7 +4,7 @@
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
-:- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), grammar_problems([File], 0.0, "[]").
+:- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), grammar_problems([File], apart, 0.0, "[]").
 
 :- begin_tests(core).
 
