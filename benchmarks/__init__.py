@@ -10,6 +10,7 @@ STUDIES = {
     "fuzz": ("benchmarks.fuzz:Fuzz", "House files and grammars with random changes: a definite answer each."),
     "drift": ("benchmarks.generator.drift:Drift", "Whether the 20,000th house costs what the first does."),
     "verdicts": ("benchmarks.generator.verdicts:Verdicts", "Whether walls of plans are refuted falsely."),
+    "homes": ("benchmarks.generator.homes:Homes", "What homes cost and are like, beside published ones."),
     "pair": ("benchmarks.generator.pair:Pair", "CPU time of a house by two checkouts, in turn."),
     "simulator": ("benchmarks.simulator.run:Simulator", "What a step costs, beside the same step in C."),
     "peers": ("benchmarks.simulator.peers.run:Peers", "Steps a second of other simulators."),

@@ -1,0 +1,178 @@
+"""``vitruvius bench homes``: what flats and houses cost, and how they compare with published ones."""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+from statistics import median, quantiles
+from time import process_time
+
+import numpy as np
+from clingo import Symbol
+
+from benchmarks.common.pages import machine, table_rows, versions, write
+from benchmarks.common.processes import say
+from benchmarks.generator.published import PAGE, beside_published
+from logic.builder import Builder
+from logic.draw import contact_sheet
+from logic.errors import RequestError
+from logic.grammar import find
+from logic.house import House
+from logic.layout import Nogood
+from logic.plans import Planner
+from logic.request import Request
+
+LIMIT = 10**9
+WARM = 20
+"""Houses made before any is timed: the first searches of a program take longer."""
+WINDOW = 1.4
+"""Metres: the height that a window is taken to have, since plans have none."""
+COLOURS = 64
+"""Of the picture, so that its file is small."""
+
+
+class CountingPlanner(Planner):
+    """Notes what the bare plans of each house took."""
+
+    def __init__(self, builder: Builder) -> None:
+        """Plan for this builder."""
+        super().__init__(builder.grammar, builder.loaded, builder.prover)
+        self.plans, self.refuted, self.seconds = 0, 0, list[float]()
+        self.layout: list[Symbol] = []
+
+    def bare(
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        inferences: int,
+        nogoods: list[Nogood],
+        unfurnishable: Collection[str] = (),
+    ) -> tuple[dict, list[Symbol], int]:
+        """See ``Planner.bare``."""
+        began, known = process_time(), len(nogoods)
+        plan, self.layout, left = super().bare(request, rng, inferences, nogoods, unfurnishable)
+        self.seconds.append(process_time() - began)
+        self.plans += 1
+        self.refuted += len(nogoods) - known
+        return plan, self.layout, left
+
+    @property
+    def topology(self) -> frozenset[str]:
+        """Of the last plan: the types of its rooms, who shares which wall, who opens into whom."""
+        return frozenset(str(atom) for atom in self.layout if atom.name in ("room", "edge", "door"))
+
+
+@dataclass
+class Measured:
+    """The houses of one size: CPU seconds of each, and of each bare plan."""
+
+    rooms: int
+    houses: list[House] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    bare: list[float] = field(default_factory=list)
+    topologies: set[frozenset[str]] = field(default_factory=set)
+    plans: int = 0
+    refuted: int = 0
+
+    @property
+    def row(self) -> list[str]:
+        """Of the table of sizes."""
+        count = len(self.houses)
+        return [
+            str(self.rooms),
+            *(f"{1e3 * each:.0f}" for each in (median(self.bare), p95(self.bare))),
+            *(f"{1e3 * each:.0f}" for each in (median(self.seconds), p95(self.seconds))),
+            f"{self.refuted / self.plans:.2f}",
+            f"{self.plans / count:.2f}",
+            f"{100 * len(self.topologies) / count:.0f} %",
+        ]
+
+
+@dataclass(frozen=True)
+class Homes:
+    """Time, refuted layouts and topologies by size; areas, doors and windows beside published ones."""
+
+    grammar: str = "home"
+    """A grammar whose houses are plans, with the room types of ``home``."""
+
+    rooms: tuple[int, ...] = tuple(range(4, 13))
+    """Numbers of rooms."""
+
+    houses: int = 200
+    """Houses of each number of rooms."""
+
+    out: Path = Path("runs/bench")
+    """Folder for homes.md and its picture homes.png."""
+
+    publish: bool = False
+    """Put both into docs too."""
+
+    def run(self) -> None:
+        """Make the houses, measure, write the page and the picture."""
+        if not self.rooms or min(self.rooms) < 1 or self.houses < 2:
+            raise RequestError("--rooms needs one number or more, each 1 or more; --houses 2 or more")
+        builder = Builder(find(self.grammar))
+        sizes = [self.measured(builder, rooms) for rooms in self.rooms]
+        houses = [house for size in sizes for house in size.houses]
+        command = f"./run bench homes --grammar {self.grammar} --houses {self.houses}"
+        page = PAGE.format(
+            command=command,
+            machine=machine(),
+            versions=versions(**{name: builder.versions[name] for name in ("clingo", "swi-prolog")}),
+            sizes=table_rows(size.row for size in sizes),
+            types=table_rows(type_rows(houses)),
+            published=table_rows(beside_published(houses, WINDOW)),
+            window=WINDOW,
+            houses=self.houses,
+        )
+        write({"homes.md": page.encode(), "homes.png": picture(sizes)}, self.out, self.publish)
+        print(page)
+
+    def measured(self, builder: Builder, rooms: int) -> Measured:
+        """Houses of one size; house ``i`` has seed 0 and index ``i``."""
+        size, request = Measured(rooms), Request(rooms)
+        for index in range(WARM):
+            builder.house(request, 1, index, LIMIT)
+        builder.planner = counting = CountingPlanner(builder)
+        for index in range(self.houses):
+            began = process_time()
+            size.houses.append(builder.house(request, 0, index, LIMIT))
+            size.seconds.append(process_time() - began)
+            size.topologies.add(counting.topology)
+        size.bare, size.plans, size.refuted = counting.seconds, counting.plans, counting.refuted
+        say(f"{rooms} rooms: {1e3 * median(size.seconds):.0f} ms a house")
+        return size
+
+
+def p95(values: list[float]) -> float:
+    """The 95th percentile."""
+    return quantiles(values, n=20, method="inclusive")[-1]
+
+
+def type_rows(houses: Iterable[House]) -> Iterator[list[str]]:
+    """By type of room: how many a house, quartiles of the area, doors a room."""
+    areas, doors, count = defaultdict[str, list[float]](list), defaultdict[str, int](int), 0
+    for house in houses:
+        count += 1
+        for room in house.rooms:
+            areas[room.type].append(room.area)
+            doors[room.type] += len(house.doors_of(room.name))
+    for type_, found in sorted(areas.items(), key=lambda item: -median(item[1])):
+        low, middle, high = quantiles(found, n=4, method="inclusive")
+        yield [
+            type_,
+            f"{len(found) / count:.2f}",
+            f"{middle:.1f} [{low:.1f}, {high:.1f}]",
+            f"{min(found):.1f} to {max(found):.1f}",
+            f"{doors[type_] / len(found):.2f}",
+        ]
+
+
+def picture(sizes: list[Measured]) -> bytes:
+    """A sheet of twelve homes, all on one scale: the first of each size, then the second of the last."""
+    first = [size.houses[0] for size in sizes] + [size.houses[1] for size in reversed(sizes)]
+    shown = sorted(first[:12], key=lambda house: len(house.rooms))
+    buffer = BytesIO()
+    contact_sheet(shown, 4, one_scale=True).quantize(COLOURS).save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
