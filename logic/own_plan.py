@@ -5,57 +5,32 @@ or leave gaps. Which rules it breaks is found later, as a proof (``own_planner.p
 """
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, combinations, pairwise
+from itertools import chain, combinations
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import msgspec
 import shapely
-from msgspec import Meta
 
 from logic.boxes import TOLERANCE, Box, overlap
 from logic.check_plan import gaps
 from logic.errors import RequestError
 from logic.files import load
+from logic.geojson import GEOJSON, from_geojson
 from logic.house import House
-from logic.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Name, Room, Window
+from logic.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
 from logic.walls import remaining
 
-GEOJSON = "FeatureCollection"
 MOST_BYTES = 1 << 24
 """What is read of a GeoJSON file."""
 
 SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
 """The sides of a room, and the place of each in its box."""
 
-FAR = 1e8
-"""Metres: as far from the origin as coordinates of maps are."""
-
 HINT = "rooms are rectangles side by side, and walls have no thickness: draw rooms to the middle of each wall"
-
-
-class Geometry(msgspec.Struct, frozen=True):
-    """A polygon of GeoJSON (RFC 7946) without holes: x and y of its corners."""
-
-    type: Literal["Polygon"]
-    coordinates: tuple[Annotated[list[Annotated[list[float], Meta(min_length=2)]], Meta(min_length=4)]]
-
-
-class Properties(msgspec.Struct, frozen=True):
-    """What a feature says of its room."""
-
-    name: Name | None = None
-    type: str = ""
-
-
-class Feature(msgspec.Struct, frozen=True):
-    """A room in GeoJSON."""
-
-    geometry: Geometry
-    properties: Properties | None = None
 
 
 @dataclass(frozen=True)
@@ -145,7 +120,7 @@ def read_plan(source: str | Path | House | Mapping[str, Any]) -> OwnPlan:
         bare = tuple(msgspec.structs.replace(room, children=()) for room in source.rooms)
         plan = OwnPlan(bare, source.doors, source.windows)
     else:
-        plan = OwnPlan(tuple(_from_geojson(source)))
+        plan = OwnPlan(tuple(from_geojson(source)))
     _require_plan(plan)
     return plan
 
@@ -164,58 +139,6 @@ def _from_file(path: Path) -> House | dict[str, Any]:
             f"plan: {path} holds {len(houses)} houses: give a file of one, or generate(plan=house)"
         )
     return houses[0]
-
-
-def _from_geojson(record: Mapping[str, Any]) -> Iterator[Room]:
-    """The rooms of a feature collection. Its y grows north: the plan's north-west corner becomes (0, 0)."""
-    features = (
-        record.get("features") if isinstance(record, Mapping) and record.get("type") == GEOJSON else None
-    )
-    if not isinstance(features, list) or not features:
-        raise RequestError(f"plan: GeoJSON is a {GEOJSON} with a list of features, a polygon for each room")
-    found: list[tuple[str, str, Box]] = []
-    for number, feature in enumerate(features):
-        try:
-            read = msgspec.convert(feature, Feature)
-        except msgspec.ValidationError as error:
-            raise RequestError(
-                f"plan: features[{number}]: {error}: a room is a polygon of one ring"
-            ) from None
-        properties = read.properties or Properties()
-        found.append(
-            (properties.name or f"R{number}", properties.type, _box(read, properties.name or number))
-        )
-    left, top = min(box[0] for *_, box in found), max(box[3] for *_, box in found)
-    for name, type_, (west, south, east, north) in found:
-        sizes = (round(m, 6) for m in (west - left, top - north, east - west, north - south))
-        yield Room(*sizes, name=name, type=type_)
-
-
-def _box(feature: Feature, name: str | int) -> Box:
-    """The box of a feature: (west, south, east, north)."""
-    points = [(point[0], point[1]) for point in feature.geometry.coordinates[0]]
-    xs, ys = zip(*points, strict=True)
-    box = min(xs), min(ys), max(xs), max(ys)
-    if not all(abs(value) <= FAR for value in (*xs, *ys)) or not _is_rectangle(points, box):
-        raise RequestError(
-            f"plan: room {name!r} is no rectangle along the axes: cut it into rectangles, each a room"
-        )
-    return box
-
-
-def _is_rectangle(points: Sequence[tuple[float, float]], box: Box) -> bool:
-    """Whether the points go round the box, from any corner and either way; some may lie between corners."""
-    west, south, east, north = box
-    ring = [(x - west, y - south) for x, y in (*points, points[0])]
-    steps = list(pairwise(ring))
-    along = all(min(abs(a - b), abs(c - d)) <= TOLERANCE for (a, c), (b, d) in steps)
-    area, length = 0.0, 0.0
-    for (a, c), (b, d) in steps:
-        area += (a * d - b * c) / 2
-        length += abs(a - b) + abs(c - d)
-    width, height = east - west, north - south
-    fills = abs(abs(area) - width * height) + abs(length - 2 * (width + height)) <= TOLERANCE
-    return along and fills
 
 
 def _require_plan(plan: OwnPlan) -> None:
