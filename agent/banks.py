@@ -1,4 +1,4 @@
-"""Banks of houses: seeds set apart for training, validation and test, and the frozen bank of the benchmark.
+"""Banks of houses: seeds set apart for training, validation and test, and the frozen banks of the benchmark.
 
 A house is a function of its grammar, request, seed and index, so apart seeds are apart houses. That holds for
 all grammars; `vitruvius generate --seed 0` and what follows it is for training.
@@ -7,24 +7,44 @@ all grammars; `vitruvius generate --seed 0` and what follows it is for training.
 import hashlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 
 from logic import House, HouseFileError, load
+from logic.spelling import unknown
 
 TRAINING, VALIDATION, TEST = range(10**9), range(10**9, 2 * 10**9), range(2 * 10**9, 2**31)
 """Seeds of the generator: to learn from, to choose settings by, and to be measured by alone."""
 
-NAME = "test-v1.jsonl.gz"
 
-HASH = "9b80dfd60e196e70935b5a2befd59fce20acd0a206309273cbdc237d33f397a9"
-"""Of the benchmark bank: see ``bank_hash``. It is frozen: another bank gets another name."""
+class Bank(NamedTuple):
+    """256 houses of a grammar, made of seeds of ``TEST``: house i has ``rooms[i % len(rooms)]`` rooms."""
+
+    grammar: str
+    rooms: range
+    hash: str
+    """Of the houses: see ``bank_hash``. A bank is frozen: other houses get another name."""
+
+
+BANKS = {
+    "test-v1": Bank(
+        "family", range(2, 7), "9b80dfd60e196e70935b5a2befd59fce20acd0a206309273cbdc237d33f397a9"
+    ),
+    "home-test-v1": Bank(
+        "home", range(4, 11), "5a8daf1d35f302516c96b8b2459da00515caf1a6eb5ed8b60b699e65d7acd5d4"
+    ),
+}
+"""The banks of the benchmark, by name; each is a file of ``benchmarks/houses``."""
+
+NAME = "test-v1"
+"""The bank that agents are measured in where none is named."""
 
 
 def geometry_hash(house: House) -> str:
     """A name for the house's shape alone: the same rooms, doors and pieces have the same, in any format.
 
-    Of a star it is that of its ``floor`` and ``rooms``, by which the benchmark bank was frozen.
+    Of a star it is that of its ``floor`` and ``rooms``, by which ``test-v1`` was frozen.
     """
     star = house.star if house.is_star else None
     shape = (star.floor, star.rooms) if star else (house.rooms, house.doors, house.windows)
@@ -36,33 +56,47 @@ def bank_hash(houses: Iterable[House]) -> str:
     return hashlib.sha256("\n".join(map(geometry_hash, houses)).encode()).hexdigest()
 
 
-def benchmark_path() -> Path:
-    """Where the benchmark bank is, in a checkout as in an installed wheel."""
-    return Path(__file__).resolve().parents[1] / "benchmarks" / "houses" / NAME
+def benchmark_path(name: str = NAME) -> Path:
+    """Where a bank of ``BANKS`` is, in a checkout as in an installed wheel."""
+    return Path(__file__).resolve().parents[1] / "benchmarks" / "houses" / f"{name}.jsonl.gz"
 
 
-def benchmark() -> list[House]:
-    """The 256 houses that agents are measured in: `family`, 2 to 6 rooms; house i has 2 + i % 5.
+def benchmark(name: str = NAME) -> list[House]:
+    """The houses of a bank of ``BANKS``, to measure agents in.
 
-    Raises ``HouseFileError`` where they are not those that were frozen.
+    Raises ``HouseFileError`` where there is no such bank, or its houses are not those that were frozen.
     """
-    houses = load(benchmark_path())
-    if bank_hash(houses) != HASH:
-        raise HouseFileError(f"{benchmark_path()}: not the frozen bank ({HASH[:12]}). Restore it from Git")
+    if name not in BANKS:
+        raise HouseFileError(unknown("bank", name, BANKS))
+    houses, frozen = load(benchmark_path(name)), BANKS[name].hash
+    if bank_hash(houses) != frozen:
+        raise HouseFileError(
+            f"{benchmark_path(name)}: not the frozen bank ({frozen[:12]}). Restore it from Git"
+        )
     return houses
 
 
+def named(houses: str | Path) -> list[House]:
+    """The houses of a house file, or of a bank of ``BANKS`` by its name. Raises ``HouseFileError``."""
+    if str(houses) in BANKS:
+        return benchmark(str(houses))
+    if not Path(houses).suffix and not Path(houses).exists():
+        raise HouseFileError(f"{unknown('bank', houses, BANKS)}; or name a house file, such as houses.jsonl")
+    return load(houses)
+
+
 def require_training(houses: Sequence[House], name: str | Path) -> None:
-    """Raise ``HouseFileError`` where a house is one to be measured by: by its seed, or by its shape, whatever
-    its seed is said to be.
+    """Raise ``HouseFileError`` where a house is one to be measured by: by its seed, or by its shape in any of
+    ``BANKS``, whatever its seed is said to be.
     """
-    tested = {geometry_hash(house) for house in benchmark()}
+    tested = {geometry_hash(house): bank for bank in BANKS for house in benchmark(bank)}
     for index, house in enumerate(houses):
         seed = house.provenance.seed if house.provenance else None
         # Without a seed the range would be searched number by number.
         reserved = seed is not None and seed in TEST
-        if reserved or geometry_hash(house) in tested:
-            why = f"its seed {seed} is" if reserved else "it is in the benchmark bank,"
+        bank = tested.get(geometry_hash(house))
+        if reserved or bank:
+            why = f"its seed {seed} is" if reserved else f"it is in the bank {bank},"
             raise HouseFileError(
                 f"{name}: house {index}: {why} kept for measuring. "
                 f"Learn in houses of seeds below {TRAINING.stop}"

@@ -39,8 +39,8 @@ class Task:
     houses: Annotated[Path, tyro.conf.Positional]
     """House file to learn in: vitruvius generate makes one."""
 
-    held_out: Path | None = None
-    """House file to be measured in; by default the benchmark bank."""
+    held_out: Path = Path(banks.NAME)
+    """House file to be measured in, or a frozen bank: test-v1, home-test-v1."""
 
     targets: TargetMode = "main"
     """Where targets lie."""
@@ -76,7 +76,7 @@ class Task:
     def score(self, name: str, act: Callable[[Tensor], Tensor]) -> Result:
         """Measure, print and write how good an agent is: preferences (E, 3) for observations (E, 40, 2)."""
         name += " + avoidance" if self.avoid else ""
-        houses = load(self.held_out) if self.held_out else banks.benchmark()
+        houses = banks.named(self.held_out)
         envs = make_envs(houses, len(houses), self.targets)
         policies = {name: Agent(act, envs if self.avoid else None), "oracle": BASELINES["oracle"](envs, 0)}
         lookout = Lookout(envs)
@@ -84,7 +84,7 @@ class Task:
         rooms = np.array([len(house.secondary) for house in houses])
         result = Result(self.targets, rooms, shortest_ways(envs, 0), runs)
         if self.out:
-            bank = Bank(banks.bank_hash(houses), str(self.held_out or banks.NAME), len(houses))
+            bank = Bank(banks.bank_hash(houses), str(self.held_out), len(houses))
             modes = modes_of([result])
             file = ScoreFile(bank, 0, modes, agents=[name], training_steps=self.steps)
             write_whole(self.out, file.json())

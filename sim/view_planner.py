@@ -119,7 +119,7 @@ class ViewPlanner:
             if known:
                 if self.episodes.overlaps(state.origin, ti.Vector([i, j, heading]), state.target):
                     goal, searching = pose, False
-            elif total / cost <= best:
+            elif best > 0 and total / cost <= best:
                 searching = False
             elif away > 0:
                 gain = 0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
+from agent import banks
 from agent.config import TARGET_MODES, differences
 from agent.released import located
 from logic.commands import say
@@ -30,12 +31,13 @@ class Evaluate:
     """Checkpoints, or names of agents that come with the project (pqn-map, paper). Checkpoints that differ in
     their training seed alone are runs of one agent. None: the references alone."""
 
-    houses: Path | None = None
-    """House file to measure in; by default the benchmark bank, 256 houses of 2 to 6 rooms."""
+    houses: Path = Path(banks.NAME)
+    """Houses to measure in: a frozen bank, test-v1 (256 houses of family, 2 to 6 rooms) or home-test-v1 (256
+    of home, 4 to 10 rooms), or a house file."""
 
     targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Where targets lie: main, secondary, mixed, or another task as for train. Repeat for several; by default
-    the three, one after the other."""
+    """Where targets lie: main, secondary, mixed (or all), or another task as for train. Repeat for several;
+    by default main, secondary and mixed, one after the other."""
 
     seed: int = 0
     """Seeds starts and targets, the same for every policy."""
@@ -65,20 +67,18 @@ class Evaluate:
         from rich.console import Console
 
         from agent import checkpoint
-        from agent.banks import bank_hash, benchmark, benchmark_path
         from agent.evaluation.plots import ratio_plot
         from agent.evaluation.protocol import measure
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
-        from logic import load
         from logic.files import require_folder, write_whole
 
         require_folder(self.out)
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
         agents.setdefault("paper", [checkpoint.load("paper")])
-        houses = load(self.houses) if self.houses else benchmark()
+        houses = banks.named(self.houses)
         modes = self.targets or TARGET_MODES
         others = {path: external(path, houses, modes, self.seed, self.backend) for path in self.scores}
         with progress("measuring") as report:
@@ -86,7 +86,7 @@ class Evaluate:
         for path, policies in others.items():
             results = [joined(result, policies.get(result.mode, {}), path) for result in results]
 
-        bank = Bank(bank_hash(houses), str(self.houses or benchmark_path().name), len(houses))
+        bank = Bank(banks.bank_hash(houses), str(self.houses), len(houses))
         content = ScoreFile(
             bank,
             self.seed,
@@ -142,7 +142,7 @@ class Record:
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     houses: tyro.conf.Positional[Path]
-    """House file."""
+    """House file, or a frozen bank: test-v1, home-test-v1."""
 
     house: int = 0
     """Which house of the file, from 0."""
@@ -174,7 +174,6 @@ class Record:
         from agent import checkpoint
         from agent.evaluation.film import record
         from agent.progress import progress
-        from logic import load
         from logic.files import require_file
         from sim.film import require_gif
 
@@ -183,7 +182,7 @@ class Record:
         except ValueError as error:
             raise RequestError(f"--out {error}") from None
         require_file(self.out, [self.out.suffix])
-        agent, houses = checkpoint.load(self.agent), load(self.houses)
+        agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
         for name, least in (("steps", 1), ("stride", 1), ("width", 100)):

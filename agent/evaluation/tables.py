@@ -7,7 +7,7 @@ from rich.table import Table as RichTable
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
 
-WHERE = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
+WHERE = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms", "all": "all rooms"}
 """Where targets lie, by target mode, in words."""
 
 HUMAN_NAME = "human, another house"
@@ -98,11 +98,11 @@ def behaviour_table(result: Result) -> Table:
 
 
 def rooms_table(result: Result) -> Table:
-    """The ratio by number of rooms."""
+    """The ratio by number of secondary rooms."""
     by_rooms = {label: result.by_rooms(name) for name, label in _labels(result).items() if name != "oracle"}
-    headings = ("policy", *(f"{rooms} rooms" for rooms in sorted(set(result.rooms.tolist()))))
+    headings = ("policy", *map(str, sorted(set(result.rooms.tolist()))))
     rows = [(label, *(f"{each.value:.2f}" for each in row.values())) for label, row in by_rooms.items()]
-    return Table(f"Ratio by number of rooms, targets in {_where(result)}", headings, rows)
+    return Table(f"Ratio by number of secondary rooms, targets in {_where(result)}", headings, rows)
 
 
 def _where(result: Result) -> str:

@@ -1,4 +1,4 @@
-"""Make the benchmark bank: ``python -m benchmarks.agents.bank``, once; it never replaces one that is there.
+"""Make a frozen bank: ``python -m benchmarks.agents.bank NAME``, once; it never replaces one that is there.
 
 Half a minute on two cores. The same solver versions (``requirements.lock``) give the same houses.
 """
@@ -6,31 +6,31 @@ Half a minute on two cores. The same solver versions (``requirements.lock``) giv
 import sys
 from argparse import ArgumentParser
 
-from agent.banks import NAME, TEST, bank_hash, geometry_hash
+from agent.banks import BANKS, TEST, bank_hash, benchmark_path, geometry_hash
 from benchmarks.common.houses import in_turns
-from benchmarks.common.pages import ROOT
 from logic import check, save
 
-HOUSES, ROOMS = 256, range(2, 7)
-OUT = ROOT / "benchmarks" / "houses" / NAME
+HOUSES = 256
 
 
-def main() -> int:
+def main(name: str) -> int:
     """Make the bank, check it, save it; 1 where it is there already."""
-    if OUT.exists():
-        print(f"{OUT}: is frozen. A new bank needs a new name: agent/banks.py", file=sys.stderr)
+    bank, out = BANKS[name], benchmark_path(name)
+    if out.exists():
+        print(f"{out}: is frozen. A new bank needs a new name: agent/banks.py", file=sys.stderr)
         return 1
-    houses = in_turns(ROOMS, HOUSES, grammar="family", seed=TEST.start)
+    houses = in_turns(bank.rooms, HOUSES, grammar=bank.grammar, seed=TEST.start)
     for number, house in enumerate(houses):
         if faults := check(house):
             raise ValueError(f"house {number}: {faults[0]}")
     if len(set(map(geometry_hash, houses))) < len(houses):
         raise ValueError("the same house twice")
-    save(houses, OUT)
-    print(f"{OUT}: {len(houses)} houses, {bank_hash(houses)}")
+    save(houses, out)
+    print(f"{out}: {len(houses)} houses, {bank_hash(houses)}")
     return 0
 
 
 if __name__ == "__main__":
-    ArgumentParser(description=__doc__).parse_args()
-    sys.exit(main())
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("name", choices=BANKS)
+    sys.exit(main(parser.parse_args().name))

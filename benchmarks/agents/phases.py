@@ -16,7 +16,7 @@ import torch
 import tyro
 
 from agent import checkpoint
-from agent.banks import bank_hash, benchmark
+from agent.banks import NAME, bank_hash, named
 from agent.build import policy_of
 from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
@@ -26,7 +26,6 @@ from agent.released import released
 from agent.world import make_envs
 from benchmarks.agents.account import PHASES, Account, follow
 from benchmarks.agents.kept import code, fingerprint
-from logic import load
 from logic.files import write_whole
 
 BESIDE = ("explorer", "searcher", "oracle")
@@ -40,8 +39,8 @@ class Phases:
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Checkpoints, of agents of the default world; by default those that come with the project."""
 
-    houses: Path | None = None
-    """House file; by default the benchmark bank."""
+    houses: Path = Path(NAME)
+    """House file, or a frozen bank: test-v1, home-test-v1."""
 
     targets: TargetMode = "secondary"
     """Where targets lie."""
@@ -55,7 +54,7 @@ class Phases:
     def run(self) -> None:
         """Play and print."""
         torch.set_num_threads(1)
-        houses = load(self.houses) if self.houses else benchmark()
+        houses = named(self.houses)
         envs = make_envs(houses, len(houses), self.targets)
         makers: dict[str, tuple[str, Callable[[], Policy]]] = {}
         for path in self.agents or tuple(map(Path, released())):

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from agent.banks import HASH
+from agent.banks import BANKS, NAME
 from agent.config import TARGET_MODES
 from agent.evaluation import scores
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
@@ -128,6 +128,6 @@ def measured(folder: Path, runs: Iterable[EntryRun]) -> bool:
         return False
     record = json.loads(file.read_text())
     known = [(ROOT / agent).resolve() for agent in record["agents"]]
-    if record["bank"]["hash"] != HASH or known != [agent.resolve() for agent in agents]:
+    if record["bank"]["hash"] != BANKS[NAME].hash or known != [agent.resolve() for agent in agents]:
         return False
     return all(agent.stat().st_mtime <= file.stat().st_mtime for agent in agents)

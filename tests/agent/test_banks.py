@@ -5,34 +5,56 @@ import pytest
 from msgspec.structs import replace
 
 from agent import banks
-from agent.banks import TEST, TRAINING, VALIDATION, bank_hash, benchmark, geometry_hash, require_training
+from agent.banks import BANKS, TEST, TRAINING, VALIDATION, benchmark, geometry_hash, named, require_training
 from agent.commands import Train
 from agent.config import PQNConfig
 from logic import House, HouseFileError, Rect, Star, check, generate, load, save
 from logic.promises import PROMISES
 from sim.arguments import BANK
 
+GRAMMAR_AND_LEAST_MOST_ROOMS = {"test-v1": ("family", 2, 6), "home-test-v1": ("home", 4, 10)}
+
+PROMISED = {
+    # This bank is older than one promise, which 52 of its houses do not keep: that fronts are clear.
+    "test-v1": replace(PROMISES["family"], clear_front=frozenset()),
+    "home-test-v1": None,
+}
+
 
 @pytest.fixture(scope="module")
-def bank():
-    return benchmark()
+def frozen():
+    """The houses of each bank; reading them compares their hash."""
+    return {name: benchmark(name) for name in BANKS}
 
 
-def test_the_benchmark_bank_is_256_houses_of_family_with_2_to_6_rooms(bank):
-    assert [len(house.star.rooms) for house in bank] == [2 + i % 5 for i in range(256)]
-    assert {house.provenance.grammar for house in bank} == {"family"}
-    assert all(house.provenance.seed in TEST for house in bank)
+@pytest.fixture(scope="module")
+def bank(frozen):
+    return frozen["test-v1"]
 
 
-def test_the_benchmark_bank_is_the_one_that_was_frozen(bank):
-    assert bank_hash(bank) == banks.HASH
+@pytest.mark.parametrize("name", BANKS)
+def test_a_frozen_bank_is_256_houses_of_a_grammar_with_each_number_of_rooms_in_turn(name, frozen):
+    grammar, least, most = GRAMMAR_AND_LEAST_MOST_ROOMS[name]
+    turns = [least + i % (most - least + 1) for i in range(256)]
+    assert [len(house.counted) for house in frozen[name]] == turns
+    assert {house.provenance.grammar for house in frozen[name]} == {grammar}
+    assert all(house.provenance.seed in TEST for house in frozen[name])
 
 
-def test_its_houses_keep_their_promises_and_are_all_different(bank):
-    # The frozen bank is older than one promise, which 52 of its houses do not keep: that fronts are clear.
-    promised = replace(PROMISES["family"], clear_front=frozenset())
-    assert not any(check(house, promised) for house in bank[::16])
-    assert len(set(map(geometry_hash, bank))) == len(bank)
+@pytest.mark.parametrize("name", BANKS)
+def test_its_houses_keep_their_promises_and_are_all_different(name, frozen):
+    assert not any(check(house, PROMISED[name]) for house in frozen[name][::16])
+    assert len(set(map(geometry_hash, frozen[name]))) == 256
+
+
+def test_a_bank_is_named_where_a_house_file_may_stand_and_a_misspelt_name_is_shown_the_right_one(frozen):
+    assert named("home-test-v1") == frozen["home-test-v1"]
+    with pytest.raises(HouseFileError, match=r"no bank home-test: did you mean home-test-v1\?.*house file"):
+        named("home-test")
+
+
+def test_all_houses_of_homes_have_a_hub_so_that_targets_may_lie_in_it(frozen):
+    assert all(house.hub for house in frozen["home-test-v1"])
 
 
 def test_the_seeds_set_apart_are_apart():
@@ -44,22 +66,24 @@ def test_the_seeds_set_apart_are_apart():
 
 def test_another_bank_in_its_place_is_refused(bank, tmp_path, monkeypatch):
     save(bank[:2], tmp_path / "test-v1.jsonl.gz")
-    monkeypatch.setattr(banks, "benchmark_path", lambda: tmp_path / "test-v1.jsonl.gz")
+    monkeypatch.setattr(banks, "benchmark_path", lambda name: tmp_path / f"{name}.jsonl.gz")
     with pytest.raises(HouseFileError, match="not the frozen bank"):
         benchmark()
 
 
-def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(bank):
+def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(bank, frozen):
     seeded = House.of_star(
         Star(Rect(0, 0, 5, 5)), provenance=msgspec.structs.replace(bank[0].provenance, index=10**6)
     )
     nameless = msgspec.structs.replace(bank[7], provenance=None)
+    home = msgspec.structs.replace(frozen["home-test-v1"][7], provenance=None)
     innocent = House.of_star(Star(Rect(0, 0, 5, 5)))
     require_training([innocent], "mine.jsonl")
     with pytest.raises(HouseFileError, match=r"mine.jsonl: house 1: its seed 2000000000 is kept"):
         require_training([innocent, seeded], "mine.jsonl")
-    with pytest.raises(HouseFileError, match=r"mine.jsonl: house 0: it is in the benchmark bank, kept"):
-        require_training([nameless], "mine.jsonl")
+    for house, where in ((nameless, "test-v1"), (home, "home-test-v1")):
+        with pytest.raises(HouseFileError, match=rf"mine.jsonl: house 1: it is in the bank {where}, kept"):
+            require_training([innocent, house], "mine.jsonl")
 
 
 def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(bank, tmp_path):
@@ -79,7 +103,12 @@ def test_the_houses_that_come_with_the_simulator_may_be_learnt_from_and_have_a_k
 
 
 @pytest.mark.parametrize(
-    ("path", "request_"), [(banks.benchmark_path(), {"rooms": 2, "seed": TEST.start}), (BANK, {"rooms": 4})]
+    ("path", "request_"),
+    [
+        (banks.benchmark_path("test-v1"), {"rooms": 2, "seed": TEST.start}),
+        (banks.benchmark_path("home-test-v1"), {"rooms": 4, "grammar": "home", "seed": TEST.start}),
+        (BANK, {"rooms": 4}),
+    ],
 )
 def test_todays_rules_make_the_houses_of_the_banks_again_where_the_solvers_are_the_same(path, request_):
     first, [again] = load(path)[0], generate(**request_)

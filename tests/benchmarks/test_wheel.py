@@ -58,9 +58,10 @@ def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tm
     assert houses == "32"
 
 
-def test_a_wheel_has_the_benchmark_bank(installed: Path, tmp_path: Path) -> None:
-    code = "import agent.banks; print(agent.banks.benchmark_path(), len(agent.banks.benchmark()))"
+def test_a_wheel_has_the_frozen_banks(installed: Path, tmp_path: Path) -> None:
+    code = "from agent.banks import *\nfor name in BANKS: print(benchmark_path(name), len(benchmark(name)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
-    path, houses = ended.stdout.split()
+    path, houses, home_path, homes = ended.stdout.split()
     assert Path(path).is_relative_to(installed)
-    assert houses == "256"
+    assert Path(home_path).is_relative_to(installed)
+    assert (houses, homes) == ("256", "256")

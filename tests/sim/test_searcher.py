@@ -5,7 +5,7 @@ import pytest
 
 from sim import HouseVectorEnv, Oracle
 from sim.lookout import WORD, Lookout
-from sim.searcher import KNOWN, Searcher
+from sim.searcher import DONE, KNOWN, Searcher
 from tests import sample_houses
 
 HOUSE = sample_houses.random_house(3)
@@ -147,3 +147,22 @@ def test_the_searcher_works_on_a_grid():
     _, targets, blocked = played(envs, 0, 300)
     assert targets.min() > 2
     assert blocked == 0
+
+
+def test_places_of_the_target_between_those_that_viewpoints_are_judged_by_are_looked_at_too():
+    envs = HouseVectorEnv([HOUSE], targets="secondary")
+    envs.reset(seed=5)
+    searcher, spots = Searcher(envs), len(envs.world.places[0].targets)
+    envs.step(searcher.act())
+    left = searcher.arrays["left"].numpy()
+    unseen = np.flatnonzero(bits(left, spots))
+    last = np.setdiff1d(unseen, searcher.arrays["samples"].numpy())[-1]
+    alone = np.zeros_like(left)
+    alone[last // WORD] = 1 << int(last % WORD)
+    searcher.arrays["left"].fill(alone)
+    searcher.arrays["notes"].view()[0, DONE:] = 0  # it plans again
+    made = []
+    for _ in range(9):
+        made.append(searcher.act()[0])
+        envs.step(np.array(made[-1:]))
+    assert 2 in made  # it goes there

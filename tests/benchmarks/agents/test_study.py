@@ -13,7 +13,7 @@ import pytest
 import tyro
 
 from agent import checkpoint
-from agent.banks import HASH
+from agent.banks import BANKS, NAME
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.cli import parse
@@ -189,7 +189,7 @@ def test_a_measurement_is_kept_until_an_agent_is_newer_or_another(tmp_path: Path
     assert not measured(folder, runs)
     folder.mkdir()
     agents = [str(training.folder.agent) for training in runs]
-    for bank, found in (("0" * 64, False), (HASH, True)):
+    for bank, found in (("0" * 64, False), (BANKS[NAME].hash, True)):
         (folder / "evaluation.json").write_text(json.dumps({"agents": agents, "bank": {"hash": bank}}))
         assert measured(folder, runs) == found
     assert not measured(folder, runs[:1])
@@ -317,7 +317,9 @@ def test_a_study_does_what_is_left_and_writes_its_page(tmp_path: Path, monkeypat
                 mode = job.command[job.command.index("--targets") + 1]
                 agents = job.command[job.command.index("evaluate") + 1 : job.command.index("--targets")]
                 found = scores.modes_of([result(mode, pqn=(0.8,), script=(0.6,))])
-                file = scores.ScoreFile(scores.Bank(HASH, "bank", HOUSES), 0, found, agents=agents)
+                file = scores.ScoreFile(
+                    scores.Bank(BANKS[NAME].hash, "bank", HOUSES), 0, found, agents=agents
+                )
                 job.folder.mkdir()
                 (job.folder / "evaluation.json").write_bytes(file.json())
 
