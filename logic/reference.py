@@ -14,7 +14,7 @@ from typing import Any
 
 from clingo.ast import ASTType, parse_files
 
-from logic.grammar import PLANS, RULES, TOPOLOGIES
+from logic.grammar import PLANS, RULES, STAR, TOPOLOGIES
 from logic.layout import CORE
 
 PAGE = Path(__file__).with_name("reference.md")
@@ -67,8 +67,11 @@ def _about(recipe: Recipe) -> str:
     return "Furniture of a room" if "#program room." in str(recipe) else "A house's rooms"
 
 
-def asp_entries() -> dict[str, list[Entry]]:
-    """What the core's ``.lp`` files document, by ``#program``; in base only what a grammar states."""
+def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
+    """What the core's ``.lp`` files document, by ``#program``; in base only what a grammar states.
+
+    Of these topologies alone, or of all.
+    """
     entries: dict[str, list[Entry]] = {"base": [], "house": [], "room": [], "pick": []}
     stated: set[tuple[str, int]] = set()
     part = "base"
@@ -84,7 +87,8 @@ def asp_entries() -> dict[str, list[Entry]]:
             if found:
                 entries[part].append(_entry(*found.groups("")))
 
-    for file in (CORE, *PLANS, *sorted(TOPOLOGIES.glob("*.lp"))):
+    named = [file for file in sorted(TOPOLOGIES.glob("*.lp")) if file.stem in topologies or not topologies]
+    for file in (CORE, *(PLANS if named != [STAR] else ()), *named):
         parse_files([str(file)], take)
     entries["base"] = [each for each in entries["base"] if (each.name, len(each.arguments)) in stated]
     return entries
