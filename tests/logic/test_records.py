@@ -114,9 +114,11 @@ def test_the_published_schema_is_that_of_the_reader(capsys: pytest.CaptureFixtur
     assert published.read_text() == capsys.readouterr().out, "./run schema > docs/house.schema.json"
 
 
-def test_the_page_about_house_files_shows_a_house_that_conforms() -> None:
+def test_the_page_about_house_files_shows_a_house_that_conforms_and_a_plan_that_is_read() -> None:
     page = (Path(__file__).parents[2] / "docs" / "house-file.md").read_text()
-    (example,) = re.findall(r"```json\n(.*?)```", page, re.DOTALL)
+    example, plan = re.findall(r"```json\n(.*?)```", page, re.DOTALL)
+    (room,) = from_geojson(json.loads(plan))
+    assert (room.name, room.width, room.height) == ("hall", 2.5, 4)
     assert accepts(SCHEMA, json.loads(example))
     assert check(House.from_dict(json.loads(example))) == []
 
