@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from agent.cli import main
 from logic import House, check, load, save
+from logic.geojson import from_geojson
 from logic.records import schema
 from tests.logic.handmade import houses
 from tests.plans import PLANS
