@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from logic import House, HouseFileError, load
+from logic import House, HouseFileError, RequestError, load
 from logic.spelling import unknown
 
 TRAINING, VALIDATION, TEST = range(10**9), range(10**9, 2 * 10**9), range(2 * 10**9, 2**31)
@@ -77,12 +77,28 @@ def benchmark(name: str = NAME) -> list[House]:
 
 
 def named(houses: str | Path) -> list[House]:
-    """The houses of a house file, or of a bank of ``BANKS`` by its name. Raises ``HouseFileError``."""
+    """The houses of a house file, or of a bank of ``BANKS`` by its name, or the paper's by ``PAPER_HOUSE``.
+    Raises ``HouseFileError``.
+    """
+    from sim.arguments import PAPER_HOUSE, house_list  # here: it imports Taichi
+
     if str(houses) in BANKS:
         return benchmark(str(houses))
+    if str(houses) == PAPER_HOUSE:
+        return house_list(PAPER_HOUSE)
     if not Path(houses).suffix and not Path(houses).exists():
-        raise HouseFileError(f"{unknown('bank', houses, BANKS)}; or name a house file, such as houses.jsonl")
+        known = unknown("bank", houses, [*BANKS, PAPER_HOUSE])
+        raise HouseFileError(f"{known}; or name a house file, such as houses.jsonl")
     return load(houses)
+
+
+def require_places(targets: str, houses: str | Path) -> None:
+    """Raise ``RequestError`` for one of the paper's tasks in another house: its places are in the paper's."""
+    from sim.arguments import PAPER_HOUSE
+    from sim.tasks import PAPER_TASKS
+
+    if targets in PAPER_TASKS and str(houses) != PAPER_HOUSE:
+        raise RequestError(f"{targets}: its targets have places in the house {PAPER_HOUSE}, not in {houses}")
 
 
 def require_training(houses: Sequence[House], name: str | Path) -> None:

@@ -42,6 +42,7 @@ COMMANDS = {
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
+    "play": ("agent.play.commands:Play", "Drive the robot by the keyboard, and race an agent."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
     "import-keras": ("agent.commands:ImportKeras", "Take the weights of the paper's original program."),
     "demo": ("agent.evaluation.commands:Demo", "Houses, an agent that learns in them, a report: in minutes."),
@@ -54,6 +55,8 @@ EXTRAS = {
     "sim": ("gymnasium", "taichi"),
     "agent": ("safetensors", "scipy", "tensorboard", "torch"),
     "keras": ("h5py",),
+    "export": ("pxr", "trimesh"),
+    "play": ("pygame",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -125,7 +128,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras == ["keras"] else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

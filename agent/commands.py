@@ -14,7 +14,7 @@ from typing import Annotated, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.config import PRESETS, PQNConfig, TrainConfig
+from agent.config import LEARNT_IN, PRESETS, PQNConfig, TrainConfig
 from logic.errors import RequestError
 from logic.spelling import unknown
 
@@ -30,7 +30,8 @@ class Train(Generic[Kind]):
     """
 
     houses: tyro.conf.Positional[Path | None] = None
-    """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius."""
+    """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius,
+    for preset paper the paper's house, paper-house."""
 
     out: Path = Path("runs/train")
     """Folder for agent.safetensors, config.json, metrics.jsonl, learning-curve.png and tensorboard/."""
@@ -66,13 +67,12 @@ class Train(Generic[Kind]):
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
         from agent.runs import run
-        from logic import load
         from logic.files import require_folder, write_whole
-        from sim.arguments import BANK
+        from sim.arguments import BANK, house_list
 
         require_folder(self.out)
-        file = self.houses or BANK
-        houses = load(file)
+        file = self.houses or LEARNT_IN.get(self.preset, BANK)
+        houses = house_list(file)
         require_training(houses, file)
         command = shlex.join(["vitruvius", *sys.argv[1:]])
         made, history = run(

@@ -222,8 +222,20 @@ class DQNConfig(QLearningConfig):
 class PaperConfig(TrainConfig):
     """The original agent; preset ``paper`` is it, in the original's simulator. See ``agent.paper``."""
 
+    episodes: int | None = 817
+    """Episodes of the whole run, if it has not ended by its steps before; None: as many as come."""
+
+    initialisation: Literal["glorot", "torch"] = "glorot"
+    """First weights: Glorot's uniform ones and no biases, as Keras has them, or torch's own."""
+
     lr_decay: float = 1e-2
     """The learning rate is divided by 1 + this x the updates so far."""
+
+    adam_epsilon: float = 1e-7
+    """What Adam adds to the root of the mean squared gradient: Keras's."""
+
+    homing: bool = True
+    """Whether a random action goes forward where a middle ray sees the target."""
 
     epsilon_decay: float = 0.996
     """Epsilon is multiplied by this after each episode."""
@@ -231,25 +243,26 @@ class PaperConfig(TrainConfig):
     buffer_size: int = 100_000
     """Steps that the replay buffer holds, of all environments together."""
 
-    learning_starts: int = 500
+    learning_starts: int = 1
     """Steps in the buffer before the first update."""
 
     batch_size: int = 500
-    """Steps that are replayed when an episode ends."""
+    """Steps that are replayed when an episode ends; some repeatedly while the buffer has fewer."""
 
     num_minibatches: int = 500
     """Updates that these steps are shared out among."""
 
-    angles: Literal["own", "next"] = "own"
+    angles: Literal["own", "next"] = "next"
     """Whose angle the network reads at a ray: its own, or the next ray's, as the original's did by a slip."""
 
-    plays_as_original: bool = False
+    plays_as_original: bool = True
     """Whether the trained agent is measured as the original was: a share ``final_epsilon`` of random actions,
-    forward where a middle ray sees the target. By default it is measured as all agents are."""
+    forward where a middle ray sees the target. Otherwise it is measured as all other agents are."""
 
     algorithm: ClassVar[str] = "paper"
     positive: ClassVar[tuple[str, ...]] = (
-        *(*TrainConfig.positive, "buffer_size", "learning_starts", "batch_size", "num_minibatches"),
+        *(*TrainConfig.positive, "episodes", "adam_epsilon", "buffer_size", "learning_starts"),
+        *("batch_size", "num_minibatches"),
     )
     fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "epsilon_decay")
 
@@ -276,10 +289,11 @@ PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig] = {
         num_envs=64, learning_rate=5e-4, final_lr_fraction=0.1, epsilon=1.0, exploration_fraction=0.1
     ),
     "paper": PaperConfig(
+        targets="paper-main",
         world="paper",
         avoidance="paper",
-        num_envs=8,
-        steps=1_500_000,
+        num_envs=1,
+        steps=1_225_500,  # 817 episodes at most
         learning_rate=1e-2,
         epsilon=1.0,
         final_epsilon=0.025,
@@ -287,6 +301,9 @@ PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig] = {
     ),
 }
 """Configs that run by name."""
+
+LEARNT_IN = {"paper": "paper-house"}
+"""Houses that a preset learns in where none are given: a name of ``sim.arguments``."""
 
 
 def differences(one: TrainConfig, other: TrainConfig) -> Iterator[str]:

@@ -4,7 +4,6 @@ The file is read as arrays: its description of the model is not run, and not nee
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -17,8 +16,8 @@ from agent.config import PRESETS, PaperConfig
 from agent.paper import PaperNetwork
 from agent.released import CheckpointError
 
-ORIGINAL = replace(cast(PaperConfig, PRESETS["paper"]), angles="next", plays_as_original=True)
-"""How the original's network reads and plays; its training was not this config's."""
+ORIGINAL = cast(PaperConfig, PRESETS["paper"])
+"""How the original's network reads, plays and learnt, as far as its code and its file say."""
 
 
 def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:

@@ -35,6 +35,16 @@ class ReplayBuffer:
         rows = torch.randint(self.oldest, self.written - following, (number,), generator=generator)
         return rows, torch.randint(self.num_envs, (number,), generator=generator)
 
+    def sample_valid(self, number: int, following: int, generator: torch.Generator) -> tuple[Tensor, Tensor]:
+        """Rows and environments, (B,) int64 each, of different random steps that are ``valid``, with that
+        many rows after them; where there are fewer, all of them repeatedly.
+        """
+        rows = torch.arange(self.oldest, self.written - following)
+        found = self.data["valid"][rows % self.rows].nonzero()
+        order = torch.randperm(len(found), generator=generator)
+        chosen = found[order[torch.arange(number) % len(found)]]
+        return rows[chosen[:, 0]], chosen[:, 1]
+
     def read(self, name: str, rows: Tensor, envs: Tensor) -> Tensor:
         """What these rows (...) of these environments (...) hold by that name, (..., ...)."""
         return self.data[name].flatten(0, 1)[rows % self.rows * self.num_envs + envs]

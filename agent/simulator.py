@@ -41,10 +41,14 @@ def simulator(config: TrainConfig) -> Config:
     return msgspec.convert(values, Config)
 
 
-def sensor(config: TrainConfig) -> Config:
-    """The simulator that an agent is measured in: the default body and episodes, with the agent's sensor."""
-    learnt_in = simulator(config)
-    return replace(DEFAULT, **{name: getattr(learnt_in, name) for name in SENSOR})
+def sensor(config: TrainConfig, world: str = "default") -> Config:
+    """The simulator that an agent is measured in: a preset's body and episodes, with the agent's sensor."""
+    return with_sensor(PRESETS[world], simulator(config))
+
+
+def with_sensor(world: Config, seeing: Config = DEFAULT) -> Config:
+    """A simulator with what another one's body observes."""
+    return replace(world, **{name: getattr(seeing, name) for name in SENSOR})
 
 
 def require_task(targets: str) -> None:

@@ -7,7 +7,7 @@ from itertools import takewhile
 from clingo import Function, Symbol
 
 from logic.errors import Reason
-from logic.explain import Relaxed, Statement, minimal
+from logic.explain import Relaxed, Statement, minimal, preferred
 from logic.why import Alternative, Choice
 
 
@@ -29,8 +29,14 @@ class Search:
         possible: Callable[[Sequence[Statement]], bool],
         chosen: Chosen,
         layout: Iterable[Symbol],
+        most: int | None = None,
     ) -> None:
-        """Know a relaxed program, its statements, a test of them, and the choices that made this layout."""
+        """Know a relaxed program, its statements, a test of them, and the choices that made this layout.
+
+        With ``most`` choices depend on each other as those of a plan do: conflicts are then of few rules and
+        many choices, and no more than ``most`` others are named that would have to change too.
+        """
+        self._most = most
         self._relaxed, self._statements, self._possible = relaxed, statements, possible
         self._chosen, self._layout = chosen, set(layout)
         self._kept = {
@@ -75,14 +81,21 @@ class Search:
             return None
         if self._possible([*hard, *kept.values()]):
             return Alternative(value, True)
-        needed = minimal([*hard, *kept.values()], self._possible, self._relaxed.core)
+        able = self._possible(hard)
+        if self._most is None:
+            needed = minimal([*hard, *kept.values()], self._possible, self._relaxed.core)
+        else:
+            picks = kept.values() if able else ()
+            needed = preferred([*picks, *hard], self._possible, self._relaxed.core)
         because = tuple(dict.fromkeys(each.reason for each in needed if each is not asked))
+        if not able:
+            return Alternative(value, False, (), because)
+        if self._most is not None:
+            return Alternative(value, False, self._fewest(hard, kept), because)
         given_up: list[tuple[Symbol, Symbol]] = []
         while not self._possible([*hard, *kept.values()]):
             core = self._relaxed.core([*hard, *kept.values()])
             culprits = [key for key, pick in kept.items() if pick in core]
-            if not culprits:
-                return Alternative(value, False, (), because)
             given_up.append(max(culprits, key=lambda key: _kinship(key[0], variable)))
             del kept[given_up[-1]]
         for key in given_up[-2::-1]:  # The last one is needed.
@@ -90,6 +103,23 @@ class Search:
                 kept[key] = self._kept[key]
         also = tuple(dict.fromkeys(str(key[0]) for key in given_up if key not in kept))
         return Alternative(value, False, also, because)
+
+    def _fewest(
+        self, hard: Sequence[Statement], picks: Mapping[tuple[Symbol, Symbol], Statement]
+    ) -> tuple[str, ...]:
+        """The fewest variables of these picks of which others make the rest possible."""
+        assert self._most is not None
+        for number in range(1, self._most + 1):
+            kept = [*hard, self._relaxed.at_most(number, picks.values())]
+            if self._possible(kept):
+                changed = []
+                for (variable, _), pick in picks.items():
+                    if self._possible([*kept, pick]):
+                        kept.append(pick)
+                    else:
+                        changed.append(str(variable))
+                return tuple(dict.fromkeys(changed))
+        return (f"more than {self._most} other choices",)
 
 
 def _pick(variable: Symbol, value: Symbol) -> Symbol:

@@ -1,7 +1,7 @@
 """What may stand in a grammar's .lp files: rules whose layouts can be sampled by picks, and no code."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,9 @@ from logic.statements import Statement
 CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction}
 STAGES = ("house", "room")
 """The two programs of a layout; ``base`` belongs to both."""
+
+UNITS = "units"
+"""The program that comes before them where a topology has units."""
 
 OBJECTIONS = {
     ASTType.External: "a grammar holds rules: what is #external holds in no house",
@@ -29,17 +32,22 @@ OBJECTIONS = {
 }
 
 
-def audit(statements: Iterable[Statement]) -> Iterator[GrammarError]:
-    """What would be passed over, or would choose past the picks (``rules/pick.lp``), each by its place."""
+def audit(statements: Iterable[Statement], stages: Sequence[str] = STAGES) -> Iterator[GrammarError]:
+    """What would be passed over, or would choose past the picks (``rules/pick.lp``), each by its place.
+
+    ``stages``: the programs that there are beside ``base``.
+    """
     for statement in statements:
-        if why := _objection(statement.node):
+        if why := _objection(statement.node, stages):
             yield statement.error(why)
 
 
-def _objection(node: Any) -> str:
-    if node.ast_type == ASTType.Program and (node.parameters or node.name not in {"base", *STAGES}):
-        meant = closest(node.name, STAGES)
-        hint = f"did you mean {meant}?" if meant else "there are house and room, and base for both"
+def _objection(node: Any, stages: Sequence[str]) -> str:
+    if node.ast_type == ASTType.Program and (node.parameters or node.name not in {"base", *stages}):
+        meant = closest(node.name, stages)
+        others = f"there are {', '.join(stages[:-1])} and {stages[-1]}, and base for "
+        others += "both" if len(stages) == 2 else "all"
+        hint = f"did you mean {meant}?" if meant else others
         return f"#program {node.name} is part of no layout: {hint}"
     if node.ast_type == ASTType.Rule and node.head.ast_type == ASTType.TheoryAtom:
         return OBJECTIONS[ASTType.TheoryDefinition]

@@ -27,6 +27,13 @@ def distance(one: Box, other: Box) -> float:
     return math.hypot(*(max(0.0, max(one[k], other[k]) - min(one[k + 2], other[k + 2])) for k in range(2)))
 
 
+def front(door: Box, depth: float) -> Box:
+    """What lies in front of a door and behind it, as wide as it is and this deep, metres."""
+    west, north, east, south = door
+    x, y = (depth, 0.0) if east - west < south - north else (0.0, depth)
+    return west - x, north - y, east + x, south + y
+
+
 def excess(inner: Box, outer: Box) -> float:
     """How far a box juts out of another, metres; 0 or negative where it lies inside."""
     return max(max(outer[k] - inner[k], inner[k + 2] - outer[k + 2]) for k in range(2))

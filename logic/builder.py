@@ -11,12 +11,12 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
+from logic.buildings import UnitsPlanner
 from logic.errors import LimitReached, RequestError
 from logic.grammar import Grammar
 from logic.house import House
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
-from logic.own_plan import OwnPlan
 from logic.own_planner import OwnPlanner
 from logic.parts import Provenance, Rect
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
@@ -39,15 +39,16 @@ class Builder:
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
-        if cell and grammar.shares_walls:
-            raise RequestError("cell: walls that rooms share lie on no grid yet: leave cell out")
         self.grammar = grammar
         self.loaded = LoadedGrammar(grammar, cell)
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
         self.prover = Prover(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
-        self.planner = Planner(grammar, self.loaded, self.prover)
+        if cell and self.loaded.depths:
+            raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
+        planner = UnitsPlanner if self.loaded.depths else Planner
+        self.planner = planner(grammar, self.loaded, self.prover)
         self._own: OwnPlanner | None = None
         self.versions = {
             "vitruvius": version("vitruvius"),
@@ -57,26 +58,25 @@ class Builder:
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
         """Make house ``index``: a star, see ``made``, or a plan, see ``plans.py``."""
-        if request.plan:
-            return self._in_plan(request.plan, request, seed, index, inferences)
-        if not self.grammar.shares_walls:
+        if not (request.plan or self.grammar.shares_walls):
             return self.made(request, seed, index, inferences)[0]
-        self.require_known(request)
-        plan = self.planner.made(request, np.random.default_rng([seed, index]), inferences)
+        planner = self.planner_of(request)
+        plan = planner.made(request, np.random.default_rng([seed, index]), inferences)
         return msgspec.structs.replace(plan, provenance=self._provenance(request, seed, index))
 
-    def _in_plan(self, plan: OwnPlan, request: Request, seed: int, index: int, inferences: int) -> House:
-        """House ``index`` in a plan of the user's: see ``own_planner.py``."""
+    def planner_of(self, request: Request) -> Planner:
+        """Who makes the plans of a request: where it gives their rooms, see ``own_planner.py``."""
         if not self.grammar.shares_walls:
             raise RequestError(
                 f"plan: a house of the grammar {self.grammar.name} is a star around a main room: take rules "
                 "for rooms that share walls, as --grammar home"
             )
         self.require_known(request)
-        if self._own is None or self._own.plan != plan:
-            self._own = OwnPlanner(self.grammar, self.loaded, plan)
-        house = self._own.made(request, np.random.default_rng([seed, index]), inferences)
-        return msgspec.structs.replace(house, provenance=self._provenance(request, seed, index))
+        if request.plan is None:
+            return self.planner
+        if self._own is None or self._own.plan != request.plan:
+            self._own = OwnPlanner(self.grammar, self.loaded, request.plan)
+        return self._own
 
     def made(self, request: Request, seed: int, index: int, inferences: int) -> tuple[House, Layout]:
         """Star ``index``, a function of the grammar, the request, the seed and the index; and its layout.

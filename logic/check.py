@@ -12,14 +12,14 @@ from itertools import combinations
 import msgspec
 import shapely
 
-from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, overlap, walls_touched
-from logic.check_plan import plan_doors, plan_rooms, plan_windows
+from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, front, overlap, walls_touched
+from logic.check_plan import plan_doors, plan_rooms, plan_units, plan_windows
 from logic.check_star import star_doors, star_main_room, star_rooms, star_sides
 from logic.house import House
 from logic.least_main_room import side_of
 from logic.parts import BODY, ORIGINAL, OUTSIDE, Door, Room
 from logic.promises import (
-    CLEARANCE,
+    FRONTAL,
     PASSAGE,
     PROMISES,
     Promises,
@@ -44,7 +44,9 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
     Without ``promises`` the provenance decides: those of its grammar, if shipped, or of ``DEFAULT`` for
     stars that name no grammar (the original's among them). What is asked of the rooms and doors together
     depends on the topology: of a star by ``check_star.py``, of all others by ``check_plan.py``. The
-    original's houses do not promise where a front faces, nor the least area of the main room.
+    original's houses are judged by the paper's constraints: furniture keeps clear of a door in front of it
+    and behind it, not beside it, and rooms may be empty. They do not promise where a front faces, how wide
+    passages are, nor the least area of the main room.
     """
     if not isinstance(house, House):
         raise TypeError(
@@ -71,6 +73,7 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
         *grid,
         *plan_rooms(house, promises),
         *plan_doors(house, promises),
+        *plan_units(house, promises),
         *plan_windows(house, promises),
         *_types(house, promises),
         *inside,
@@ -102,7 +105,9 @@ def _on_grid(promises: Promises, cell: float) -> Promises:
         }
         for sizes in (promises.rooms, promises.pieces)
     )
-    return msgspec.structs.replace(promises, door=door, room_gap=gap, rooms=rooms, pieces=pieces)
+    # A side is rounded by itself, so a share of the room's and an area are not kept to.
+    rounded = {"rooms": rooms, "pieces": pieces, "shares": {}, "tops": {}}
+    return msgspec.structs.replace(promises, door=door, room_gap=gap, **rounded)
 
 
 def _off_grid(house: House, cell: float) -> Iterator[str]:
@@ -111,6 +116,7 @@ def _off_grid(house: House, cell: float) -> Iterator[str]:
     origins = tuple(map(min, zip(*corners, strict=True))) * 2
     for room in house.counted:
         parts = [("the room", room), *(("its door", door) for door in house.doors_of(room.name))]
+        parts += (("its window", window) for window in house.windows if window.room == room.name)
         parts += zip(_piece_names(room), room.pieces, strict=True)
         for name, rect in parts:
             for edge, origin in zip(rect.box, origins, strict=True):
@@ -141,7 +147,8 @@ def _types(house: House, promises: Promises) -> Iterator[str]:
 
 def _furniture(house: House, room: Room, promises: Promises) -> Iterator[str]:
     place, names = _name(room), _piece_names(room)
-    if house.is_star and not room.pieces:
+    original = house.topology == ORIGINAL
+    if house.is_star and not room.pieces and room.type not in promises.empty and not original:
         yield f"{place}: has no furniture"
     for piece, name in zip(room.pieces, names, strict=True):
         if not promises.suits(room.type, piece.type):
@@ -152,9 +159,12 @@ def _furniture(house: House, room: Room, promises: Promises) -> Iterator[str]:
         # Rooms that share walls stand back to back: what is near to others' doors is behind a wall.
         for door in house.doors if house.is_star else house.doors_of(room.name):
             away = distance(piece.box, door.box)
-            if away < CLEARANCE - TOLERANCE:
-                whose = "its door" if room.name in door.between else f"the door of {_owner(house, door)}"
-                yield f"{place}: {name} stands {away:.2f} m from {whose} (at least {CLEARANCE})"
+            whose = "its door" if room.name in door.between else f"the door of {_owner(house, door)}"
+            if original:
+                if overlap(piece.box, front(door.box, FRONTAL)) > TOLERANCE:
+                    yield f"{place}: {name} stands {away:.2f} m in front of {whose} (at least {FRONTAL:.3f})"
+            elif away < promises.clearance - TOLERANCE:
+                yield f"{place}: {name} stands {away:.2f} m from {whose} (at least {promises.clearance:g})"
         if piece.type in promises.at_wall and not walls_touched(piece, room):
             yield f"{place}: {name} stands in the middle of the room (must touch a wall)"
     for (one, a), (other, b) in combinations(zip(room.pieces, names, strict=True), 2):
@@ -200,6 +210,8 @@ def _walking(house: House) -> Iterator[str]:
         place, doors = _name(room), house.doors_of(room.name)
         if not main.intersects(places_inside(room, BODY)):
             yield f"{place}: the body ({BODY} m square) cannot get into it from {start}"
+            continue
+        if house.topology == ORIGINAL:
             continue
         free = free_floor(room)
         by_body, by_square = ([doorway(door, side) for door in doors] for side in (BODY, PASSAGE))

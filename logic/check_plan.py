@@ -73,6 +73,26 @@ def plan_doors(house: House, promises: Promises) -> Iterator[str]:
         yield "house: has no door to the outside"
 
 
+def plan_units(house: House, promises: Promises) -> Iterator[str]:
+    """Units that are entered from no public room, by several doors, or from outside."""
+    public = {room.name for room in house.rooms if room.type in promises.public}
+    ends = {OUTSIDE, *public}
+    left = {room.name for room in house.rooms} - public if promises.public else set()
+    while left:
+        unit, new = set(), {min(left)}
+        while new:
+            unit |= new
+            joined = [door.between for door in house.doors if unit & {*door.between}]
+            new = {name for names in joined for name in names} - unit - ends
+        left -= unit
+        doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
+        name = _name(house.room(min(unit, key=lambda each: (len(each), each))))
+        if len(doors) != 1:
+            yield f"{name}: its unit is entered by {len(doors)} doors (must be one)"
+        elif doors[0].is_entrance:
+            yield f"{name}: its unit is entered from outside (must be from a public room)"
+
+
 def plan_windows(house: House, promises: Promises) -> Iterator[str]:
     """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
     rooms = {room.name: room for room in house.rooms}

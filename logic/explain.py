@@ -102,6 +102,7 @@ class Relaxed:
             self._control.ground([("base", []), *parts, ("pick", [])])
         self._differences.prepare()
         self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
+        self._given: list[int] = []
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
             for number, (reason, clause) in enumerate(found)
@@ -114,6 +115,24 @@ class Relaxed:
         literals += [-self._literal_of[atom] for atom in fails if atom in self._literal_of]
         return Statement(reason, tuple(literals))
 
+    def give(self, holds: Iterable[Symbol], fails: Iterable[Symbol]) -> None:
+        """That these atoms hold, and the others do not, is never left out."""
+        self._given += self.choice(Reason(""), holds, fails).literals
+
+    def proved(self, reason: Reason, nogoods: Iterable[Mapping[Symbol, bool]]) -> Statement:
+        """What is proved elsewhere, as a statement: no layout has all atoms of a nogood."""
+        with self._control.backend() as backend:
+            stated = backend.add_atom()
+            backend.add_rule([stated], choice=True)
+            for nogood in nogoods:
+                atoms = [
+                    self._literal_of[atom] if holds else -self._literal_of[atom]
+                    for atom, holds in nogood.items()
+                    if holds or atom in self._literal_of
+                ]
+                backend.add_rule([], [stated, *atoms])
+        return Statement(reason, (stated,))
+
     def binds(self, statement: Statement) -> bool:
         """Whether a statement has any ground instance."""
         return any(self._instances.of[literal] for literal in statement.literals)
@@ -124,15 +143,26 @@ class Relaxed:
 
     def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
         """The shown atoms of a layout under these statements; None if there is none."""
-        with self._control.solve(assumptions=_assumed(statements), yield_=True) as handle:
+        with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
             model = handle.model()
             return None if model is None else sorted(model.symbols(shown=True))
 
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
         """Some of these statements, which have no layout, that have none by themselves."""
         core: set[int] = set()
-        self._control.solve(assumptions=_assumed(statements), on_core=core.update)
+        self._control.solve(assumptions=self._assumed(statements), on_core=core.update)
         return [statement for statement in statements if core.intersection(statement.literals)]
+
+    def _assumed(self, statements: Iterable[Statement]) -> list[int]:
+        return self._given + [literal for statement in statements for literal in statement.literals]
+
+    def at_most(self, number: int, choices: Iterable[Statement]) -> Statement:
+        """That at most this number of choices, each of one atom that holds, are otherwise."""
+        with self._control.backend() as backend:
+            more = backend.add_atom()
+            others = [(-literal, 1) for choice in choices for literal in choice.literals]
+            backend.add_weight_rule([more], number + 1, others)
+        return Statement(Reason(f"at most {number} other changes"), (-more,))
 
     def exclude(self, conflict: Conflict) -> None:
         """Exclude all layouts with this conflict, as long as its clauses are stated."""
@@ -164,8 +194,26 @@ def minimal(
     return needed
 
 
-def _assumed(statements: Iterable[Statement]) -> list[int]:
-    return [literal for statement in statements for literal in statement.literals]
+def preferred(
+    statements: Sequence[Statement],
+    possible: Callable[[Sequence[Statement]], bool],
+    core: Callable[[Sequence[Statement]], list[Statement]],
+) -> list[Statement]:
+    """The same, of the first statements wherever these do: few steps where many are impossible by a few.
+
+    QuickXplain: Junker, AAAI 2004.
+    """
+
+    def needed(before: list[Statement], new: bool, some: list[Statement]) -> list[Statement]:
+        if new and not possible(before):
+            return []
+        if len(some) == 1:
+            return some
+        first, then = some[: len(some) // 2], some[len(some) // 2 :]
+        last = needed([*before, *first], True, then)
+        return needed([*before, *last], bool(last), first) + last
+
+    return needed([], False, core(statements))
 
 
 def _conditional(

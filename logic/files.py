@@ -30,15 +30,18 @@ MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 """What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
 
 
-def load(path: str | Path) -> list[House]:
+def load(path: str | Path, *, whole_pixels: bool = False) -> list[House]:
     """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file.
+
+    ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
+    did. Other files have none, and are refused.
 
     Raises ``HouseFileError``, with the line, for a file that is absent, empty, truncated or wrong.
     """
     path = Path(path)
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            houses = list(_houses(file, path))
+            houses = list(_houses(file, path, whole_pixels))
     except FileNotFoundError:
         raise HouseFileError(f"{path}: there is no such file{_beside(path)}") from None
     except (OSError, EOFError, zlib.error) as error:
@@ -49,7 +52,7 @@ def load(path: str | Path) -> list[House]:
     return houses
 
 
-def _houses(file: BinaryIO | gzip.GzipFile, path: Path) -> Iterator[House]:
+def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
     """The houses of an open file, line by line: what is too large is not read to its end."""
     read = file.read if _holds_one(path) else file.readline
     number, left = 0, MOST_BYTES
@@ -61,7 +64,7 @@ def _houses(file: BinaryIO | gzip.GzipFile, path: Path) -> Iterator[House]:
         if len(line) > MOST_LINE:
             raise HouseFileError(f"{path}:{number}: a house of more than {MOST_LINE >> 20} MiB")
         if line.strip() and not _ends(line):
-            yield _parsed(line, f"{path}:{number}")
+            yield _parsed(line, f"{path}:{number}", whole_pixels)
 
 
 def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
@@ -182,10 +185,14 @@ def _require_once(pairs: list[tuple[str, Any]]) -> None:
         raise ValueError(f"{max(keys, key=keys.count)!r} stands twice in an object")
 
 
-def _parsed(line: bytes, place: str) -> House:
+def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
     try:
         record: dict[str, Any] = msgspec.json.decode(line)
         json.loads(line, object_pairs_hook=_require_once)
+        if whole_pixels:
+            record = json.loads(line, parse_float=lambda text: float(int(float(text))))
+            if "unit" in record:
+                raise ValueError(f"its lengths are in {record['unit']}, so there are no pixels to cut")
         return House.from_dict(record)
     except (msgspec.DecodeError, ValueError, OverflowError, RecursionError) as error:
         hint = " (the file is cut short)" if "truncated" in str(error) else ""

@@ -12,7 +12,7 @@ from logic.errors import Finding, GrammarError, GrammarWarning, LimitReached, Re
 from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import House
-from logic.own_plan import OwnPlan, read_plan
+from logic.own_plan import OwnPlan, keeping, read_plan
 from logic.parts import BODY
 from logic.request import MOST_ROOMS, Count, Request
 from logic.solver import START_UP, Idle, Solver
@@ -49,7 +49,8 @@ def generate(
     ``{"bed": 1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the body's 0.287) every edge
     of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
     The rooms of ``keep`` (as in ``house.only("R0", "R2")``) are fixed, with their doors and furniture, and
-    count among the ``rooms``; all else, the main room too, is generated around them.
+    count among the ``rooms``; all else, the main room too, is generated around them. Rooms that share walls
+    are kept in a ``plan`` with doors, of the same house.
     ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, or
     a file of either (``docs/house-file.md``). Doors, windows and furniture are generated in it, and ``rooms``
     may be left out.
@@ -62,6 +63,13 @@ def generate(
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
     own = None if plan is None else read_plan(plan)
+    if keep is not None and not keep.is_star:
+        if own is None:
+            raise RequestError(
+                "keep: rooms that share walls are kept in their plan: give it too, as in "
+                'generate(plan=house, keep=house.only("R2"))'
+            )
+        own, keep = keeping(own, keep), None
     if own:
         rooms = _rooms_of(own, rooms, cell, keep)
     if rooms is None:

@@ -47,6 +47,8 @@ def from_geojson(record: Mapping[str, Any]) -> Iterator[Room]:
         raise RequestError(f"plan: GeoJSON is a {GEOJSON} with a list of features, a polygon for each room")
     found: list[tuple[str, str, Box]] = []
     for number, feature in enumerate(features):
+        if _is_no_room(feature):
+            continue
         try:
             read = msgspec.convert(feature, Feature)
         except msgspec.ValidationError as error:
@@ -57,10 +59,18 @@ def from_geojson(record: Mapping[str, Any]) -> Iterator[Room]:
         found.append(
             (properties.name or f"R{number}", properties.type, _box(read, properties.name or number))
         )
+    if not found:
+        raise RequestError("plan: no feature is a room: each has a property kind that is another word")
     left, top = min(box[0] for *_, box in found), max(box[3] for *_, box in found)
     for name, type_, (west, south, east, north) in found:
         sizes = (round(m, 6) for m in (west - left, top - north, east - west, north - south))
         yield Room(*sizes, name=name, type=type_)
+
+
+def _is_no_room(feature: Any) -> bool:
+    """Whether a feature says that it is another part of a house, as ``exports/geojson.py`` writes it."""
+    properties = feature.get("properties") if isinstance(feature, Mapping) else None
+    return isinstance(properties, Mapping) and properties.get("kind", "room") != "room"
 
 
 def _box(feature: Feature, name: str | int) -> Box:

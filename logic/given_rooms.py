@@ -7,17 +7,16 @@ do not depend on each other, so one that cannot have its furniture is furnished 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from clingo import Function, Number, Symbol, parse_term
 
 from logic.boxes import TOLERANCE, Box
 from logic.errors import LimitReached
-from logic.layout import Nogood
+from logic.layout import Nogood, Program
 from logic.parts import Rect
-from logic.placement import Placer
+from logic.placement import Placer, RoomLayout
 from logic.programs import Programs
 from logic.prolog import Term
 from logic.request import Request
@@ -49,6 +48,8 @@ class GivenRoom:
     rect: Rect
     doors: Sequence[Rect]
     windows: Sequence[Rect] = ()
+    pieces: list[dict[str, Any]] | None = None
+    """The furniture of a room that is furnished already, as in a house file."""
 
     def __str__(self) -> str:
         """Its type, size and doors."""
@@ -92,18 +93,23 @@ class Frame:
     def _by_wall(self, segments: Sequence[Rect], type_: str) -> dict[str, list[Span]]:
         found: dict[str, list[Span]] = {wall: [] for wall in WALLS}
         for segment in segments:
-            left, front, right, back = self._own(segment.box)
-            if right - left > back - front:
-                walls = {"front": front, "back": self.depth - back}
-                span = (left, right)
-            else:
-                walls = {"left": left, "right": self.width - right}
-                span = (front, back)
-            wall = min(walls, key=lambda each: abs(walls[each]))
-            if abs(walls[wall]) > TOLERANCE:
-                raise ValueError(f"a door or window of the {type_} lies on none of its walls")
+            wall, span = self.place(segment, type_)
             found[wall].append(span)
         return {wall: sorted(spans) for wall, spans in found.items()}
+
+    def place(self, segment: Rect, type_: str = "room") -> tuple[str, Span]:
+        """The wall of a door or window, and its span there."""
+        left, front, right, back = self._own(segment.box)
+        if right - left > back - front:
+            walls = {"front": front, "back": self.depth - back}
+            span = (left, right)
+        else:
+            walls = {"left": left, "right": self.width - right}
+            span = (front, back)
+        wall = min(walls, key=lambda each: abs(walls[each]))
+        if abs(walls[wall]) > TOLERANCE:
+            raise ValueError(f"a door or window of the {type_} lies on none of its walls")
+        return wall, span
 
     def _own(self, box: Box) -> Box:
         """A box of the house, in the room's frame."""
@@ -128,40 +134,66 @@ class Frame:
         )
 
     def lengths(self) -> Iterator[tuple[str, float]]:
-        """The room across and inwards, and each stretch of wall as far as its doors (m)."""
+        """The room across and inwards, and each stretch of wall as far as its doors (m), at most."""
         yield "across", self.width
         yield "inwards", self.depth
         for wall, (first, last) in WALLS.items():
             size = self.width if wall in ("front", "back") else self.depth
-            spans = self.doors[wall]
-            if not spans:
+            earliest, latest = self.earliest[wall], self.latest[wall]
+            if not earliest:
                 yield wall, size
                 continue
-            yield first, spans[0][0]
-            for number, (one, other) in enumerate(pairwise(spans), start=1):
+            yield first, latest[0][0]
+            for number, (one, other) in enumerate(zip(earliest, latest[1:], strict=False), start=1):
                 yield f"between({wall},{number})", other[0] - one[1]
-            yield last, size - spans[-1][1]
+            yield last, size - earliest[-1][1]
 
-    def given(self) -> tuple[list[Symbol], list[Symbol]]:
-        """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not."""
+    @property
+    def earliest(self) -> dict[str, list[Span]]:
+        """Where the doors of each wall may be, as near to its left or front end as they can."""
+        return self.doors
+
+    @property
+    def latest(self) -> dict[str, list[Span]]:
+        """And as far from there."""
+        return self.doors
+
+    def given(self, windows: bool = True) -> tuple[list[Symbol], list[Symbol]]:
+        """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not.
+
+        Nothing of ``windows`` where they may be anywhere.
+        """
         holds: dict[bool, list[Symbol]] = {True: [], False: []}
         for what, length in self.lengths():
             short = max(0, int(2**BITS - 1 - length / STEP))
             for bit, atom in enumerate(_bits(what)):
                 holds[bool(short >> bit & 1)].append(atom)
         for wall, spans in self.windows.items():
-            holds[bool(spans)].append(_window(wall))
+            if windows:
+                holds[bool(spans)].append(_at("window", wall))
+            holds[self.earliest[wall] != self.latest[wall]].append(_at("loose", wall))
         return holds[True], holds[False]
 
-    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
-        """The room for ``rules/given_rooms.pl``."""
+    def shape(self) -> Term:
+        """Its size and doors for ``rules/given_rooms.pl``."""
         doors = [
             [Term("-", float(start), float(end - start)) for start, end in spans]
             for spans in self.doors.values()
         ]
+        return Term("given", Term("-", float(self.width), float(self.depth)), Term("doors", *doors))
+
+    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
+        """The room for ``rules/given_rooms.pl``."""
         frame = Term("frame", self.side, float(self.x), float(self.y))
-        size = Term("-", float(self.width), float(self.depth))
-        return Term("room", number, type_, furniture, seed, size, Term("doors", *doors), frame)
+        return Term("room", number, type_, furniture, seed, *self.shape().arguments, frame)
+
+
+class Furnished(NamedTuple):
+    """How a room got its furniture: the room, the program of stage 1, and its layout."""
+
+    room: GivenRoom
+    program: Program
+    layout: RoomLayout
 
 
 @cache
@@ -171,8 +203,8 @@ def _bits(what: str) -> list[Symbol]:
 
 
 @cache
-def _window(wall: str) -> Symbol:
-    return Function("window", [Function(wall)])
+def _at(name: str, wall: str) -> Symbol:
+    return Function(name, [Function(wall)])
 
 
 def furnished(
@@ -182,18 +214,21 @@ def furnished(
     rng: np.random.Generator,
     inferences: int,
     request: Request | None = None,
+    how: dict[int, Furnished] | None = None,
 ) -> list[list[dict[str, Any]]]:
     """Furnish the rooms of a bare plan: the pieces of each, in the house's frame, as in a house file.
 
-    With what a ``request`` asks for, if there is one.
+    With what a ``request`` asks for, if there is one. ``how`` gets how each room got its furniture.
 
     Raises ``Unfurnishable`` where it is proved that a room cannot have what its type needs, ``LimitReached``
     past this number of Prolog inferences.
     """
     frames = [Frame(room) for room in rooms]
-    pieces: list[list[dict[str, Any]]] = [[] for _ in rooms]
+    pieces = [room.pieces or [] for room in rooms]
     nogoods: list[list[Nogood]] = [[] for _ in rooms]
-    waiting = [place for place, room in enumerate(rooms) if programs.has_furniture(room.type)]
+    waiting = [
+        place for place, room in enumerate(rooms) if room.pieces is None and programs.has_furniture(room.type)
+    ]
     while waiting:
         terms = []
         for number, place in enumerate(waiting):
@@ -205,7 +240,13 @@ def furnished(
             furniture = program.sample(rng, holds, fails, nogoods[place])
             if furniture is None:
                 raise Unfurnishable(place, room)
-            terms.append(frame.term(number, room.type, furniture, int(rng.integers(2**63))))
+            seed = int(rng.integers(2**63))
+            terms.append(frame.term(number, room.type, furniture, seed))
+            if how is not None:
+                layout = RoomLayout(
+                    place, Function(room.type), Function(frame.side), furniture, seed, given=frame.shape()
+                )
+                how[place] = Furnished(room, program, layout)
         again = any(nogoods[place] for place in waiting)
         found, conflicts, taken = placer.furnish(terms, inferences, minimal=again)
         inferences -= taken

@@ -26,6 +26,9 @@ PLANS = tuple(sorted((RULES / "plans").glob("*.lp")))
 ACCESS, OWN = RULES / "plans" / "access.lp", RULES / "own.lp"
 """What a plan of the user's has in the place of a topology."""
 
+COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
+"""Of clingo's language."""
+
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
 
@@ -94,23 +97,23 @@ def find(grammar: str | Path) -> Grammar:
 def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
     """The shared files of the topology that a fact in these files names, and its name.
 
-    It is read as text, since what comes with it must be known before any rule is.
+    It is read as text, since what comes with it must be known before any rule is, and rules of others are
+    parsed in a confined process alone. That one holds that the rules say the same (``loaded.py``).
     """
     own = {file.stem for file in files}
     known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
     named: list[str] = []
     for file in files:
-        lines = file.read_text("utf-8", "replace").split("\n")
-        for number, line in enumerate(lines, start=1):
-            for found in re.finditer(r"\btopology\((\w+)\)\.", line.partition("%")[0]):
-                place = (file, number, found.start() + 1)
-                name = found[1]
-                if named:
-                    raise GrammarError(f"a grammar has one topology, and {named[0]} is named already", *place)
-                if name not in own and name not in known:
-                    hint = unknown("topology", name, known)
-                    raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
-                named.append(name)
+        text = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), file.read_text("utf-8", "replace"))
+        for found in re.finditer(r"\btopology\s*\(\s*(\w+)\s*\)\s*\.", text):
+            before = text[: found.start()].split("\n")
+            place, name = (file, len(before), len(before[-1]) + 1), found[1]
+            if named:
+                raise GrammarError(f"a grammar has one topology, and {named[0]} is named already", *place)
+            if name not in own and name not in known:
+                hint = unknown("topology", name, known)
+                raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
+            named.append(name)
     if not named:
         return (STAR,), STAR.stem
     return PLANS if named[0] in own else (*PLANS, known[named[0]]), named[0]

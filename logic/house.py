@@ -70,17 +70,18 @@ class House(msgspec.Struct, frozen=True):
         return tuple(door for door in self.doors if name in door.between)
 
     def only(self, *names: str) -> House:
-        """The house with these rooms alone (``"R0"``) and its hub, for ``generate(keep=...)``.
+        """The house with these rooms alone (``"R0"``), and a star's main room, for ``generate(keep=...)``.
 
         Raises ``ValueError`` for a name that no room has.
         """
         for name in names:
             self.room(name)
-        rooms = tuple(room for room in self.rooms if room.name in (*names, self.hub))
+        main = (self.hub,) if self.is_star else ()
+        rooms = tuple(room for room in self.rooms if room.name in (*names, *main))
         left = {OUTSIDE, *(room.name for room in rooms)}
         doors = tuple(door for door in self.doors if left.issuperset(door.between))
         windows = tuple(window for window in self.windows if window.room in left)
-        return House(rooms, doors, windows, self.hub, self.topology, self.format)
+        return House(rooms, doors, windows, self.hub if self.hub in left else "", self.topology, self.format)
 
     @property
     def star(self) -> Star:

@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable
 from itertools import chain, zip_longest
+from typing import Any
 
+from logic.audit import UNITS
 from logic.errors import Finding, GrammarError, Reason
 from logic.explain import Relaxed
 from logic.grammar import Grammar
@@ -10,6 +12,12 @@ from logic.loaded import LoadedGrammar
 
 SIZES = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms for which a rule is looked for to bind, in this order."""
+
+BUILDINGS = (16,)
+"""The same of houses of units."""
+
+Ground = tuple[dict[str, Any], str]
+"""Constants and the program that is ground with them."""
 
 
 def findings(grammar: Grammar) -> list[Finding]:
@@ -22,7 +30,10 @@ def findings(grammar: Grammar) -> list[Finding]:
 
 def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     """What is of no use in a grammar without errors."""
-    return _findings("warning", [*loaded.warnings, *_idle(grammar, map(str, loaded.types))], grammar)
+    programs: list[Ground] = [({"rooms": rooms}, UNITS) for rooms in BUILDINGS if loaded.depths]
+    programs += [({"rooms": rooms}, "house") for rooms in SIZES]
+    furnished: list[Ground] = [({"this_room": str(type_)}, "room") for type_ in loaded.types]
+    return _findings("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
 
 
 def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
@@ -32,10 +43,8 @@ def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) ->
     ]
 
 
-def _idle(grammar: Grammar, types: Iterable[str]) -> list[GrammarError]:
+def _idle(grammar: Grammar, houses: Iterable[Ground], furnished: Iterable[Ground]) -> list[GrammarError]:
     """Rules that bind in no house of the usual sizes and in no type of room."""
-    houses = [({"rooms": rooms}, "house") for rooms in SIZES]
-    furnished = [({"this_room": type_}, "room") for type_ in types]
     unbound: dict[Reason, None] | None = None
     for constants, stage in filter(None, chain.from_iterable(zip_longest(houses, furnished))):
         program = Relaxed(grammar.asp, constants, [(stage, [])])

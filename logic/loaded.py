@@ -10,9 +10,10 @@ from clingo import Function, Symbol
 from logic.audit import audit, unreadable
 from logic.errors import GrammarError
 from logic.explain import Relaxed
-from logic.grammar import Grammar
+from logic.grammar import OWN, STAR, Grammar
 from logic.heads import closed_heads
 from logic.layout import Endless, Program
+from logic.metres import impossible, unlikely
 from logic.placement import Placer, unknown
 from logic.programs import Programs
 from logic.request import MOST_ROOMS
@@ -20,9 +21,8 @@ from logic.spelling import closest
 from logic.stages import misplaced
 from logic.statements import Statement, error_at, read
 from logic.stratification import unstratified
-from logic.terms import Lengths, length_facts, wall_facts
-from logic.units import impossible, unlikely
-from logic.vocabulary import Words, capitalised, core_words, misspelt, places, words
+from logic.terms import Lengths, depth_steps, length_facts, wall_facts
+from logic.vocabulary import Words, capitalised, core_words, misspelt, places, stages, words
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
@@ -47,6 +47,8 @@ class LoadedGrammar:
         self._extremes: dict[str, Any] = {}
         self.most_rooms = MOST_ROOMS
         """How many rooms a house has at most."""
+        self.depths: tuple[float, float] | None = None
+        """How deep units are, metres, where a house is one of units: ``buildings.py``."""
         self._words = Words()
         self.errors = list(self._readable()) or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
@@ -72,11 +74,24 @@ class LoadedGrammar:
         except RecursionError:
             yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
             return
+        yield from self._other_topologies()
         refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words)}
         yield from refused.values()
-        yield from audit(each for each in statements if id(each.node) not in refused)
+        programs = stages(core_words(self._grammar.topology))
+        yield from audit((each for each in statements if id(each.node) not in refused), programs)
         yield from misplaced(self._words, refused)
         yield from unstratified(statements)
+
+    def _other_topologies(self) -> Iterator[GrammarError]:
+        """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""
+        found = self._words.derived.get(("topology", 1), [])
+        for use in found:
+            named = f"topology({self._grammar.topology_name})."
+            if str(use.statement.node) != named and self._grammar.topology_name != OWN.stem:
+                yield use.statement.error("a topology is named by a fact alone, as in topology(ring).")
+        if not found and self._grammar.topology_name not in (STAR.stem, OWN.stem):
+            name = self._grammar.topology_name
+            yield GrammarError(f"topology({name}). is no fact where it stands", self._grammar.directory)
 
     def _errors(self) -> Iterator[GrammarError]:
         sized = self.placer.sized()
@@ -95,7 +110,10 @@ class LoadedGrammar:
         if wrong:
             return
         self.furniture = furniture_of(probe)
-        limits = [symbol.arguments[0].number for symbol in probe.atoms("most_rooms", 1)]
+        whole = self._probe({"rooms": 1}, "units") if probe.atoms("units", 2) else probe
+        limits = [symbol.arguments[0].number for symbol in whole.atoms("most_rooms", 1)]
+        if whole is not probe:
+            yield from self._units(probe.atoms("units", 2)[0], bool(limits))
         self.most_rooms = min([MOST_ROOMS, *limits])
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
@@ -118,7 +136,19 @@ class LoadedGrammar:
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share."""
         doorway, extremes = self.placer.wall_lengths(self.furniture)
-        return wall_facts(extremes, doorway)
+        depths = depth_steps(*self.depths) if self.depths else []
+        return [*wall_facts(extremes, doorway), *((step, ()) for step in depths)]
+
+    def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
+        """What is wrong where a grammar states that there are units, which its topology has if ``known``."""
+        self.depths = self.placer.unit_depths()
+        if not known:
+            name = self._grammar.topology_name
+            yield self._at(stated, f"{stated}: the topology {name} has no units, as building has")
+        elif self.depths is None:
+            clause = "unit_depth(D) :- { D >= 7.0, D =< 9.0 }."
+            why = f"unit_depth/1 has no clause: add one, as {clause}"
+            yield GrammarError(why, self._grammar.prolog[-1], 1, 1)
 
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""

@@ -49,7 +49,7 @@ class Wall:
 
 
 class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
-    """Rooms with names, types (empty: any) and places in metres, x east, y south; without furniture.
+    """Rooms with names, types (empty: any) and places in metres, x east, y south.
 
     If there are doors between rooms, there will be no others; likewise an entrance, and windows.
     """
@@ -57,6 +57,8 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
     rooms: tuple[Room, ...]
     doors: tuple[Door, ...] = ()
     windows: tuple[Window, ...] = ()
+    kept: tuple[str, ...] = ()
+    """Names of the rooms whose furniture stays; the others have none yet."""
 
     @cached_property
     def lines(self) -> list[dict[str, tuple[str, int]]]:
@@ -123,6 +125,29 @@ def read_plan(source: str | Path | House | Mapping[str, Any]) -> OwnPlan:
         plan = OwnPlan(tuple(from_geojson(source)))
     _require_plan(plan)
     return plan
+
+
+def keeping(plan: OwnPlan, house: House) -> OwnPlan:
+    """The plan in which all rooms of a house are as they are there, with their types and furniture.
+
+    Raises ``RequestError`` where the plan has another room in the place of one of them, or no doors: what is
+    kept stands clear of the doors that there were.
+    """
+    rooms = {room.name: room for room in house.rooms}
+    places = {room.name: room.box for room in plan.rooms}
+    if not rooms:
+        raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
+    for name, room in rooms.items():
+        if (
+            name not in places
+            or max(abs(a - b) for a, b in zip(room.box, places[name], strict=True)) > TOLERANCE
+        ):
+            raise RequestError(f"keep: the plan has no {name} where it is: give the plan of the same house")
+    if not plan.doors:
+        raise RequestError("keep: the plan has no doors: give a house with them, as --plan FILE")
+    return msgspec.structs.replace(
+        plan, rooms=tuple(rooms.get(room.name, room) for room in plan.rooms), kept=tuple(rooms)
+    )
 
 
 def _from_file(path: Path) -> House | dict[str, Any]:

@@ -17,7 +17,7 @@ from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
 from logic.inexpressible import inexpressible
 from logic.own_plan import OwnPlan
-from logic.parts import OUTSIDE
+from logic.parts import OUTSIDE, Rect
 from logic.prolog import Term
 from logic.prolog_syntax import explained
 from logic.vocabulary import LENGTHS, core_words
@@ -25,7 +25,10 @@ from logic.vocabulary import LENGTHS, core_words
 
 @dataclass(frozen=True)
 class RoomLayout:
-    """One room of a layout: its number, type and side, the atoms that furnish it, the seed of its lengths."""
+    """One room of a layout: its number, type and side, the atoms that furnish it, the seed of its lengths.
+
+    ``given`` is what is known of it before, its size and doors: see ``rules/given_rooms.pl``.
+    """
 
     number: int
     type: Symbol
@@ -33,6 +36,7 @@ class RoomLayout:
     furniture: Sequence[Symbol]
     seed: int = 0
     fixed: FixedRoom | None = None
+    given: Term | str = "any"
 
 
 @dataclass(frozen=True)
@@ -163,13 +167,33 @@ class Placer:
         """How much wall a door takes, and the extremes of each room type's size, metres: ``plans.pl``."""
         return self._ask("plan_lengths", types)
 
-    def walls(self, layout: Iterable[Symbol], seed: int, inferences: int) -> dict[str, Any]:
-        """Place the walls, doors and windows of a plan, metres: see ``rules/plans.pl``.
+    def walls(
+        self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()
+    ) -> dict[str, Any]:
+        """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``rules/plans.pl``.
 
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
         """
-        answer = self._ask("plan_placed", Term("plan", layout, seed, "minimal"), inferences)
+        plan = Term("plan", layout, list(given), seed, "minimal")
+        return self._walls_answer(self._ask("plan_placed", plan, inferences), inferences)
+
+    def unit_range(
+        self, layout: Iterable[Symbol], axis: str, depth: float, inferences: int
+    ) -> dict[str, Any]:
+        """The ``range`` of lengths that a unit may have which is this deep along an axis, metres.
+
+        Raises as ``walls``.
+        """
+        unit = Term("unit", layout, axis, depth, "minimal")
+        return self._walls_answer(self._ask("unit_extremes", unit, inferences), inferences)
+
+    def unit_depths(self) -> tuple[float, float] | None:
+        """How deep units may be, metres; None where no clause bounds it."""
+        range_ = self._ask("unit_depths")
+        return range_ and tuple(range_)
+
+    def _walls_answer(self, answer: dict[str, Any], inferences: int) -> dict[str, Any]:
         if "limit" in answer:
             raise LimitReached(f"the walls of a house reached their limit of {inferences} inferences")
         if "infeasible" in answer:
@@ -218,14 +242,41 @@ class Placer:
         conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
         return answer["rooms"], conflicts, answer["inferences"]
 
+    def loose_conflict(self, room: Term, without: Iterable[Symbol] = ()) -> Conflict | None:
+        """A minimal conflict of a room of given size whose doors may move, some clauses left out, or None."""
+        reasons = self._ask("loose_room_conflict", room, without)
+        return None if reasons is None else _conflict(reasons)
+
+    def loose_starts(self, room: Term, seed: int) -> list[list[float]]:
+        """Where the doors of such a room start on each of its walls, metres, if it has no conflict."""
+        return self._ask("loose_room_starts", room, seed)
+
     def pieces(self, room: RoomLayout) -> list[tuple[str, Symbol]]:
         """The pieces and companions of a room, as a house file lists them: type and atom of stage 1."""
-        found = self._ask("room_pieces", room.type, room.furniture)
+        found = self._ask("room_pieces", room.type, room.furniture, room.given)
         return [(type_, parse_term(atom)) for type_, atom in found]
 
     def bounds(self, room: RoomLayout, target: Symbol) -> dict[str, Any]:
         """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
-        return self._ask("room_lengths", room.type, room.furniture, room.seed, target)
+        return self._ask("room_lengths", room.type, room.furniture, room.given, room.seed, target)
+
+    def wall_bounds(self, layout: Iterable[Symbol], rooms: Sequence[Rect], number: int) -> dict[str, Any]:
+        """What the sizes of a plan's room could have been, and which constraints bind: ``plan_bounds.pl``."""
+        west, north = min(room.x for room in rooms), min(room.y for room in rooms)
+        boxes = [
+            Term(
+                "box",
+                place,
+                *(float(x - west) for x in room.box[::2]),
+                *(float(y - north) for y in room.box[1::2]),
+            )
+            for place, room in enumerate(rooms)
+        ]
+        return self._ask("plan_room_lengths", layout, boxes, number)
+
+    def opening_lengths(self, type_: str, start: float, end: float) -> dict[str, Any]:
+        """Lengths (m) of a door, and of a window of a room of this type, in a wall: ``plan_bounds.pl``."""
+        return self._ask("opening_lengths", type_, float(start), float(end))
 
     def main_bounds(
         self, rooms: Iterable[FixedRoom], corners: Iterable[Symbol], width: float

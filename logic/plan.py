@@ -28,6 +28,8 @@ class Looks(msgspec.Struct):
     """Colours of the floors."""
     pieces: dict[str, tuple[Symbol, ...]]
     """Symbols in a piece's own frame: across from 0 to 1, and from the back (0) to the front (1)."""
+    heights: dict[str, float]
+    """Heights of pieces in metres, for files of solids; plans do not show them."""
 
 
 LOOKS = msgspec.json.decode(Path(__file__).with_name("looks.json").read_bytes(), type=Looks)

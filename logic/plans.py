@@ -5,17 +5,17 @@ the rooms are furnished at these sizes (``given_rooms.py``).
 """
 
 from collections.abc import Collection, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
 from clingo import Symbol
 
 from logic.errors import LimitReached, RequestError
-from logic.given_rooms import GivenRoom, Unfurnishable, furnished
+from logic.given_rooms import Furnished, GivenRoom, Unfurnishable, furnished
 from logic.grammar import Grammar
 from logic.house import House
-from logic.layout import Nogood
+from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
 from logic.parts import Door, Rect, Room, Window
 from logic.placement import Infeasible
@@ -25,6 +25,17 @@ from logic.terms import to_furnish
 
 MOST_TRIES = 200
 """How often a house may have a room that cannot be furnished at its size, though it might at others."""
+
+
+class Making(NamedTuple):
+    """How a plan was made: by which program and layout of stage 1, who proves what it could not be, and how
+    each room got its furniture, by its number.
+    """
+
+    program: Program
+    layout: list[Symbol]
+    prover: Prover
+    furniture: dict[int, Furnished]
 
 
 class Planner:
@@ -37,6 +48,8 @@ class Planner:
         """Know its rules."""
         self._topology = grammar.topology_name
         self._placer, self._programs, self._prover = loaded.placer, loaded.programs, prover
+        self.making: Making | None = None
+        """How the last house was made."""
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished plan.
@@ -45,15 +58,21 @@ class Planner:
         Prolog inferences.
         """
         if request.fixed:
-            raise RequestError("keep: rooms that share walls cannot be kept yet: leave keep out")
+            raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
+        plan, pieces, _ = self.complete(request, rng, inferences)
+        return _house(plan, pieces, self._topology)
+
+    def complete(
+        self, request: Request, rng: np.random.Generator, inferences: int
+    ) -> tuple[dict[str, Any], list[Any], int]:
+        """A plan, the pieces of each of its rooms, and the inferences left. Raises as ``made``."""
         nogoods: list[Nogood] = []
         unfurnishable: set[str] = set()
         last = ""
         for _ in range(MOST_TRIES):
             plan, layout, inferences = self.bare(request, rng, inferences, nogoods, unfurnishable)
-            rooms = [_given(plan, number) for number in range(request.rooms)]
             try:
-                pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request)
+                pieces = self._furnished(request, plan, layout, nogoods, rng, inferences)
             except Unfurnishable as proof:
                 name = plan["rooms"][proof.place].get("name", f"R{proof.place}")
                 last = f"{name}, {proof}"
@@ -63,7 +82,7 @@ class Planner:
                 continue
             hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
             plan["hub"] = hubs[0] if len(hubs) == 1 else ""
-            return _house(plan, pieces, self._topology)
+            return plan, pieces, inferences
         raise LimitReached(
             f"{MOST_TRIES} times a room could not be furnished at its size (the last time {last}), though it "
             f"might be otherwise: try {self.advice}"
@@ -81,12 +100,8 @@ class Planner:
 
         What is found infeasible is added to the nogoods.
         """
-        program, assumed = self._programs.rooms_for(request)
-        without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
         while True:
-            layout = program.sample(rng, assumed, without, nogoods)
-            if layout is None:
-                raise self._prover.unsatisfiable(request, unfurnishable)
+            layout = self._layout(request, rng, nogoods, unfurnishable)
             try:
                 plan = self._walls(request, layout, int(rng.integers(2**63)), inferences)
             except Infeasible as proof:
@@ -96,6 +111,45 @@ class Planner:
                 return plan, layout, inferences - plan["inferences"]
             if inferences <= 0:
                 raise LimitReached("the walls of a house reached their limit of inferences")
+
+    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        """Why there is no house, where some types of room cannot have their furniture."""
+        return self._prover.unsatisfiable(request, unfurnishable)
+
+    def _furnished(
+        self,
+        request: Request,
+        plan: dict[str, Any],
+        layout: list[Symbol],
+        nogoods: list[Nogood],
+        rng: np.random.Generator,
+        inferences: int,
+    ) -> list[list[dict[str, Any]]]:
+        """The pieces of each room of a plan; raises as ``given_rooms.furnished``."""
+        rooms = [given_room(plan, number) for number in range(request.rooms)]
+        how: dict[int, Furnished] = {}
+        pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request, how)
+        self.making = Making(self._program(request)[0], layout, self._prover, how)
+        return pieces
+
+    def _layout(
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        nogoods: Sequence[Nogood],
+        unfurnishable: Collection[str],
+    ) -> list[Symbol]:
+        """A layout outside the nogoods, without rooms of some types."""
+        program, holds, fails = self._program(request)
+        without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
+        layout = program.sample(rng, holds, [*without, *fails], nogoods)
+        if layout is None:
+            raise self._unsatisfiable(request, unfurnishable)
+        return layout
+
+    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
+        """The program of the rooms, and what to assume in it: what holds, and what does not."""
+        return *self._programs.rooms_for(request), []
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
         """Walls, doors and windows with their places: see ``Placer.walls``."""
@@ -123,11 +177,16 @@ def _sides(record: dict[str, Any]) -> dict[str, float]:
     return {name: record[name] for name in ("x", "y", "width", "height")}
 
 
-def _given(plan: dict[str, Any], number: int) -> GivenRoom:
+def given_room(plan: dict[str, Any], number: int) -> GivenRoom:
     """A room of a plan to be furnished; the door by which it is entered is the first."""
-    room = plan["rooms"][number]
-    doors = [door for door in plan["doors"] if number in door["between"]]
-    doors.sort(key=lambda door: door["between"][0] != number)
+    room, doors = plan["rooms"][number], doors_of(plan, number)
     windows = [window for window in plan["windows"] if window["room"] == number]
     rect, *segments = (Rect(**_sides(each)) for each in (room, *doors, *windows))
-    return GivenRoom(room["type"], rect, segments[: len(doors)], segments[len(doors) :])
+    kept = room["children"] if room.get("kept") else None
+    return GivenRoom(room["type"], rect, segments[: len(doors)], segments[len(doors) :], kept)
+
+
+def doors_of(plan: dict[str, Any], number: int) -> list[dict[str, Any]]:
+    """The doors of a room of a plan, first the one by which it is entered."""
+    doors = [door for door in plan["doors"] if number in door["between"]]
+    return sorted(doors, key=lambda door: door["between"][0] != number)

@@ -10,7 +10,14 @@ from logic.grammar import Grammar
 from logic.layout import EVERY, Program
 from logic.messages import placed_error
 from logic.request import Request
-from logic.terms import Lengths, granted, parts, requirements, room_requirements
+from logic.terms import (
+    Lengths,
+    granted,
+    parts,
+    requirements,
+    room_requirements,
+    shared_requirements,
+)
 
 GIVEN = {"in_a_row": 4, "fuller": 2}
 """Constants of ``rules/room.lp`` for rooms of given sizes."""
@@ -40,6 +47,18 @@ class Programs:
             [("house", []), *parts(self._walls), *parts(required)],
             arguments=arguments,
         )
+
+    @cache  # noqa: B019
+    def units(
+        self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
+    ) -> Program:
+        """The program of the units of a house, for a topology that has units: as ``rooms``."""
+        stages = [("units", []), *parts(required)]
+        return Program(self._grammar.asp, {"rooms": rooms}, stages, arguments=arguments)
+
+    def unit_sizes(self, rooms: int) -> list[int]:
+        """How many rooms the units of a house may have; none where it has no units."""
+        return sorted({atom.arguments[1].number for atom in self.units(rooms).atoms("unit", 2)})
 
     @cache  # noqa: B019
     def furniture(
@@ -73,6 +92,22 @@ class Programs:
         required = room_requirements(request)
         return self.rooms(request.rooms, tuple(required), arguments), [granted(each) for each in required]
 
+    def units_for(
+        self, request: Request, barred: Iterable[Symbol] = (), arguments: tuple[str, ...] = ()
+    ) -> tuple[Program, list[Symbol]]:
+        """The program of the units of a request's house, and what to assume in it."""
+        required = [*shared_requirements(request), *barred]
+        program = self.units(request.rooms, tuple(required), arguments)
+        return program, [granted(each) for each in required]
+
+    def unit_for(self, request: Request) -> tuple[Program, list[Symbol]]:
+        """The program of a unit's rooms, whatever the numbers of some types, and what to assume in it."""
+        numbers = range(request.rooms + 1)
+        each_number = [dict.fromkeys(request.types, (number, number)) for number in numbers]
+        possible = [each for types in each_number for each in requirements("among", types)]
+        assumed = [granted(each) for each in requirements("among", request.types)]
+        return self.rooms(request.rooms, tuple(possible)), assumed
+
     def furniture_for(
         self, type_: str, request: Request, arguments: tuple[str, ...] = ()
     ) -> tuple[Program, list[Symbol]]:
@@ -98,6 +133,9 @@ class Programs:
         where the count goes on.
         """
         named = [(str(request), self.rooms_for(request, EVERY))]
+        if sizes := self.unit_sizes(request.rooms):
+            named = [(f"units of {request}", self.units_for(request, arguments=EVERY))]
+            named += [(f"a unit of {size} rooms", self.rooms_for(Request(size), EVERY)) for size in sizes]
         named += [(type_, self.furniture_for(type_, request, EVERY)) for type_ in sorted(self._furniture)]
         for name, (program, assumed) in named:
             for count in program.count(assumed, seconds):

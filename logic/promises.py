@@ -14,6 +14,8 @@ from logic.parts import Piece, Room
 
 CLEARANCE = 0.45
 """Metres: nothing stands nearer to a door, on either side of its wall."""
+FRONTAL = 0.4572
+"""Metres: the paper's 1.5 feet, which the original's houses keep clear in front of a door and behind it."""
 PASSAGE = 0.42
 """Metres: the least width of a passage (the body measures 0.394 m on the diagonal)."""
 
@@ -28,6 +30,8 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Metres: the width of a star's every door (None where it need only be the same throughout a house), the
     least width of others.
     """
+    clearance: float = CLEARANCE
+    """Metres: nothing stands nearer to a door."""
     room_gap: float | None = None
     """Metres: as near as rooms may come to each other."""
     basic: tuple[str, ...] = ()
@@ -44,16 +48,24 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """For each room type, and for ``outside``, those that it may open into; a door needs one direction."""
     entrance: bool = False
     """Whether a house has a door to the outside."""
+    public: frozenset[str] = frozenset()
+    """Room types that units are entered from: without such rooms, each part of a house that doors join has
+    one door to them, and none to the outside.
+    """
     lit: frozenset[str] = frozenset()
     """Room types that have a window."""
     hides: frozenset[str] = frozenset()
     """Piece types that do not stand before a window."""
+    empty: frozenset[str] = frozenset()
+    """Room types of a star that may have no furniture."""
     pieces: dict[str, Sizes] = {}
     """Of each piece type: its length runs along its back."""
     counts: dict[str, dict[str, tuple[int, int]]] = {}
     """For each room type there is, the pieces that it has: from the first to the second number of each."""
     companions: dict[str, dict[str, tuple[int, int]]] = {}
-    """For each piece type with companions, how many it has; a turned piece at a wall has none."""
+    """For each piece type with companions, how many it has; turned at a wall none, but for ``at_head``."""
+    at_head: frozenset[str] = frozenset()
+    """Piece types that have their companions when they are turned too: one, at the head."""
     at_wall: frozenset[str] = frozenset()
     """Piece types that never stand in the middle of a room: they touch a wall."""
     turns: frozenset[str] | None = None
@@ -62,6 +74,10 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Piece types that are used from their front: a passage in front of them is free, all along."""
     spans: dict[str, tuple[float, float]] = {}
     """Piece types that take a share of their wall: the least and the greatest."""
+    shares: dict[str, tuple[float, float]] = {}
+    """Piece types each of whose sides takes a share of the room's: the least and the greatest."""
+    tops: dict[str, tuple[float, float]] = {}
+    """Of each piece type: least and greatest area, square metres."""
     meet: frozenset[str] = frozenset()
     """Piece types of which one stands at a wall; at neighbouring walls they touch, none is opposite alone."""
 
@@ -87,6 +103,7 @@ def size_violations(room: Room, side: str | None, names: list[str], promises: Pr
         width, depth = (room.width, room.height) if along_x else (room.height, room.width)
         yield from _out_of("the room", width, depth, promises.rooms[room.type])
     for piece, name in zip(room.pieces, names, strict=True):
+        yield from _share_violations(room, piece, name, promises)
         sizes = promises.pieces.get(piece.type)
         if sizes is None:
             continue
@@ -105,6 +122,19 @@ def size_violations(room: Room, side: str | None, names: list[str], promises: Pr
                 yield f"{name} takes {length / wall:.0%} of its wall ({least:.0%} to {most:.0%})"
 
 
+def _share_violations(room: Room, piece: Piece, name: str, promises: Promises) -> Iterator[str]:
+    if piece.type in promises.shares:
+        least, most = promises.shares[piece.type]
+        for own, whole in ((piece.width, room.width), (piece.height, room.height)):
+            if not least * whole - TOLERANCE <= own <= most * whole + TOLERANCE:
+                yield f"{name} takes {own / whole:.0%} of the room's side ({least:.0%} to {most:.0%})"
+    if piece.type in promises.tops:
+        least, most = promises.tops[piece.type]
+        slack = TOLERANCE * (piece.width + piece.height)
+        if not least - slack <= piece.area <= most + slack:
+            yield f"{name} is of {piece.area:.3f} m² ({least:.3f} to {most:.3f})"
+
+
 def _out_of(name: str, length: float, depth: float, sizes: Sizes) -> Iterator[str]:
     for value, least, most, what in ((length, *sizes[:2], "long"), (depth, *sizes[2:], "deep")):
         if not least - TOLERANCE <= value <= most + TOLERANCE:
@@ -116,7 +146,8 @@ def count_violations(room: Room, promises: Promises) -> Iterator[str]:
     yield from _counted("it", room.children, promises.counts.get(room.type, {}))
     for piece in room.children:
         wanted = promises.companions.get(piece.type, {})
-        if not (piece.type in (promises.turns or ()) and is_turned(piece, room)):
+        alone = piece.type in (promises.turns or ()) and piece.type not in promises.at_head
+        if not (alone and is_turned(piece, room)):
             yield from _counted(f"its {piece.type}", piece.children, wanted)
 
 
@@ -177,7 +208,8 @@ def arrangement_violations(room: Room, names: list[str], promises: Promises) -> 
             touched = walls_touched(piece, room)
             back = BACK[piece.orientation]
             others = [other for other in room.pieces if other is not piece and other not in piece.children]
-            if back not in touched and not any(_touch(piece, back, other) for other in others):
+            heads = piece.children if piece.type in promises.at_head else others
+            if back not in touched and not any(_touch(piece, back, other) for other in heads):
                 yield f"{name} has its head neither to a wall nor to another piece"
             if front in touched or any(_touch(piece, front, other) for other in others):
                 yield f"{name} has something at its foot"

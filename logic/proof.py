@@ -1,5 +1,6 @@
 """The proof that there is no house, in the user's own words: the conflict, where it stands, what would do."""
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -10,7 +11,9 @@ from logic.errors import Reason, Unsatisfiable, VitruviusError
 from logic.explain import Relaxed, Statement, minimal
 from logic.fixed import FixedRoom
 from logic.grammar import Grammar
+from logic.loose_rooms import Refuted
 from logic.placement import Conflict, Infeasible, Layout, Placer, RoomLayout
+from logic.programs import GIVEN
 from logic.request import MOST_ROOMS, Range, Request, as_option
 from logic.terms import (
     Lengths,
@@ -62,21 +65,35 @@ class Prover:
         request: Request,
         unfurnishable: Iterable[str],
         infeasible: Sequence[Mapping[Symbol, bool]] = (),
+        refuted: Sequence[Refuted] = (),
     ) -> Unsatisfiable:
         """Why a request has no house, where some types of room are proved to have no furniture.
 
-        And where these orders of the rooms are proved not to fit between the fixed rooms.
+        And where these orders of the rooms are proved not to fit between the fixed rooms, or these rooms of a
+        plan to have no furniture.
         """
         relaxed, statements = self.house(request, unfurnishable)
+        bare_rooms: dict[Reason, list[Refuted]] = defaultdict(list)
+        for each in refuted:
+            bare_rooms[Reason(str(each))].append(each)
+        for reason, rooms_ in bare_rooms.items():
+            nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
+            statements.append(relaxed.proved(reason, nogoods))
+        if refuted:  # The user's plan says more than rules from which the same follows: it is left out last.
+            statements.sort(key=lambda each: each.reason.file is not None)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in infeasible:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
-        possible = self._has_walls(relaxed)
+        possible = self.has_walls(relaxed)
+        # This learns what stage 2 proves infeasible, so that the core is one of both.
+        if possible(statements):
+            raise VitruviusError(f"{request} was proved infeasible that has walls")
         core = relaxed.core
-        for room in _rooms_of(request):
-            # Sizes that forbid a room of the plan say more than what follows for the other rooms.
-            chosen = [each for each in statements if each.reason in room]
-            some = chosen + [each for each in statements if each.clause]
+        places = _rooms_of(request)
+        for room in places:
+            # What forbids a room of the plan says more than what follows for the other rooms.
+            others = set().union(*places) - room
+            some = [each for each in statements if each.reason not in others]
             if not possible(some):
                 statements, core = some, list
                 break
@@ -90,13 +107,15 @@ class Prover:
         bare = {_bare(type_): type_ for type_ in sorted(unfurnishable)}
         types = tuple(bare[each.reason] for each in needed if each.reason in bare)
         reasons = [Reason(f"--rooms {request.rooms}")] if named else []
-        reasons += [each.reason for each in needed if each.reason not in bare]
+        reasons += [each.reason for each in needed if each.reason not in {*bare, *bare_rooms}]
         for type_ in types:
             reasons += self._room(request, type_)
+        for each in needed:
+            reasons += self._rooms(request, bare_rooms.get(each.reason, ()))
         unique = tuple(dict.fromkeys(reasons))
         ways = [f"with --rooms {rooms}"] if rooms else []
         for choice, other in _without_each(request):
-            if choice in unique and not request.fixed and self._has_house(other):
+            if choice in unique and not (request.fixed or refuted) and self._has_house(other):
                 ways.append(f"without {choice}")
         advice = f"There is a house {', or '.join(ways)}." if ways else ""
         return Unsatisfiable(self._grammar.name, str(request), unique, advice, types)
@@ -106,7 +125,7 @@ class Prover:
     ) -> tuple[Relaxed, list[Statement]]:
         """The program of a house's rooms, and all that may be left out of it (``laws``: see ``Relaxed``)."""
         required = room_requirements(request)
-        reasons = [_option("--type", name, request.types) for name in sorted(request.types)]
+        reasons = [option("--type", name, request.types) for name in sorted(request.types)]
         reasons += map(_fixed, request.fixed)
         reasons += map(Reason, own_requirements(request.plan).values() if request.plan else ())
         relaxed = Relaxed(
@@ -123,6 +142,11 @@ class Prover:
             statements.append(relaxed.choice(_bare(type_), fails=to_furnish(type_, request.rooms)))
         return relaxed, statements
 
+    def conflict(self, request: Request) -> list[Reason]:
+        """Why there are no such rooms, without what would do: the request's own choices among the reasons."""
+        relaxed, statements = self.house(request)
+        return [each.reason for each in minimal(statements, self.has_walls(relaxed), relaxed.core)]
+
     def _number_of_rooms(
         self, request: Request, unfurnishable: Iterable[str], conflict: Collection[Reason]
     ) -> tuple[bool, int | None]:
@@ -131,7 +155,7 @@ class Prover:
         for rooms in _others(request, far=not self._walls):
             other = replace(request, rooms=rooms)
             relaxed, statements = self.house(other, unfurnishable)
-            if self._has_walls(relaxed)([each for each in statements if each.reason in conflict]):
+            if self.has_walls(relaxed)([each for each in statements if each.reason in conflict]):
                 named = True
                 if request.fixed:  # Whether it fits between the fixed rooms is not known.
                     return named, None
@@ -167,18 +191,42 @@ class Prover:
             raise VitruviusError(f"a {type_} was proved infeasible that can be furnished")
         return [each.reason for each in minimal(statements, possible, relaxed.core)]
 
+    def _rooms(self, request: Request, refuted: Sequence[Refuted]) -> list[Reason]:
+        """Why a room of a plan cannot be furnished, with any of these doors."""
+        if not refuted:
+            return []
+        each = [self.furniture(request, one.room.room.type, room=one) for one in refuted]
+        places = {id(statement): place for place, statement in enumerate(each[0][1])}
+
+        def of(some: Sequence[Statement], statements: Sequence[Statement]) -> list[Statement]:
+            return [statements[places[id(statement)]] for statement in some]
+
+        def possible(some: Sequence[Statement]) -> bool:
+            return any(test(of(some, statements)) for _, statements, test in each)
+
+        def core(some: Sequence[Statement]) -> list[Statement]:
+            found = set()
+            for relaxed, statements, _ in each:
+                kept = {id(statement) for statement in relaxed.core(of(some, statements))}
+                found |= {place for place, statement in enumerate(statements) if id(statement) in kept}
+            return [statement for statement in some if places[id(statement)] in found]
+
+        if possible(each[0][1]):
+            raise VitruviusError(f"{refuted[0].name} was proved infeasible, and can be furnished")
+        return [statement.reason for statement in minimal(each[0][1], possible, core)]
+
     def furniture(
-        self, request: Request, type_: str, laws: bool = False
+        self, request: Request, type_: str, laws: bool = False, room: Refuted | None = None
     ) -> tuple[Relaxed, list[Statement], Callable[[Sequence[Statement]], bool]]:
         """The program of a room's furniture, all that may be left out of it, and a test of both stages.
 
-        With ``laws``, see ``Relaxed``.
+        Of a ``room`` of a plan or of one of any size with one door. With ``laws``, see ``Relaxed``.
         """
-        facts = self._lengths[type_]
+        facts = [(fact, clause) for fact, clause in self._lengths[type_] if not room or fact.name != "reach"]
         pieces = {fact.arguments[0].name for fact, _ in facts if fact.name == "extent"}
         asked = [each for each in request.furniture_of(type_) if each[1] in pieces]
         required = [
-            (_option("--piece", name, request.furniture), *requirements("has", {piece: wanted}))
+            (option("--piece", name, request.furniture), *requirements("has", {piece: wanted}))
             for name, piece, wanted in asked
         ]
         more = [
@@ -186,17 +234,18 @@ class Prover:
             for _, piece, (least, _) in asked
             if least
         ]
-        room = Function("size", [Function(type_)])
+        size = Function("size", [Function(type_)])
         # How much of a wall a piece takes may depend on the wall, and so on the room.
         lengths = self._stated(
-            (fact, (clause, room) if fact.name == "extent" else (clause,)) for fact, clause in facts
+            (fact, (clause, size) if fact.name == "extent" else (clause,)) for fact, clause in facts
         )
         relaxed = Relaxed(
             self._grammar.asp,
-            {"this_room": type_},
+            {"this_room": type_, **(GIVEN if room else {})},
             [
                 ("room", []),
-                ("capacity", []),
+                ("plan" if room else "capacity", []),
+                *parts(room.room.doorways() if room else ()),
                 *parts(requirement for _, requirement in required),
                 *parts(more),
             ],
@@ -206,11 +255,19 @@ class Prover:
         )
         statements = list(relaxed.statements)
         statements += [relaxed.choice(reason, [granted(requirement)]) for reason, requirement in required]
+        if room:
+            relaxed.give(*room.room.given(room.windows))
 
         def possible(some: Sequence[Statement]) -> bool:
-            without = {each.clause for each in relaxed.statements if each.clause and each not in some}
+            stated = {each.literals for each in some}
+            without = {
+                each.clause for each in relaxed.statements if each.clause and each.literals not in stated
+            }
             while (furniture := relaxed.model(some)) is not None:
-                conflict = self._conflict(request, type_, furniture, without)
+                if room:
+                    conflict = self._placer.loose_conflict(room.room.loose_term(furniture), without)
+                else:
+                    conflict = self._conflict(request, type_, furniture, without)
                 if conflict is None:
                     return True
                 relaxed.exclude(conflict)
@@ -227,11 +284,14 @@ class Prover:
         places = {clause: located(*place) for clause, place in origins.items()}
         return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
-    def _has_walls(self, relaxed: Relaxed) -> Callable[[Sequence[Statement]], bool]:
+    def has_walls(self, relaxed: Relaxed) -> Callable[[Sequence[Statement]], bool]:
         """A test whether there are rooms under some statements, and places for the walls that they share."""
 
         def possible(some: Sequence[Statement]) -> bool:
-            without = {each.clause for each in relaxed.statements if each.clause and each not in some}
+            stated = {each.literals for each in some}
+            without = {
+                each.clause for each in relaxed.statements if each.clause and each.literals not in stated
+            }
             while (layout := relaxed.model(some)) is not None:
                 unplaced = self._walls and not self._placed
                 conflict = self._placer.wall_conflict(layout, without) if unplaced else None
@@ -272,7 +332,7 @@ def _others(request: Request, far: bool) -> list[int]:
     return sorted(numbers, key=lambda number: abs(number - request.rooms))
 
 
-def _option(option: str, name: str, ranges: Mapping[str, Range]) -> Reason:
+def option(option: str, name: str, ranges: Mapping[str, Range]) -> Reason:
     """A choice of the request's as on the command line."""
     return Reason(f"{option} {name}={as_option(ranges[name])}")
 
@@ -281,18 +341,23 @@ def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
     """Each choice of the request's, and the request without it."""
     for name in request.types:
         fewer = {other: wanted for other, wanted in request.types.items() if other != name}
-        yield _option("--type", name, request.types), replace(request, types=fewer)
+        yield option("--type", name, request.types), replace(request, types=fewer)
     for name in request.furniture:
         fewer = {other: wanted for other, wanted in request.furniture.items() if other != name}
-        yield _option("--piece", name, request.furniture), replace(request, furniture=fewer)
+        yield option("--piece", name, request.furniture), replace(request, furniture=fewer)
 
 
 def _rooms_of(request: Request) -> list[set[Reason]]:
-    """What the request's plan says of each of its rooms, if it has one."""
+    """What the request's plan says of each of its rooms, if it has one; before that, where the request too
+    counts types, the types of all rooms.
+    """
     rooms: dict[Symbol, set[Reason]] = {}
+    types: set[Reason] = set()
     for requirement, text in own_requirements(request.plan).items() if request.plan else ():
         rooms.setdefault(requirement.arguments[0], set()).add(Reason(text))
-    return list(rooms.values())
+        if requirement.name == "typed":
+            types.add(Reason(text))
+    return [types, *rooms.values()] if types and request.types else list(rooms.values())
 
 
 def _fixed(fixed: FixedRoom) -> Reason:

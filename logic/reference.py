@@ -72,7 +72,7 @@ def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
 
     Of these topologies alone, or of all.
     """
-    entries: dict[str, list[Entry]] = {"base": [], "house": [], "room": [], "pick": []}
+    entries: dict[str, list[Entry]] = {"base": [], "units": [], "house": [], "room": [], "pick": []}
     stated: set[tuple[str, int]] = set()
     part = "base"
 
@@ -84,8 +84,9 @@ def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
             stated.add((statement.name, statement.arity))
         elif statement.ast_type == ASTType.Comment and part in entries:
             found = re.fullmatch(r"%\*! (\w+)(?:\((.*?)\))?: (.*?)((?:\n    .*)*) \*%", statement.value, re.S)
-            if found:
-                entries[part].append(_entry(*found.groups("")))
+            # A topology may include another.
+            if found and (entry := _entry(*found.groups(""))) not in entries[part]:
+                entries[part].append(entry)
 
     named = [file for file in sorted(TOPOLOGIES.glob("*.lp")) if file.stem in topologies or not topologies]
     for file in (CORE, *(PLANS if named != [STAR] else ()), *named):

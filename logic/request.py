@@ -94,6 +94,9 @@ class Request:
         grid = [f"all on a grid of {self.cell:g} m"] if self.cell else []
         fixed = [f"{each.room.type} fixed on the {each.side} side" for each in self.fixed]
         drawn = ["all where the plan says"] if self.plan else []
+        drawn += (
+            [f"{', '.join(self.plan.kept)} with the furniture kept"] if self.plan and self.plan.kept else []
+        )
         return ", ".join([rooms, *types, *pieces, *grid, *fixed, *drawn])
 
 

@@ -22,8 +22,8 @@ from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
 
-LOADING = 2.5
-"""Seconds of processor time to load a grammar, which takes less than 1; past them it is tried by steps."""
+LOADING = 4.0
+"""Seconds of processor time to load a grammar, which takes 1 to 2; past them it is tried by steps."""
 
 STEP = 1.0
 """Seconds of processor time for one of these steps (``logic.trial``), which take some hundredths."""

@@ -1,18 +1,19 @@
 """Which ``#program`` a rule of a grammar acts in, by the words that it uses and derives.
 
 A layout is made in two programs, house and room, with base in both: what holds in one of them does not hold
-in the other. Where a word of the core is known is read from the core itself.
+in the other. Where a topology has units, a third one, units, comes before them. Where a word of the core is
+known is read from the core itself.
 """
 
 from collections.abc import Container, Iterable, Iterator
 from typing import NamedTuple
 
-from logic.audit import STAGES
+from logic.audit import STAGES, UNITS
 from logic.errors import GrammarError
 from logic.statements import Statement, error_at, place
-from logic.vocabulary import Signature, Use, Words, core_words
+from logic.vocabulary import Signature, Use, Words, core_words, stages
 
-ALL = frozenset({"base", *STAGES})
+EVERY = frozenset({"base", UNITS, *STAGES})
 
 
 class Word(NamedTuple):
@@ -28,6 +29,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
 
     ``refused`` holds the ids of nodes of which something else is said.
     """
+    every = frozenset({"base", *stages(own.core or core_words())})
     rules: dict[int, tuple[Statement, list[Word]]] = {}
     for word in _words(own):
         statement = word.use.statement
@@ -36,7 +38,7 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
         if node in refused:
             continue
         found.sort(key=lambda word: place(word.use.node))
-        fits = ALL.intersection(*(word.programs for word in found))
+        fits = every.intersection(*(word.programs for word in found))
         if _is_constraint(statement):
             fits -= {"base"}
         if statement.program in fits:
@@ -68,19 +70,19 @@ def _words(own: Words) -> Iterator[Word]:
 def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
     """The programs in which a predicate may hold; all where nothing derives it."""
     programs = _programs(own.derived.get(signature, ())) | _programs(core.derived.get(signature, ()))
-    if any(use.statement.program not in {*ALL, "pick"} for use in core.derived.get(signature, ())):
+    if any(use.statement.program not in {*EVERY, "pick"} for use in core.derived.get(signature, ())):
         # A part that a request or the lengths add, to the stage whose rules use it.
         programs |= _programs(core.used.get(signature, ()))
-    return ALL if not programs or programs & {"base", "pick"} else programs & ALL
+    return EVERY if not programs or programs & {"base", "pick"} else programs & EVERY
 
 
 def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
     """The programs in which it is of use to derive a predicate: all, where the core does not use it."""
-    readers = _programs(core.used.get(signature, ())) & ALL
+    readers = _programs(core.used.get(signature, ())) & EVERY
     if not readers:
-        return ALL
+        return EVERY
     # What a grammar states is read, and found wrong, in the program house.
-    return frozenset({"base"} if "room" in readers else {"base", "house"})
+    return frozenset({"base"} if readers & {"room", UNITS} else {"base", "house"})
 
 
 def _programs(uses: Iterable[Use]) -> frozenset[str]:

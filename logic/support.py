@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import clingo
 from clingo import Number, Symbol, ast
+from msgspec import structs
 
 from logic.alternatives import Chosen
 from logic.errors import Reason
@@ -110,7 +111,12 @@ class Support:
     def trees(self, atoms: Iterable[Symbol]) -> tuple[Derivation, ...]:
         """The derivations of atoms that hold; what one has derived, the next ones only name."""
         explained: set[Symbol] = set()
-        return tuple(node for atom in atoms for node in self._nodes(atom, explained, frozenset()))
+        nodes = [node for atom in atoms for node in self._nodes(atom, explained, frozenset())]
+        means = [node.means for node in nodes]
+        return tuple(
+            structs.replace(node, means="") if node.means in means[:place] else node
+            for place, node in enumerate(nodes)
+        )
 
     def _nodes(self, atom: Symbol, explained: set[Symbol], above: frozenset[int]) -> list[Derivation]:
         """An atom's derivation; where a rule ``above`` recurs, its body stands for it."""

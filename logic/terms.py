@@ -11,6 +11,9 @@ from logic.layout import Part
 from logic.own_plan import OwnPlan
 from logic.request import MOST, Range, Request
 
+STEP = 500
+"""Millimetres: how precisely stage 1 knows the depth of a unit."""
+
 Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
 """For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
 
@@ -35,6 +38,11 @@ def room_requirements(request: Request) -> list[Symbol]:
     """All that a request requires of the rooms of a house."""
     own = own_requirements(request.plan) if request.plan else {}
     return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own]
+
+
+def shared_requirements(request: Request) -> list[Symbol]:
+    """All that a request requires of the rooms of a house of units: see ``rules/units.lp``."""
+    return requirements("shared", request.types)
 
 
 def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
@@ -121,6 +129,12 @@ def wall_facts(extremes: Iterable[Sequence[Any]], doorway: float) -> list[tuple[
             ]
         only.append(Function("window_size", [kind]))
     return facts + [(Function("sized", [clause]), (clause,)) for clause in only]
+
+
+def depth_steps(least: float, most: float) -> list[Symbol]:
+    """What is known of the depths of units, metres: facts of ``rules/units.lp``."""
+    first, last = floor(1000 * least / STEP), ceil(1000 * most / STEP)
+    return [Function("step", [Number(STEP * number)]) for number in range(first, last + 1)]
 
 
 def _millimetres(extremes: Sequence[float]) -> list[Symbol]:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from clingo import Symbol
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
+from logic.audit import STAGES, UNITS
 from logic.errors import GrammarError
 from logic.grammar import STAR
 from logic.inexpressible import inexpressible
@@ -73,6 +74,11 @@ def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
 def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
     """The words of the core with these files of a topology."""
     return words(read([CORE, *topology]))
+
+
+def stages(core: Words) -> tuple[str, ...]:
+    """The programs of a layout with these words of the core, in their order."""
+    return (UNITS, *STAGES) if ("unit", 2) in core.derived else STAGES
 
 
 def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, list[Use]]) -> None:

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import msgspec
 
-from logic.errors import GrammarError, HouseFileError, Reason, RequestError
+from logic.errors import GrammarError, HouseFileError, Reason
 from logic.grammar import RULES, find
 from logic.house import House
 from logic.solver import answered
-from logic.spelling import closest
+from logic.targets import target_in
 
 INFERENCES = 100_000_000
 """Most Prolog inferences to make the house again."""
@@ -118,15 +118,16 @@ def explain_house(
 ) -> Why:
     """Say why a part of a house is as it is, by the rules that made it.
 
-    ``target`` is a room (``R3``), its door (``R3.door``), a piece or a companion (``R3.bed``; ``R3.bed2`` or
-    ``R3.bed.2`` for the second in the file's order) or the main room (``main``). The house is made again from
-    its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
+    ``target`` is a room (``R3``), a piece or a companion (``R3.bed``; ``R3.bed2`` or ``R3.bed.2`` for the
+    second in the file's order); of a star a room's door (``R3.door``) or the main room (``main``); of a plan
+    a door between two rooms (``R1-R3``), the ``entrance``, or a window (``R3.window``). The house is made
+    again from its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
 
     Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
     provenance, or where the rules make another one: they or the house changed; ``LimitReached`` past these
     seconds, ``GrammarError`` for wrong rules.
     """
-    room, part = target_in(house, target)
+    target_in(house, target)
     made = house.provenance
     if made is None:
         raise HouseFileError(
@@ -137,47 +138,13 @@ def explain_house(
     except GrammarError as error:
         raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
     question = {
-        "why": {"target": target, "room": room, "part": part},
+        "why": target,
         "house": house.to_dict(),
         "inferences": INFERENCES,
     }
     opening = {"grammar": str(rules.directory), "cell": float(made.request.get("cell", 0.0))}
     late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
     return msgspec.convert(answered(opening, question, seconds, late)["why"], Why)
-
-
-def target_in(house: House, target: str) -> tuple[int | None, int | str | None]:
-    """The index of the target's room, None for the main room; and of its piece, or ``door``, or None."""
-    name, _, part = target.partition(".")
-    rooms = [room.name for room in house.counted]
-    names = [house.hub, *rooms] if house.is_star else rooms
-    if name not in names:
-        raise RequestError(f"there is no {name}: {_hint('', name, names)}the house has {', '.join(names)}")
-    if name not in rooms:
-        if part:
-            raise RequestError(f"{target}: the main room has no parts: ask for {name}")
-        return None, None
-    room = house.room(name)
-    listed = ["door", *part_names([piece.type for piece in room.pieces])]
-    places: dict[str, int | str] = {"door": "door"}
-    for index, type_ in enumerate(piece.type for piece in room.pieces):
-        number = sum(each.type == type_ for each in room.pieces[: index + 1])
-        places |= dict.fromkeys((f"{type_}.{number}", f"{type_}{number}", listed[1 + index]), index)
-    if part and part not in places:
-        hint = _hint(f"{name}.", part, listed)
-        raise RequestError(f"there is no {target}: {hint}{name} has {', '.join(listed)}")
-    return rooms.index(name), places.get(part)
-
-
-def part_names(types: Sequence[str]) -> list[str]:
-    """``bed``, ``bed2`` ... for pieces of these types, in the file's order."""
-    counts = [types[: index + 1].count(type_) for index, type_ in enumerate(types)]
-    return [type_ if count == 1 else f"{type_}{count}" for type_, count in zip(types, counts, strict=True)]
-
-
-def _hint(before: str, name: str, names: Sequence[str]) -> str:
-    close = closest(name, names)
-    return f"did you mean {before}{close}? " if close else ""
 
 
 # How it reads

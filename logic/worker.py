@@ -54,10 +54,12 @@ class Worker:
         confinement.allow_seconds(request["seconds"])
         if "why" in request:
             from logic.house import House
-            from logic.witness import Witness
+            from logic.plan_witness import PlanWitness
+            from logic.star_witness import StarWitness
 
-            witness = Witness(self._builder, House.from_dict(request["house"]), request["inferences"])
-            yield {"why": msgspec.to_builtins(witness.why(**request["why"]))}
+            kind = PlanWitness if self._builder.grammar.shares_walls else StarWitness
+            witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
+            yield {"why": msgspec.to_builtins(witness.why(request["why"]))}
             return
         wanted = Request.read(request["request"])
         if "count" in request:

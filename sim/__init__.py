@@ -17,7 +17,7 @@ from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
 from sim.env import HouseEnv
 from sim.oracle import Oracle, shortest_path
-from sim.tasks import Collect, Cover, Reach, Rooms, Task
+from sim.tasks import Collect, Cover, FixedTask, Points, Reach, Rooms, Task
 from sim.vector import HouseVectorEnv
 
 __all__ = [
@@ -26,9 +26,11 @@ __all__ = [
     "Collect",
     "Config",
     "Cover",
+    "FixedTask",
     "HouseEnv",
     "HouseVectorEnv",
     "Oracle",
+    "Points",
     "Reach",
     "Rooms",
     "Task",
@@ -39,4 +41,10 @@ __all__ = [
 
 gymnasium.register(
     "Vitruvius/House-v0", entry_point="sim.env:HouseEnv", vector_entry_point="sim.vector:HouseVectorEnv"
+)
+gymnasium.register(
+    "Vitruvius/Paper-v0",
+    entry_point="sim.env:HouseEnv",
+    vector_entry_point="sim.vector:HouseVectorEnv",
+    kwargs={"houses": "paper-house", "targets": "paper-main", "preset": "paper"},
 )

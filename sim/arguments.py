@@ -11,22 +11,29 @@ from logic import House, load
 from logic.spelling import unknown
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
-from sim.tasks import named
+from sim.tasks import PAPER, named
 
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
 BANK = Path(__file__).with_name("houses.jsonl.gz")
 """32 houses to begin with, those of ``vitruvius generate --rooms 4 --count 32 --out sim/houses.jsonl.gz``."""
 
+PAPER_HOUSE = "paper-house"
+"""The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
+
 BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
 
 
 def house_list(houses: Houses) -> list[House]:
-    """The houses of a file, of a request for ``logic.generate``, or of a list; ``ValueError`` if none."""
+    """The houses of a file, of a request for ``logic.generate``, or of a list, or the one that is named
+    ``PAPER_HOUSE``; ``ValueError`` if none.
+    """
     if isinstance(houses, dict):
         from logic import generate
 
         houses = list(generate(**houses))
+    elif str(houses) == PAPER_HOUSE:
+        houses = load(PAPER / "house.json", whole_pixels=True)
     elif isinstance(houses, str | Path):
         houses = load(houses)
     if not isinstance(houses, Iterable):

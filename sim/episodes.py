@@ -16,9 +16,6 @@ from sim.runtime import ti
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
 
-NORTH = 2
-"""The heading of fixed starts."""
-
 EPISODE, SENSOR = 0, 1
 """What a random number is for: the fourth word of its counter."""
 
@@ -28,9 +25,10 @@ HOUSE = 3
 MOST_CELLS = 1 << 16, 1 << 16, 8
 """Of a house, east and south, and headings."""
 
-HEADER = 6
+HEADER = 7
 """Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
-targets."""
+targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
+the same as two float32."""
 
 Numbers = ti.types.ndarray(ti.f32, 1)
 Indices = ti.types.ndarray(ti.i32, 1)
@@ -129,13 +127,13 @@ class Episodes:
     def sample_start(self, places: ti.template(), state):
         """Sample where an episode starts, not on its first target."""
         at = 1 + HEADER * state.house
-        first, count = places[at + 2], places[at + 3]
+        first, count, given = places[at + 2], places[at + 3], places[at + 6]
         turn, searching = 0, 1
         while searching:
             turn += 1
             words = self.random(state, 0, turn)
             place = places[first + below(words[0], count)]
-            heading = ti.select(ti.static(self.config.random_start), below(words[1], 8), NORTH)
+            heading = ti.select(given < 0, below(words[1], 8), given)
             state.cell = ti.Vector([place & 0xFFFF, place >> 16, heading])
             on_target = self.overlaps(state.origin, state.cell, state.target)
             searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
@@ -152,8 +150,8 @@ class Episodes:
         turn, searching = 0, 1
         while searching:
             turn += 1
-            place = places[first + below(self.random(state, state.found, turn)[0], count)]
-            steps = ti.Vector([ti.cast(place & 0xFFFF, ti.f32), ti.cast(place >> 16, ti.f32)])
+            place = first + 2 * below(self.random(state, state.found, turn)[0], count)
+            steps = ti.Vector([ti.bit_cast(places[place], ti.f32), ti.bit_cast(places[place + 1], ti.f32)])
             state.target = corner + steps * ti.static(self.config.step)
             near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
             searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)

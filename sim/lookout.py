@@ -72,7 +72,7 @@ class Looks:
     @ti.func
     def spot(self, corner, i, j):
         """Where a house's place lies, metres."""
-        return corner + ti.Vector([ti.cast(i, ti.f32), ti.cast(j, ti.f32)]) * ti.static(self.config.step)
+        return corner + ti.Vector([i, j]) * ti.static(self.config.step)
 
     @ti.func
     def meets(self, distance: ti.template(), origin, cell, spot):
@@ -120,9 +120,9 @@ class Lookout:
         """
         self.world: World = envs.unwrapped.world
         pitch = in_steps(PITCH, self.world)
-        spots = [here.targets[thinned(here.targets, pitch)] for here in self.world.places]
+        spots = [here.targets[here.spread(pitch)] for here in self.world.places]
         self.arrays = {
-            "spots": Array.of(np.concatenate(spots).astype(np.int32).ravel()),
+            "spots": Array.of(np.concatenate(spots).ravel()),
             "starts": Array.of(np.cumsum([0, *map(len, spots)]).astype(np.int32)),
             "origins": Array.of(origins_of(self.world)),
             "seen": Array(ti.u64, self.world.num_envs * -(-max(map(len, spots)) // WORD)),
@@ -189,12 +189,6 @@ def in_steps(length: float, world: World) -> int:
     return max(1, round(length / world.config.step))
 
 
-def thinned(spots: np.ndarray, pitch: int) -> np.ndarray:
-    """Which of the spots (n, 2) lie on a grid of ``pitch`` steps, (m,) int; if none does, the first."""
-    chosen = np.flatnonzero((spots % pitch == 0).all(axis=1))
-    return chosen if len(chosen) else np.zeros(1, int)
-
-
 @cache
 def _kernels(program: Any, episodes: Episodes) -> Any:
     looks = Looks(episodes)
@@ -202,7 +196,7 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
     @ti.kernel
     def look(
         numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes,
-        spots: Indices, starts: Indices, origins: Numbers, seen: Words, counts: Indices,
+        spots: Numbers, starts: Indices, origins: Numbers, seen: Words, counts: Indices,
     ):  # fmt: skip
         """Note what each environment sees from where it is, and how much it has seen."""
         for e in range(reals.shape[0]):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from sim.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
-from sim.lookout import WORD, Looks, Words, bit, in_steps, origins_of, thinned
+from sim.lookout import WORD, Looks, Words, bit, in_steps, origins_of
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
 from sim.vector import HouseVectorEnv
@@ -57,7 +57,7 @@ class Searcher:
         world, count = self.world, self.world.num_envs
         spots = [here.targets for here in world.places]
         pitch = in_steps(VIEWS, world)
-        samples = [thinned(each, in_steps(SAMPLES, world)) for each in spots]
+        samples = [here.spread(in_steps(SAMPLES, world)) for here in world.places]
         tables = survey(world.backend, world.bank, list(range(len(spots))), world.lattices)
         shapes = np.array([table.moves.shape for table in tables])
         words = -(-max(map(len, samples)) // WORD)
@@ -73,7 +73,7 @@ class Searcher:
             raise ValueError(f"{len(spots)} houses are too many for a searcher: give it some at a time")
         poses, slots = 8 * int(np.prod(shapes, axis=1).max()), min(count, AT_ONCE)
         self.arrays = {
-            "spots": Array.of(np.concatenate(spots).astype(np.int32).ravel()),
+            "spots": Array.of(np.concatenate(spots).ravel()),
             "samples": Array.of(np.concatenate(samples).astype(np.int32)),
             "rows": Array(ti.i32, len(rows), 8),
             "origins": Array.of(origins_of(world)),
@@ -116,7 +116,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
 
     @ti.kernel
     def prepare(
-        numbers: Numbers, indices: Indices, rows: Rows, spots: Indices, samples: Indices, origins: Numbers,
+        numbers: Numbers, indices: Indices, rows: Rows, spots: Numbers, samples: Indices, origins: Numbers,
         moves: Counts, shown: Words, sampled: Words, answer: ti.types.ndarray(ti.i64, 1), queue: Indices,
     ):  # fmt: skip
         """Look from every view of every house at its samples."""
@@ -146,7 +146,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
 
     @ti.kernel
     def act(
-        numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes, rows: Rows, spots: Indices,
+        numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes, rows: Rows, spots: Numbers,
         samples: Indices, origins: Numbers, moves: Counts, shown: Words, left: Words, sampled: Words,
         distance: Counts, queue: Indices, notes: Notes, last: Points, plan: Bytes,
         answer: ti.types.ndarray(ti.i64, 1),

@@ -15,13 +15,18 @@ import importlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 
 from logic import House
 from logic.spelling import unknown
+from sim.config import PIXEL
+
+UNITS = {"m": 1.0, "px": PIXEL}
+"""Metres in a unit of length."""
 
 Box = tuple[float, float, float, float]
 """(west, north, east, south), metres."""
@@ -38,6 +43,65 @@ class Task(Protocol):
         a star: the floor without the rooms, in all files), or any others.
         """
         ...
+
+
+@runtime_checkable
+class FixedTask(Protocol):
+    """A task that says itself where each target lies; it may say where episodes start."""
+
+    ends_on_pick_up: ClassVar[bool]
+    """Whether the first pick-up terminates the episode."""
+
+    def positions(self, house: House) -> Sequence[Sequence[float]]:
+        """The centres (x, y) of the targets in a house, metres. Each next target is another of them, as
+        likely as the rest, at least 0.82 m from the last along one axis where there is such a one.
+        """
+        ...
+
+    def pose(self, house: House) -> Sequence[float] | None:
+        """Where the eye is when an episode starts, (x, y, heading) in metres and radians, or ``None``:
+        anywhere free in the main room.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Points:
+    """Pick up targets at given places, as many as can be. Lengths are metres, or of ``unit`` "px" the paper's
+    pixels; a heading is in radians.
+    """
+
+    points: Sequence[Sequence[float]]
+    """Centres (x, y) of targets."""
+    start: Sequence[float] | None = None
+    """(x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
+    unit: str = "m"
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for what are no points, no pose and no unit."""
+        if not np.iterable(self.points) or not all(_finite(point, 2) for point in [*self.points] or [None]):
+            raise ValueError(f"points: a list of [x, y], not {self.points!r}")
+        if self.start is not None and not _finite(self.start, 3):
+            raise ValueError(f"start: [x, y, heading], not {self.start!r}")
+        if self.unit not in UNITS:
+            raise ValueError(unknown("unit", self.unit, UNITS))
+
+    def positions(self, house: House) -> list[tuple[float, ...]]:
+        """See ``FixedTask``."""
+        return [tuple(UNITS[self.unit] * value for value in point) for point in self.points]
+
+    def pose(self, house: House) -> tuple[float, ...] | None:
+        """See ``FixedTask``."""
+        if self.start is None:
+            return None
+        return (*(UNITS[self.unit] * value for value in self.start[:2]), self.start[2])
+
+
+def _finite(values: Any, count: int) -> bool:
+    """Whether these are so many finite numbers."""
+    array = np.asarray(values)
+    return array.shape == (count,) and array.dtype.kind in "if" and bool(np.isfinite(array).all())
 
 
 @dataclass(frozen=True)
@@ -96,44 +160,61 @@ TARGETS = {
 }
 """Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
 
-TASKS = {"collect": Collect, "reach": Reach, "rooms": Rooms}
+PAPER = Path(__file__).with_name("paper")
+PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
+"""Files of the tasks of the paper's house, by name: see the README beside them."""
+
+TASKS = {"collect": Collect, "points": Points, "reach": Reach, "rooms": Rooms}
 """Tasks that take arguments."""
 
-Targets = str | dict[str, Any] | Task
+Targets = str | dict[str, Any] | Task | FixedTask
 
 
-def task(targets: Targets) -> Task:
-    """The task that is meant: by a name of ``TARGETS``, as ``{"task": name or "module:Class", **arguments}``,
-    such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text, as ``"module:Class"`` alone, or
-    itself. ``{"rooms": ["bedroom", "study"]}`` is short for the task ``rooms``.
+def task(targets: Targets) -> Task | FixedTask:
+    """The task that is meant: by a name of ``TARGETS`` or ``PAPER_TASKS``, as ``{"task": name or
+    "module:Class", **arguments}``, such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text
+    or in a ``.json`` file, as ``"module:Class"`` alone, or itself. ``{"rooms": ["bedroom", "study"]}`` is
+    short for the task ``rooms``, ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for ``points``.
 
     All but the last go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if there is
     no such task, or not with these arguments.
     """
     if isinstance(targets, str) and targets in TARGETS:
         return TARGETS[targets]
-    if isinstance(targets, str) and targets.startswith("{"):
-        try:
-            targets = json.loads(targets)
-        except ValueError as error:
-            raise ValueError(f"targets: {targets} is no JSON: {error}") from None
-    given = {"task": targets} if isinstance(targets, str) else targets
+    given = _read(targets) if isinstance(targets, str) else targets
     if not isinstance(given, dict):
-        if not (callable(getattr(given, "spaces", None)) and hasattr(given, "ends_on_pick_up")):
+        found = isinstance(given, FixedTask) or callable(getattr(given, "spaces", None))
+        if not (found and hasattr(given, "ends_on_pick_up")):
             raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
         return given
     arguments = dict(given)
-    name = arguments.pop("task", "rooms" if list(arguments) == ["rooms"] else None)
+    name = arguments.pop("task", next((short for short in ("rooms", "points") if short in arguments), None))
     if name not in TASKS and (not isinstance(name, str) or ":" not in name):
-        names = TASKS if given is targets else TARGETS
+        names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
         raise ValueError(
             f"targets: {unknown('task', name, names)}, module:Class, and"
             f' {{"task": ...}} with {", ".join(TASKS)} or module:Class'
         )
     try:
         return (TASKS.get(name) or named(name))(**arguments)
-    except (ImportError, AttributeError, TypeError) as error:
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
+
+
+def _read(text: str) -> dict[str, Any]:
+    """A task's name and arguments, of a JSON text, of the name of a ``.json`` file, or of a name alone."""
+    where = PAPER_TASKS.get(text, Path(text) if text.endswith(".json") else None)
+    if where is None and not text.startswith("{"):
+        return {"task": text}
+    try:
+        given = json.loads(where.read_text() if where else text)
+    except OSError as error:
+        raise ValueError(f"targets: {where} cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise ValueError(f"targets: {text} is no JSON: {error}") from None
+    if not isinstance(given, dict):
+        raise ValueError(f"targets: {text} holds no task, which is a JSON object")
+    return given
 
 
 def named(name: str) -> Any:

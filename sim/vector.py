@@ -69,8 +69,8 @@ class HouseVectorEnv(VectorEnv):
     sampled at once, at least 0.82 m from it along one axis where the house allows.
 
     ## Starting State
-    Anywhere free in the main room, at any of the eight headings, not on the first target. ``paper``: at the
-    free place nearest to the main room's middle, heading north.
+    Anywhere free in the main room, at any of the eight headings, not on the first target; or where the task
+    says. ``paper``: at the free place nearest to the main room's middle, heading north.
 
     ## Episode End
     Truncated after 1500 steps; ``paper`` also terminates at a collision.
@@ -90,7 +90,10 @@ class HouseVectorEnv(VectorEnv):
     ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
     ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
     ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
-    types, ``{"rooms": ["bedroom"]}``, or another task, ``{"task": "reach", "room": "hall"}``: ``sim.tasks``.
+    types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
+    [1.0, 2.0, 0.0]}``, or another task, ``{"task": "reach", "room": "hall"}``, or a ``.json`` file of one:
+    ``sim.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
+    ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
     ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
     ``seed``: of the first reset, if that is given none.
     """

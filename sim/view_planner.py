@@ -190,7 +190,9 @@ class ViewPlanner:
         for k in range(row[SPOTS]):
             if left[e * words + k // ti.static(WORD)] & bit(k):
                 some = 1
-                place = spots[2 * (row[SPOT] + k)] * row[LINES] + spots[2 * (row[SPOT] + k) + 1]
+                at = 2 * (row[SPOT] + k)
+                i, j = ti.round(spots[at], ti.i32), ti.round(spots[at + 1], ti.i32)
+                place = i * row[LINES] + j
                 for heading in range(8):
                     away = ti.cast(distance[base + 8 * place + heading], ti.i32) - 1
                     if 0 < away < nearest:

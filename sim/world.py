@@ -15,7 +15,7 @@ from sim.kernels import NEXT_STEP, SAME_STEP, kernels
 from sim.places import Places, places
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
-from sim.tasks import Targets, Task, task
+from sim.tasks import FixedTask, Targets, Task, task
 
 STATE = "reals", "wholes"
 """Arrays that a step depends on and that are not the bank's."""
@@ -97,26 +97,43 @@ class World:
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
-    def _places(self, houses: Sequence[House], bank: Bank, task: Task) -> tuple[list[Lattice], list[Places]]:
+    def _places(
+        self, houses: Sequence[House], bank: Bank, task: Task | FixedTask
+    ) -> tuple[list[Lattice], list[Places]]:
         lattices: list[Lattice] = []
+        cells: list[np.ndarray | None] = []
         found: list[Places] = []
         count = index = len(bank.geometries)
         try:
-            for index, shape in enumerate(bank.geometries):  # noqa: B007
-                lattices.append(self.backend.lattice(shape))
+            for index in range(count):
+                lattice, cell = self._lattice(houses[index], bank, index, task)
+                lattices.append(lattice)
+                cells.append(cell)
             for first in range(0, count, BATCH):
                 some = list(range(first, min(first + BATCH, count)))
                 tables = survey(self.backend, bank, some, lattices[first : first + BATCH])
                 for index, table in zip(some, tables, strict=True):
                     house, shape, lattice = houses[index], bank.geometries[index], lattices[index]
-                    found.append(places(house, shape, lattice, table, self.config, task))
+                    found.append(places(house, shape, lattice, table, self.config, task, cells[index]))
         except ValueError as error:
             raise ValueError(f"house {index} of {count}: {error}") from None
         return lattices, found
 
+    def _lattice(
+        self, house: House, bank: Bank, index: int, task: Task | FixedTask
+    ) -> tuple[Lattice, np.ndarray | None]:
+        """The lattice over house ``index`` of a bank, and its cell (i, j, heading) where a task starts."""
+        shape, pose = bank.geometries[index], task.pose(house) if isinstance(task, FixedTask) else None
+        if pose is None:
+            return self.backend.lattice(shape), None
+        origin, cell = self.place(np.array([index]), np.array([pose], np.float64), bank)
+        through = self.backend.lattice(shape, origin[0])
+        corner = (through.origin + through.pitch * np.array(through.first)).astype(np.float32)
+        return Lattice(corner, through.pitch, through.shape), cell[0] - (*through.first, 0)
+
     def _table(self) -> Array:
-        """Places as kernels read them: the number of houses, a header for each, then steps east and south, in
-        16 bits each.
+        """Places as kernels read them: the number of houses, their headers, then starts and targets of each:
+        see ``HEADER``.
         """
         count = len(self.places)
         header = np.zeros((count, HEADER), np.int32)
@@ -124,9 +141,9 @@ class World:
         for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
             starts, targets = len(here.starts), len(here.targets)
             origin = np.asarray(lattice.origin, np.float32).view(np.int32)
-            header[k] = (*origin, at, starts, at + starts, targets)
-            at += starts + targets
-            rows += [some[:, 0] | some[:, 1] << 16 for some in (here.starts, here.targets)]
+            header[k] = (*origin, at, starts, at + starts, targets, here.heading)
+            at += starts + 2 * targets
+            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, here.targets.view(np.int32).ravel()]
         return Array.of(np.concatenate(rows))
 
     def run(self, name: str) -> None:
@@ -148,16 +165,22 @@ class World:
         self.arrays["option_reals"].fill(option_reals)
         self.run("reset")
 
-    def place(self, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Poses (E, 3) in houses (E,) as origins (E, 2) float32 and cells (E, 3) int32.
+    def place(
+        self, house: np.ndarray, pose: np.ndarray, bank: Bank | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Poses (E, 3) in houses (E,) of a bank, this world's or another, as origins (E, 2) float32 and cells
+        (E, 3) int32.
 
         Raises ``ValueError`` for a pose where the body cannot be.
         """
-        origin, cell = self.backend.place(self.bank, house, pose)
+        bank = bank or self.bank
+        origin, cell = self.backend.place(bank, house, pose)
         indoors = np.zeros(len(pose), bool)
         for k in np.unique(house):
-            indoors[house == k] = self.bank.geometries[k].holds(pose[house == k, :2])
-        arrays = self.arrays | {
+            indoors[house == k] = bank.geometries[k].holds(pose[house == k, :2])
+        arrays = {
+            "numbers": bank.numbers,
+            "indices": bank.indices,
             "cells": Array.of(np.column_stack([house, cell]).astype(np.int32).ravel()),
             "origins": Array.of(origin.astype(np.float32).ravel()),
             "free": Array(ti.i32, len(pose)),

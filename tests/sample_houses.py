@@ -1,14 +1,15 @@
 """Houses for tests: drawn as text, or random, in either convention of files."""
 
-import json
+import copy
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
 
-from logic import House, Piece, Rect, Star, StarRoom
+from logic import House, Piece, Rect, Star, StarRoom, load
 from sim import DEFAULT
+from sim.tasks import PAPER
 from tests.reference import Reference
 
 FIXTURES = Path(__file__).parent / "fixtures"
@@ -69,12 +70,8 @@ def changed_star(house: House, **changes: Any) -> House:
 
 def example(whole_pixels: bool = False, name: str = "example1") -> House:
     """A house of the original program; with its lengths cut to whole pixels, as its simulator has them."""
-    path = FIXTURES / f"{name}.json"
-
-    def cut(value: dict[str, float]) -> dict[str, float]:
-        return {key: int(x) if isinstance(x, float) else x for key, x in value.items()}
-
-    return House.from_dict(json.loads(path.read_text(), object_hook=cut if whole_pixels else None))
+    path = PAPER / "house.json" if name == "2019-2-15" else FIXTURES / f"{name}.json"
+    return load(path, whole_pixels=whole_pixels)[0]
 
 
 def random_house(seed: int, original: bool = False) -> House:
@@ -140,3 +137,17 @@ def _sides(rect: Rect) -> Sides:
 
 RANDOM = [random_house(seed, original) for seed in range(3) for original in (False, True)]
 """Three random houses in each convention."""
+
+
+def changed_record(record: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+    """A copy of a record with the value at a dotted path; ``...`` takes it away."""
+    record = copy.deepcopy(record)
+    *way, last = [int(step) if step.isdecimal() else step for step in path.split(".")]
+    place: Any = record
+    for step in way:
+        place = place[step]
+    if value is ...:
+        del place[last]
+    else:
+        place[last] = value
+    return record

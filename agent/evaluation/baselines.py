@@ -124,5 +124,8 @@ BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
 """By name, what makes a baseline's policy for environments and a seed. Every other score is a share of the
 oracle's."""
 
-REFERENCES = ("paper", *BASELINES)
-"""What ``vitruvius evaluate`` shows beside all agents: the paper's agent, then the baselines."""
+PAPERS = ("paper-original", "paper")
+"""The paper's agent: the weights that its authors released, and the same trained again here."""
+
+REFERENCES = (*PAPERS, *BASELINES)
+"""What ``vitruvius evaluate`` shows beside all agents."""

@@ -6,7 +6,7 @@ Cheap to import: torch, Taichi and all that needs them are imported when a comma
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import tyro
 
@@ -22,22 +22,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Measure agents in houses that they have not seen, beside the paper's agent and the baselines: random +
-    avoidance, a script, the explorer (the planner alone), a searcher that knows the house, and the
-    shortest-path oracle. Each plays one episode a house, with the same starts and targets.
+    """Measure agents in houses that they have not seen, beside the paper's agent, by its authors' weights and
+    trained again, and the baselines: random + avoidance, a script, the explorer (the planner alone), a
+    searcher that knows the house, and the shortest-path oracle. All meet the same starts and targets.
     """
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints, or names of agents that come with the project (pqn-map, paper). Checkpoints that differ in
-    their training seed alone are runs of one agent. None: the references alone."""
+    """Checkpoints, or names of agents that come with the project (pqn-map, paper, paper-original).
+    Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
 
     houses: Path = Path(banks.NAME)
     """Houses to measure in: a frozen bank, test-v1 (256 houses of family, 2 to 6 rooms) or home-test-v1 (256
-    of home, 4 to 10 rooms), or a house file."""
+    of home, 4 to 10 rooms), the paper's house, paper-house, or a house file."""
 
     targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Where targets lie: main, secondary, mixed (or all), or another task as for train. Repeat for several;
-    by default main, secondary and mixed, one after the other."""
+    """Where targets lie: main, secondary, mixed (or all), or another task as for train; in the paper's house
+    paper-main, paper-secondary and paper-mixed too. Repeat for several; by default main, secondary and mixed,
+    one after the other."""
 
     seed: int = 0
     """Seeds starts and targets, the same for every policy."""
@@ -45,9 +46,20 @@ class Evaluate:
     backend: str = "continuous"
     """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
 
+    world: Literal["default", "paper"] = "default"
+    """Preset of the simulator that all play in, each with its own rays: in the paper's a collision ends the
+    episode."""
+
+    episodes: int = 1
+    """Episodes in each house."""
+
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
     """Scores of external agents in the same houses, seed and targets, to show in the tables: JSON as --json
     or an example's --out writes it. Repeat for several files."""
+
+    beside: Path | None = None
+    """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
+    play the same episodes."""
 
     out: Path | None = None
     """Folder for evaluation.json, evaluation.md and evaluation.png."""
@@ -63,10 +75,14 @@ class Evaluate:
             located(path)
         for targets in self.targets:
             require_task(targets)
+            banks.require_places(targets, self.houses)
+        if self.episodes < 1:
+            raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
         import torch
         from rich.console import Console
 
         from agent import checkpoint
+        from agent.evaluation.baselines import PAPERS
         from agent.evaluation.plots import ratio_plot
         from agent.evaluation.protocol import measure
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
@@ -77,12 +93,15 @@ class Evaluate:
         require_folder(self.out)
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
-        agents.setdefault("paper", [checkpoint.load("paper")])
+        for name in PAPERS:
+            agents.setdefault(name, [checkpoint.load(name)])
         houses = banks.named(self.houses)
         modes = self.targets or TARGET_MODES
-        others = {path: external(path, houses, modes, self.seed, self.backend) for path in self.scores}
+        conditions = self.seed, self.backend, self.world, self.episodes
+        others = {path: external(path, houses, modes, *conditions) for path in self.scores}
         with progress("measuring") as report:
-            results = list(measure(agents, houses, modes, self.seed, report, backend=self.backend))
+            how = {"backend": self.backend, "world": self.world, "episodes": self.episodes}
+            results = list(measure(agents, houses, modes, self.seed, report, **how))
         for path, policies in others.items():
             results = [joined(result, policies.get(result.mode, {}), path) for result in results]
 
@@ -92,21 +111,29 @@ class Evaluate:
             self.seed,
             modes_of(results),
             self.backend,
+            self.world,
+            self.episodes,
             agents=[str(path) for path in self.agents],
             scores=[str(path) for path in self.scores],
         ).json()
-        shown = [table for result in results for table in tables(result)]
+        shown, notes = [table for result in results for table in tables(result)], [NOTE]
+        if self.beside:
+            from agent.play.beside import BESIDE_NOTE, people_tables
+
+            shown += people_tables(self.beside, houses, agents)
+            notes.append(BESIDE_NOTE)
+        note = "\n\n".join(notes)
         title = f"{bank.file}, hash {bank.hash[:12]}, seed {self.seed}"
         if self.json:
             print(content.decode())
         else:
-            Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{NOTE}")
+            Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
         if self.out:
             page = [f"# Evaluation\n\n{title}", "![Ratios to the oracle](evaluation.png)"]
             page += [table.markdown() for table in shown]
             write_whole(self.out / "evaluation.json", content)
             write_whole(self.out / "evaluation.png", ratio_plot(results))
-            write_whole(self.out / "evaluation.md", "\n\n".join([*page, NOTE, ""]).encode())
+            write_whole(self.out / "evaluation.md", "\n\n".join([*page, note, ""]).encode())
             say(f"{self.out}: evaluation.md, evaluation.png, evaluation.json")
         return 0
 
@@ -142,7 +169,7 @@ class Record:
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     houses: tyro.conf.Positional[Path]
-    """House file, or a frozen bank: test-v1, home-test-v1."""
+    """House file, or a frozen bank: test-v1, home-test-v1; or the paper's house, paper-house."""
 
     house: int = 0
     """Which house of the file, from 0."""
@@ -171,6 +198,7 @@ class Record:
 
         located(self.agent)
         require_task(self.targets)
+        banks.require_places(self.targets, self.houses)
         from agent import checkpoint
         from agent.evaluation.film import record
         from agent.progress import progress

@@ -1,5 +1,6 @@
 """One episode in each environment: what a policy picks up there, and how it goes about it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,15 +43,15 @@ class EpisodeScores:
 def play(
     envs: HouseVectorEnv,
     policy: Policy,
-    seed: int,
+    seed: int | Sequence[int],
     houses: np.ndarray | None = None,
     lookout: Lookout | None = None,
 ) -> EpisodeScores:
     """Play one episode of the policy in each environment: environment i in house i, or in ``houses[i]``.
 
-    Starts and targets are sampled by (seed + i, episode, counter). They never depend on the policy, so all
-    policies meet the same for one seed. With a ``lookout`` over the environments, coverage and the rooms
-    that the body was in are noted too.
+    Starts and targets are sampled by (seed + i, episode, counter), or by the i-th of several seeds. They
+    never depend on the policy, so all policies meet the same for one seed. With a ``lookout`` over the
+    environments, coverage and the rooms that the body was in are noted too.
     """
     observation = reset(envs, seed, houses)
     policy.begin(envs.num_envs)
@@ -81,7 +82,7 @@ def play(
     )
 
 
-def reset(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> torch.Tensor:
+def reset(envs: HouseVectorEnv, seed: int | Sequence[int], houses: np.ndarray | None = None) -> torch.Tensor:
     """Begin the episodes that ``play`` plays; their first observations (E, R, C)."""
     houses = np.arange(envs.num_envs) if houses is None else houses
     return torch.as_tensor(envs.reset(seed=seed, options={"house": houses})[0])

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure  # not pyplot, which keeps global state and may ask for a display
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
-from agent.evaluation.tables import HUMAN_NAME, WHERE
+from agent.evaluation.tables import LABELS, WHERE, human_name
 from agent.learner import Progress
 
 COLOURS = {
@@ -17,6 +17,7 @@ COLOURS = {
     "pqn-map": "#1f5ea8",
     "pqn": "#4f93d8",
     "paper": "#b04a5a",
+    "paper-original": "#7d2c3a",
     "random + avoidance": "#8b8f96",
     "script": "#7a9a3a",
     "explorer": "#2f9c95",
@@ -67,7 +68,14 @@ def learning_curve(history: Sequence[Progress], result: Result | None = None) ->
         axes.axhline(estimate.value, color=colour, linewidth=1, linestyle="--")
         interval = [estimate.low, estimate.high]
         axes.plot([1, 1], interval, color=colour, linewidth=6, alpha=0.4, transform=at, clip_on=False)
-        axes.text(1.02, label, f"{name} {estimate.value:.1f}", color=colour, va="center", transform=at)
+        axes.text(
+            1.02,
+            label,
+            f"{LABELS.get(name, name)} {estimate.value:.1f}",
+            color=colour,
+            va="center",
+            transform=at,
+        )
     axes.set(xlabel="environment steps (millions)", ylabel="targets per 1500 steps")
     axes.set(xlim=(0, millions[-1]), ylim=(0, 1.1 * top + 1e-9))
     plain(axes, "y")
@@ -84,13 +92,15 @@ def _ratios(axes: Axes, result: Result) -> None:
             f"{ratio.value:.2f}", (ratio.value, place), (0, 7), textcoords="offset points", ha="center"
         )
     _human(axes.axvline, result)
-    axes.set_yticks(range(len(names)), names)
+    axes.set_yticks(range(len(names)), [LABELS.get(name, name) for name in names])
     for label, name in zip(axes.get_yticklabels(), names, strict=False):  # only the first mode has labels
         label.set_color(COLOURS.get(name, OTHER))
     axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel="ratio to the oracle")
     axes.set_title(f"Targets in {WHERE.get(result.mode, result.mode)}")
     if result.mode in HUMAN:
-        axes.annotate(HUMAN_NAME, (HUMAN_RATIO, -0.5), (3, 0), textcoords="offset points", size=7)
+        axes.annotate(
+            human_name(result.mode), (HUMAN_RATIO, -0.5), (3, 0), textcoords="offset points", size=7
+        )
     plain(axes, "x")
 
 

@@ -16,12 +16,12 @@ from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.policies import Policy
 from agent.progress import Report
-from agent.simulator import sensor
+from agent.simulator import sensor, with_sensor
 from agent.world import make_envs
 from logic import House
 from logic.spelling import keywords
 from sim import HouseVectorEnv
-from sim.config import DEFAULT, Config
+from sim.config import PRESETS, Config
 from sim.lookout import Lookout
 from sim.oracle import Oracle
 
@@ -36,18 +36,23 @@ def measure(
     *,
     backend: str = "continuous",
     baselines: Sequence[str] = tuple(BASELINES),
+    world: str = "default",
+    episodes: int = 1,
 ) -> Iterator[Result]:
     """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
 
     ``baselines`` names some of ``BASELINES``; figures are shares of the oracle's, so it is among them.
-    ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
+    ``world`` names the simulator's preset that all play in, each with its own sensor; each house is played
+    in that many ``episodes``. ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be
+    played in one of the houses.
     """
+    numbers, baseline = np.arange(len(houses) * episodes) % len(houses), with_sensor(PRESETS[world])
     for number, mode in enumerate(modes):
-        sensors = {DEFAULT, *(sensor(run.config) for runs in agents.values() for run in runs)}
-        settings = {each: Setting(houses, mode, each, backend) for each in sensors}
-        default = settings[DEFAULT]
+        sensors = {baseline, *(sensor(run.config, world) for runs in agents.values() for run in runs)}
+        settings = {each: Setting(houses, mode, each, backend, len(numbers)) for each in sensors}
+        default = settings[baseline]
         policies: list[tuple[str, Setting, Callable[[HouseVectorEnv, int], Policy]]] = [
-            (name, settings[sensor(run.config)], partial(policy_of, run.network, run.config))
+            (name, settings[sensor(run.config, world)], partial(policy_of, run.network, run.config))
             for name, runs in agents.items()
             for run in runs
         ]
@@ -55,32 +60,34 @@ def measure(
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
         for place, (name, setting, make) in enumerate(policies):
             report((number + place / len(policies)) / len(modes), f"{mode}: {name}")
-            played = play(setting.envs, make(setting.envs, seed), seed, lookout=setting.lookout)
+            played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.lookout)
             scores[name] = (*scores.get(name, ()), played)
-        rooms = np.array([len(house.secondary) for house in houses])
-        yield Result(mode, rooms, shortest_ways(default.envs, seed), scores)
+        rooms = np.array([len(house.secondary) for house in houses])[numbers]
+        yield Result(mode, rooms, shortest_ways(default.envs, seed, numbers), scores, episodes)
     report(1.0, f"{len(houses)} houses")
 
 
-def shortest_ways(envs: HouseVectorEnv, seed: int) -> np.ndarray:
+def shortest_ways(envs: HouseVectorEnv, seed: int, houses: np.ndarray | None = None) -> np.ndarray:
     """(E,) fewest steps from each start to the first target; infinite where no way leads there."""
-    reset(envs, seed)
+    reset(envs, seed, houses)
     return np.array([np.inf if way is None else len(way) for way in Oracle(envs).paths()])
 
 
 class Setting:
-    """The environments of one sensor, one for each house, and what notes coverage in them.
+    """The environments of one sensor, one for each episode, and what notes coverage in them.
 
     Both are made when they are first asked for: most evaluations need one sensor alone.
     """
 
-    def __init__(self, houses: Sequence[House], mode: str, sensor: Config, backend: str) -> None:
-        """Environments over these houses, with targets of this mode."""
-        self._make = partial(make_envs, houses, len(houses), mode, preset=sensor, backend=backend)
+    def __init__(
+        self, houses: Sequence[House], mode: str, sensor: Config, backend: str, count: int | None = None
+    ) -> None:
+        """That many environments over these houses, or one for each, with targets of this mode."""
+        self._make = partial(make_envs, houses, count or len(houses), mode, preset=sensor, backend=backend)
 
     @cached_property
     def envs(self) -> HouseVectorEnv:
-        """An environment for each house."""
+        """The environments."""
         return self._make()
 
     @cached_property

@@ -20,9 +20,13 @@ class Human(NamedTuple):
     oracle: int
 
 
-HUMAN = {"main": Human(27, 56), "secondary": Human(10, 21)}
-"""By target mode, in the paper's house, which is another house than those of any bank here. The human had
-the whole map in sight."""
+HUMAN = {
+    mode: human
+    for prefix in ("", "paper-")
+    for mode, human in ((f"{prefix}main", Human(27, 56)), (f"{prefix}secondary", Human(10, 21)))
+}
+"""By target mode, in the paper's house, which is another house than those of any bank here: the tasks
+``paper-main`` and ``paper-secondary`` alone are the human's. The human had the whole map in sight."""
 
 HUMAN_RATIO = 0.48
 """The human's share of the oracle's targets, in both modes."""
@@ -47,7 +51,7 @@ bootstrap over training runs and houses, but blocked and interventions, over run
 
 @dataclass(frozen=True)
 class Result:
-    """What all policies did in one target mode, one episode in each of H houses."""
+    """What all policies did in one target mode, one episode in each of H houses, or of H episodes."""
 
     mode: str
     """Where targets lay: a name of ``agent.config.TARGET_MODES``."""
@@ -60,6 +64,9 @@ class Result:
 
     policies: dict[str, tuple[EpisodeScores, ...]]
     """By name, the scores of each training run: of one run for a baseline. The oracle is among them."""
+
+    episodes: int = 1
+    """How many of the H episodes were in each house."""
 
     @property
     def oracle(self) -> np.ndarray:

@@ -72,6 +72,8 @@ class ScoreFile(msgspec.Struct):
     seed: int
     targets: dict[str, ModeScores]
     backend: str = "continuous"
+    world: str = "default"
+    episodes: Annotated[int, msgspec.Meta(gt=0)] = 1
     agents: list[str] = []
     scores: list[str] = []
     training_steps: int | None = None
@@ -118,18 +120,26 @@ def load(path: Path) -> ScoreFile:
 
 
 def external(
-    path: Path, houses: Sequence[House], modes: Sequence[str], seed: int = 0, backend: str = "continuous"
+    path: Path,
+    houses: Sequence[House],
+    modes: Sequence[str],
+    seed: int = 0,
+    backend: str = "continuous",
+    world: str = "default",
+    episodes: int = 1,
 ) -> dict[str, dict[str, tuple[EpisodeScores, ...]]]:
     """By target mode and name, the scores of a file's external agents: all policies but ``REFERENCES``.
 
-    Raises ``ScoreError`` for a file that is none, or of other houses, another seed, another backend, or none
-    of the modes: its figures could not be compared.
+    Raises ``ScoreError`` for a file that is none, or of other houses, another seed, backend, world or number
+    of episodes, or none of the modes: its figures could not be compared.
     """
     file = load(path)
     for name, theirs, ours in (
         ("houses of hash", file.bank.hash[:12], bank_hash(houses)[:12]),
         ("seed", file.seed, seed),
         ("backend", file.backend, backend),
+        ("world", file.world, world),
+        ("episodes", file.episodes, episodes),
     ):
         if theirs != ours:
             raise ScoreError(f"{path}: measured with {name} {theirs}, here it is {ours}: not comparable")
@@ -141,7 +151,7 @@ def external(
         )
     return {
         mode: {
-            name: tuple(_whole_scores(path, name, run, len(houses)) for run in policy.runs)
+            name: tuple(_whole_scores(path, name, run, len(houses) * episodes) for run in policy.runs)
             for name, policy in file.targets[mode].policies.items()
             if name not in REFERENCES and policy.runs
         }
@@ -159,11 +169,11 @@ def joined(result: Result, policies: Mapping[str, tuple[EpisodeScores, ...]], pa
     return replace(result, policies=agents | references)
 
 
-def _whole_scores(path: Path, name: str, run: RunScores, houses: int) -> EpisodeScores:
-    """A run's scores; every house must have its value."""
+def _whole_scores(path: Path, name: str, run: RunScores, episodes: int) -> EpisodeScores:
+    """A run's scores; every episode must have its value."""
     rows = (run.targets, run.first, run.rooms, *run.coverage)
-    if len(run.coverage) != len(COVERAGE_STEPS) or any(len(row) != houses for row in rows):
-        raise ScoreError(f"{path}: no scores: {name} has not one value for each of {houses} houses")
+    if len(run.coverage) != len(COVERAGE_STEPS) or any(len(row) != episodes for row in rows):
+        raise ScoreError(f"{path}: no scores: {name} has not one value for each of {episodes} episodes")
     return _scores(run)
 
 

@@ -6,12 +6,20 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table as RichTable
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
+from sim.tasks import PAPER_TASKS
 
-WHERE = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms", "all": "all rooms"}
-"""Where targets lie, by target mode, in words."""
+ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
+WHERE = ROOMS | {"all": "all rooms"} | {f"paper-{mode}": f"{where}, paper's" for mode, where in ROOMS.items()}
+"""Where targets lie, by target mode, in words: the paper's lie at fixed places of its own house."""
 
-HUMAN_NAME = "human, another house"
-"""The paper's human, who never played in the houses of a table."""
+LABELS = {"paper-original": "paper, original", "paper": "paper, retrained"}
+"""What tables call policies by these names."""
+
+
+def human_name(mode: str) -> str:
+    """The paper's human, who played in the paper's house alone, with the whole plan in sight."""
+    return "human, saw the plan" if mode in PAPER_TASKS else "human, another house"
+
 
 SCORE_NOTE = (
     "All policies meet the same starts and targets. Targets: picked up in an episode of 1500 steps. Ratio: "
@@ -19,13 +27,16 @@ SCORE_NOTE = (
     "way. Both are interquartile means, with 95 % intervals over training runs and houses. Success: the "
     f"share of episodes with a first target within {SUCCESS_STEPS} steps. SPL: that times the shortest "
     "way's length over the way taken. Last column: the share of houses with more targets than the paper's "
-    "human, who played in the paper's own house, which is none of these, with the whole map in sight. "
-    "Random + avoidance is the paper's random walk; the explorer is the planner without a network."
+    "human, who had the whole map in sight, in the paper's own house: the human's row says whether that is "
+    "another house. Random + avoidance is the paper's random walk; the explorer is the planner without a "
+    "network."
 )
 """What the columns and rows of ``score_table`` mean."""
 
 NOTE = (
-    f"{SCORE_NOTE} The searcher knows the house, but not where the target is. Seen: the share of the places "
+    f"{SCORE_NOTE} Paper, original: the weights that the paper's authors released; paper, retrained: their "
+    "agent trained again here; both play as the original does, by its avoidance and with 2.5 % of random "
+    "actions. The searcher knows the house, but not where the target is. Seen: the share of the places "
     "where targets may lie that it had looked at by that step. Rooms: the share of the secondary rooms that "
     "it was in. Blocked moves, and actions that the avoidance layer overruled: per 1000 steps."
 )
@@ -80,9 +91,15 @@ def score_table(result: Result) -> Table:
         ))  # fmt: skip
     headings = ("policy", "targets", "ratio", "success", "SPL")
     if human:
-        rows.append((HUMAN_NAME, f"{human.targets} of {human.oracle}", f"{HUMAN_RATIO}", "", "", ""))
+        rows.append(
+            (human_name(result.mode), f"{human.targets} of {human.oracle}", f"{HUMAN_RATIO}", "", "", "")
+        )
         headings += (f"> {human.targets}",)
-    return Table(f"Targets in {_where(result)}, {len(result.rooms)} houses", headings, rows)
+    houses = len(result.rooms) // result.episodes
+    count = f"{houses} house" + ("s" if houses > 1 else "")
+    if result.episodes > 1:
+        count += f", {result.episodes} episodes each"
+    return Table(f"Targets in {_where(result)}, {count}", headings, rows)
 
 
 def behaviour_table(result: Result) -> Table:
@@ -110,8 +127,8 @@ def _where(result: Result) -> str:
 
 
 def _labels(result: Result) -> dict[str, str]:
-    """Each policy's name, with the number of its training runs where there are several."""
+    """What each policy is called, with the number of its training runs where there are several."""
     return {
-        name: name if len(runs) == 1 else f"{name}, {len(runs)} runs"
+        name: LABELS.get(name, name) + (f", {len(runs)} runs" if len(runs) > 1 else "")
         for name, runs in result.policies.items()
     }

@@ -25,7 +25,12 @@ ENTRIES = (
     _entry("pqn-map", "pqn-map", "the agent with a map"),
     _entry("pqn", "pqn", "rays and exponential moving averages of the past, no map"),
     _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
-    _entry("paper", "paper", "the paper's network, learnt by the paper's method in the paper's world"),
+    _entry(
+        "paper",
+        "paper",
+        "the paper's network, learnt by the paper's method in the paper's simulator, in many houses",
+        "--targets main --num-envs 8 --episodes None",
+    ),
     _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the averages"),
     _entry("pqn-secondary", "pqn", "no map at all", "--targets secondary", beside="pqn-map"),
     _changed("no-shield", "no avoidance layer", "--avoidance none"),

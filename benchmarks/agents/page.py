@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
-from agent.evaluation.tables import WHERE
+from agent.evaluation.tables import LABELS, WHERE
 from benchmarks.agents.records import Difference, Entry, Study, by_seed, difference
 from benchmarks.common.pages import table_rows
 
@@ -81,7 +81,7 @@ def _policies(study: Study) -> Iterator[list[str]]:
         figures = [result.figures(name) for result in study.results.values()]
         means = (" / ".join(f"{each[key].value:.2f}" for each in figures) for key in ("success", "spl"))
         ratios = (each["ratio"].text() for each in figures)
-        yield [names.get(name, name), *ratios, *means]
+        yield [names.get(name, LABELS.get(name, name)), *ratios, *means]
 
 
 def _by_rooms(study: Study) -> str:

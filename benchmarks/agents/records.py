@@ -5,7 +5,7 @@ from typing import Any
 
 from scipy.stats import trim_mean
 
-from agent.evaluation.baselines import BASELINES
+from agent.evaluation.baselines import BASELINES, PAPERS
 from agent.evaluation.result import Result
 from agent.evaluation.statistics import Estimate, paired_difference
 
@@ -102,9 +102,9 @@ class Study:
         ]
 
     def baselines(self) -> list[str]:
-        """Policies that learn nothing."""
+        """Policies that the study trains none of: the paper's released weights, and what learns nothing."""
         policies = next(iter(self.results.values())).policies
-        return [name for name in BASELINES if name in policies]
+        return [name for name in (PAPERS[0], *BASELINES) if name in policies]
 
 
 @dataclass(frozen=True)

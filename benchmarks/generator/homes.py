@@ -13,8 +13,9 @@ from clingo import Symbol
 
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
-from benchmarks.generator.published import PAGE, beside_published
+from benchmarks.generator.published import PAGE, beside_published, spread
 from logic.builder import Builder
+from logic.check import check
 from logic.draw import contact_sheet
 from logic.errors import RequestError
 from logic.grammar import find
@@ -28,6 +29,8 @@ WARM = 20
 """Houses made before any is timed: the first searches of a program take longer."""
 WINDOW = 1.4
 """Metres: the height that a window is taken to have, since plans have none."""
+LARGER = {"clinic": (4, 8, 16, 32, 64), "apartments": (8, 16, 32, 64, 128)}
+"""Grammars of larger plans, and the numbers of rooms that are made of them."""
 COLOURS = 64
 """Of the picture, so that its file is small."""
 
@@ -102,6 +105,9 @@ class Homes:
     houses: int = 200
     """Houses of each number of rooms."""
 
+    larger: int = 40
+    """Clinics and buildings of flats of each number of rooms, for time against rooms; 0 for none."""
+
     out: Path = Path("runs/bench")
     """Folder for homes.md and its picture homes.png."""
 
@@ -115,12 +121,14 @@ class Homes:
         builder = Builder(find(self.grammar))
         sizes = [self.measured(builder, rooms) for rooms in self.rooms]
         houses = [house for size in sizes for house in size.houses]
-        command = f"./run bench homes --grammar {self.grammar} --houses {self.houses}"
+        larger = [row for grammar in LARGER if self.larger for row in larger_rows(grammar, self.larger)]
+        command = f"./run bench homes --grammar {self.grammar} --houses {self.houses} --larger {self.larger}"
         page = PAGE.format(
             command=command,
             machine=machine(),
             versions=versions(**{name: builder.versions[name] for name in ("clingo", "swi-prolog")}),
             sizes=table_rows(size.row for size in sizes),
+            larger=table_rows(larger),
             types=table_rows(type_rows(houses)),
             published=table_rows(beside_published(houses, WINDOW)),
             window=WINDOW,
@@ -145,6 +153,26 @@ class Homes:
         return size
 
 
+def larger_rows(grammar: str, houses: int) -> Iterator[list[str]]:
+    """By number of rooms: CPU time of a furnished house, violations of the check; then the growth of time."""
+    builder, times = Builder(find(grammar)), dict[int, float]()
+    for rooms in LARGER[grammar]:
+        request, seconds, violations = Request(rooms), list[float](), 0
+        builder.house(request, 1, 0, LIMIT)
+        for index in range(houses):
+            began = process_time()
+            house = builder.house(request, 0, index, LIMIT)
+            seconds.append(process_time() - began)
+            violations += bool(check(house))
+        times[rooms] = median(seconds)
+        say(f"{grammar}, {rooms} rooms: {1e3 * times[rooms]:.0f} ms a house")
+        spent = [f"{1e3 * each:.0f}" for each in (times[rooms], p95(seconds))]
+        yield [grammar, str(rooms), *spent, str(violations)]
+    sizes = sorted(times)
+    growth = np.polyfit(np.log(sizes), np.log([times[rooms] for rooms in sizes]), 1)[0]
+    yield [grammar, f"{sizes[0]} to {sizes[-1]}", f"rooms^{growth:.2f}", "", ""]
+
+
 def p95(values: list[float]) -> float:
     """The 95th percentile."""
     return quantiles(values, n=20, method="inclusive")[-1]
@@ -159,11 +187,10 @@ def type_rows(houses: Iterable[House]) -> Iterator[list[str]]:
             areas[room.type].append(room.area)
             doors[room.type] += len(house.doors_of(room.name))
     for type_, found in sorted(areas.items(), key=lambda item: -median(item[1])):
-        low, middle, high = quantiles(found, n=4, method="inclusive")
         yield [
             type_,
             f"{len(found) / count:.2f}",
-            f"{middle:.1f} [{low:.1f}, {high:.1f}]",
+            spread(found),
             f"{min(found):.1f} to {max(found):.1f}",
             f"{doors[type_] / len(found):.2f}",
         ]

@@ -3,7 +3,7 @@
 /** <module> The linear systems of houses' rooms, every size unknown, kept so that their solution alone is timed */
 
 :- use_module(library(apply)).
-:- use_module('../../logic/rules/furnish').
+:- use_module('../../logic/rules/solution').
 :- use_module('../../logic/rules/linear').
 :- use_module('../../logic/rules/sample').
 

@@ -197,7 +197,7 @@ def systems(builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> li
     for number, layout in enumerate(placeable(builder, rooms, HOUSES, monkeypatch)):
         each = [prolog.Term("room", room.type, room.furniture) for room in layout.rooms]
         prolog.run("stated", number, each, module="systems")
-        found.append([matrices(prolog.ask("room_system", *room.arguments)) for room in each])
+        found.append([matrices(prolog.ask("room_system", *room.arguments)["rows"]) for room in each])
     return found
 
 

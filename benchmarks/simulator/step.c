@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { RAYS = 40, TURN = 15, COUNT = 7 * TURN + RAYS, HEADER = 9, ENDS = 9, PLACE = 6, TRIES = 32 };
+enum { RAYS = 40, TURN = 15, COUNT = 7 * TURN + RAYS, HEADER = 9, ENDS = 9, PLACE = 7, TRIES = 32 };
 enum { FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS, FIRST_CELL, COLUMNS, ROWS, FIRST_LINE };
 
 static const int WAY[8][2] = {{1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1, 0}, {-1, 1}, {0, 1}, {1, 1}};
@@ -29,7 +29,7 @@ static void philox(const uint32_t seed[2], uint32_t episode, uint32_t counter, u
 }
 
 static inline int below(uint32_t word, int bound) { return (int)(((uint64_t)word * (uint64_t)bound) >> 32); }
-static inline float origin_of(const int *places, int at) { float x; memcpy(&x, places + at, 4); return x; }
+static inline float real_of(const int *places, int at) { float x; memcpy(&x, places + at, 4); return x; }
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
 static int overlaps(const Config *c, const float origin[2], int i, int j, const float target[2]) {
@@ -46,8 +46,8 @@ static void draw_target(const Config *c, const int *places, Whole *w, Real *r, f
     for (int turn = 1; turn <= TRIES; turn++) {
         uint32_t words[4];
         philox(w->seed, w->episode, w->found, turn, words);
-        int place = places[first + below(words[0], count)], cell[2] = {place & 0xFFFF, place >> 16};
-        for (int k = 0; k < 2; k++) r->target[k] = origin_of(places, at + k) + cell[k] * c->step;
+        int place = first + 2 * below(words[0], count);
+        for (int k = 0; k < 2; k++) r->target[k] = real_of(places, at + k) + real_of(places, place + k) * c->step;
         if (!(larger(fabsf(r->target[0] - last[0]), fabsf(r->target[1] - last[1])) < apart)) break;
     }
 }
@@ -58,8 +58,8 @@ static void begin(const Config *c, const int *places, Whole *w, Real *r) {
     philox(w->seed, w->episode, 0, 0, words);
     w->house = below(words[0], places[0]);
     int at = 1 + PLACE * w->house;
-    r->origin[0] = origin_of(places, at);
-    r->origin[1] = origin_of(places, at + 1);
+    r->origin[0] = real_of(places, at);
+    r->origin[1] = real_of(places, at + 1);
     w->time = w->found = w->over = 0;
     draw_target(c, places, w, r, -1.0f);
     for (int turn = 1; turn <= TRIES; turn++) {

@@ -39,7 +39,8 @@ class Generate:
     """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
 
     keep: Path | None = None
-    """House file: a house of it keeps its rooms, and the rest is generated around them."""
+    """House file: a house of it keeps its rooms, and the rest is generated around them. Where rooms share
+    walls, all walls, doors and windows stay; types and furniture of the other rooms are generated."""
 
     keep_house: int = 0
     """Which house of that file, from 0."""
@@ -88,7 +89,7 @@ class Generate:
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             cell=self.cell,
-            plan=self.plan,
+            plan=self.plan or self._plan_kept(),
             keep=self._kept(),
             grammar=self.grammar,
             seed=self.seed,
@@ -133,7 +134,26 @@ class Generate:
             raise full
 
     def _kept(self) -> House | None:
-        """The house whose rooms are kept. Raises ``RequestError`` for one, or a room, that is not there."""
+        """The rooms that are kept. Raises ``RequestError`` for one that is not there."""
+        house = self._house_kept()
+        try:
+            return house.only(*self.keep_rooms) if house and self.keep_rooms else house
+        except ValueError as error:
+            raise RequestError(f"--keep-rooms: {error}") from None
+
+    def _plan_kept(self) -> House | None:
+        """A house that is no star, as the plan in which rooms of it are kept: others may have any type."""
+        from msgspec.structs import replace
+
+        house = self._house_kept()
+        if house is None or house.is_star:
+            return None
+        names = self.keep_rooms or [room.name for room in house.rooms]
+        rooms = (room if room.name in names else replace(room, type="") for room in house.rooms)
+        return replace(house, rooms=tuple(rooms))
+
+    def _house_kept(self) -> House | None:
+        """The house of which rooms are kept. Raises ``RequestError`` where there is none."""
         from logic import load
 
         if self.keep is None:
@@ -147,11 +167,7 @@ class Generate:
             raise RequestError(
                 f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}"
             )
-        house = houses[self.keep_house]
-        try:
-            return house.only(*self.keep_rooms) if self.keep_rooms else house
-        except ValueError as error:
-            raise RequestError(f"--keep-rooms: {error}") from None
+        return houses[self.keep_house]
 
     def _count(self) -> int:
         """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""

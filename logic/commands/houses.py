@@ -82,23 +82,34 @@ class Draw:
 
 @dataclass(frozen=True)
 class Convert:
-    """Write a house file of any format as one of today's, ``vitruvius-2``. Its houses simulate as before."""
+    """Write houses of any format as a house file of today, or in the format of another tool."""
 
     file: tyro.conf.Positional[Path]
     """House file."""
 
     out: Path
-    """The new house file (.jsonl, .jsonl.gz, or .json for one house)."""
+    """The new house file (.jsonl, .jsonl.gz, or .json for one house); for other formats a folder."""
+
+    to: Literal["vitruvius-2", "geojson", "gltf", "mjcf", "ros", "usd"] = "vitruvius-2"
+    """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house.
+    geojson: in metres; gltf, usd: walls 2.5 m high; mjcf: MuJoCo's XML, with a robot and its range finders;
+    ros: an occupancy map for map_server."""
 
     def run(self) -> int:
         """Read the houses and write them."""
         from logic import load, save
-        from logic.files import HOUSE_FILES, require_ending
+        from logic.exports import export
+        from logic.files import HOUSE_FILES, require_ending, require_folder
 
-        require_ending(self.out, HOUSE_FILES)
-        houses = [house.converted() for house in load(self.file)]
-        save(houses, self.out)
-        say(f"{self.out}: {len(houses)} converted")
+        if self.to == "vitruvius-2":
+            require_ending(self.out, HOUSE_FILES)
+            houses = [house.converted() for house in load(self.file)]
+            save(houses, self.out)
+            say(f"{self.out}: {len(houses)} converted")
+            return 0
+        require_folder(self.out)
+        written = export(load(self.file), self.out, self.to)
+        say(f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}: {len(written)} converted")
         return 0
 
 

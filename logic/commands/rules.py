@@ -20,7 +20,8 @@ class Explain:
     """House file: explain a part of a house in it."""
 
     why: str | None = None
-    """The part: a room (R3), its door (R3.door), a piece (R3.bed, R3.bed2 for the second), or main."""
+    """The part: a room (R3) or a piece (R3.bed, R3.bed2 for the second); of a star a door (R3.door) or main;
+    of a plan a door (R1-R3), the entrance, or a window (R3.window)."""
 
     house: int = 0
     """Index of the house in the file, counted from 0."""
@@ -91,7 +92,8 @@ class Explain:
             raise RequestError(f"{' and '.join(given)}: asks about a request: leave out that, or {file}")
         if self.why is None:
             raise RequestError(
-                f"explain {file}: say what with --why, as in --why main, --why R0, --why R0.door"
+                f"explain {file}: say what with --why, as in --why R0 or --why R0.bed; of a star --why main, "
+                "--why R0.door; of a plan --why entrance, --why R0-R1, --why R0.window"
             )
         houses = load(file)
         if not 0 <= self.house < len(houses):

@@ -1,4 +1,4 @@
-:- module(answers, [as_json/2, reason_record/2]).
+:- module(answers, [as_json/2, answer_within/5, reason_record/2]).
 
 /** <module> Answers as JSON */
 
@@ -8,6 +8,23 @@
 
 as_json(Value, Text) :-
     with_output_to(string(Text), json_write_dict(current_output, Value, [width(0)])).
+
+%!  answer_within(+Limit, :Goal, ?Answer, :Recorded, -Json) is det.
+%
+%   Json is the record that Recorded makes of the Answer of a Goal, with "inferences", how many it took; {"limit": true}
+%   where it takes more than Limit.
+
+:- meta_predicate answer_within(+, 0, ?, 2, -).
+
+answer_within(Limit, Goal, Answer, Recorded, Json) :-
+    statistics(inferences, Before),
+    call_with_inference_limit(Goal, Limit, Result),
+    statistics(inferences, After),
+    Inferences is After - Before,
+    (   Result == inference_limit_exceeded
+    ->  Reply = _{limit:true}
+    ;   call(Recorded, Answer, Record), Reply = Record.put(inferences, Inferences) ),
+    as_json(Reply, Json).
 
 %!  reason_record(+Reason, -Record) is det.
 %

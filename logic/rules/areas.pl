@@ -28,11 +28,16 @@ room_system(Type, W, D, Constraints) :- room_template(Type, W0, D0, Template), c
 
 room_template(Type, W, D, Constraints) :-
     room_size_system(Type, W, D, Sizes),
-    (   grammar:room_area(Type, Least, Most)
-    ->  room_range(Type, Width, Depth),
+    (   grammar:room_area(Type, Least0, Most0)
+    ->  room_extent(Type, Width, Depth),
+        maplist(square, [Least0,Most0], [Least,Most]),
         phrase(area(Width, Depth, Least-Most, W, D, [room_area(Type)]), Areas),
         append(Sizes, Areas, Constraints)
     ;   Constraints = Sizes ).
+
+%   square(+Metres, -Area): in squares of the house's unit.
+
+square(M, Area) :- in_unit(M, Half), in_unit(Half, Area).
 
 area(W1-W2, D1-D2, Least-Most, W, D, Why) -->
     { Steep is (D1+D2)/(W1+W2), Sum is 2*sqrt(Steep*Most),
@@ -62,7 +67,8 @@ house_system(W, D, Constraints) :- house_template(W0, D0, Template), copied([W0,
 
 house_template(W, D, Constraints) :-
     (   grammar:house_size(W0, D0)
-    ->  size_system([W,D], [W0,D0], house_size, Constraints)
+    ->  ( on_grid -> metres(1, Cell), Sizes = [Cell*W,Cell*D] ; Sizes = [W,D] ),
+        size_system(Sizes, [W0,D0], house_size, Constraints)
     ;   Constraints = [] ).
 
 copied(Template, Instance) :- copy_term(Template, Instance).

@@ -1,4 +1,4 @@
-:- module(bounds, [room_parts/3, room_bounds/6]).
+:- module(bounds, [room_parts/4, room_bounds/7, length_bounds/5, tight/4, bounds_json/3]).
 
 /** <module> Why a room's lengths are as they are: what else they could have been, and which constraints bind
 
@@ -11,25 +11,28 @@ the atom of stage 1 that puts a piece or a companion where it is: on(F,K,P,N), w
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
 :- use_module(library(yall)).
+:- use_module(answers).
 :- use_module(furnish).
 :- use_module(grid).
 :- use_module(linear).
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(room).
+:- use_module(solution).
 
-%!  room_parts(+Type, +Layout, -Parts) is det.
+%!  room_parts(+Type, +Layout, +Shape, -Parts) is det.
 %
-%   Parts are Type-Atom of the pieces and companions of a room with this furniture, in the order of a house file.
+%   Parts are Type-Atom of the pieces and companions of a room with this furniture, in the order of a house file. Shape is
+%   `any`, or a known one (solution.pl).
 
-room_parts(Type, Layout, Parts) :-
-    layout_room(Type, Layout, Room),
+room_parts(Type, Layout, Shape, Parts) :-
+    whole_system(Type, Layout, Shape, Room, _),
     parts(Room, Found),
     maplist(part_name, Found, Parts).
 
 part_name(part(Atom,item(F,_,_,_),_), F-Atom).
 
-%!  room_bounds(+Type, +Layout, +Seed, +Target, -Lengths, -Binding) is det.
+%!  room_bounds(+Type, +Layout, +Shape, +Seed, +Target, -Lengths, -Binding) is det.
 %
 %   Lengths are length(Name,Value,Least-LeastWhy,Greatest-GreatestWhy) of the target, in the house's unit. Least and
 %   Greatest are what it could have been with this furniture: a piece's size in a room of this size, a place where all
@@ -37,9 +40,9 @@ part_name(part(Atom,item(F,_,_,_),_), F-Atom).
 %   binds(Sum,Relation,Constant,Why): the constraints on the target that are tight, a sum of Factor*Name and a Constant
 %   that is Relation, "=<" or "=", to zero. A Name is Thing-What, where a Thing is a target or `floor`, the free one.
 
-room_bounds(Type, Layout, Seed, Target, Lengths, Binding) :-
-    whole_system(Type, Layout, Room, System),
-    call(furnished(Type, Layout, quick, Solved), Seed, _),
+room_bounds(Type, Layout, Shape, Seed, Target, Lengths, Binding) :-
+    whole_system(Type, Layout, Shape, Room, System),
+    call(furnished(Type, Layout, Shape, quick, Solved), Seed, _),
     is_room(Solved),
     room_items(Room, Items),
     parts(Room, Parts),
@@ -47,7 +50,7 @@ room_bounds(Type, Layout, Seed, Target, Lengths, Binding) :-
     sizes(Room, Items, Sizes),
     target_lengths(Target, Room, Parts, Asked),
     copy_term(k(Room,Sizes,Asked,Names), k(Solved,SolvedSizes,Values,SolvedNames)),
-    maplist(length_bounds(System, Sizes-SolvedSizes), Asked, Values, Lengths),
+    maplist(asked_bounds(System, Sizes-SolvedSizes), Asked, Values, Lengths),
     term_variables(Asked, Variables),
     tight(System, Names-SolvedNames, Variables, Binding).
 
@@ -131,17 +134,25 @@ as_place(What-Expression, place-What-Expression).
 
 % - what a length could have been ----------------------------------------------------------------------------
 
-length_bounds(System, Sizes, Kind-What-X, _-_-Solved, length(What,Value,Low-LowWhy,High-HighWhy)) :-
-    Value is Solved,
+asked_bounds(System, Sizes, Kind-What-X, _-_-Solved, Length) :-
     given(Kind, Sizes, Given),
-    (   findall(L-H, ( posted_with(Given, System), {V = X}, extreme(V, L, H) ), [Low-High])
-    ->  past(System, Given, X =< Low-0.001, LowWhy),
-        past(System, Given, High+0.001 =< X, HighWhy)
-    ;   Low = Value, High = Value, LowWhy = [], HighWhy = [] ).
+    Value is Solved,
+    length_bounds(System, Given, What-X, Value, Length).
 
 given(room,  _, []-[]).
 given(piece, [W,D|_]-[SolvedW,SolvedD|_], [W,D]-[SolvedW,SolvedD]).
 given(place, Sizes, Sizes).
+
+%!  length_bounds(+System, +Given, +Name-Expression, +Value, -Length) is det.
+%
+%   Length is length(Name,Value,Least-LeastWhy,Greatest-GreatestWhy) of an Expression in the System, where Given are
+%   Variables-Values.
+
+length_bounds(System, Given, What-X, Value, length(What,Value,Low-LowWhy,High-HighWhy)) :-
+    (   findall(L-H, ( posted_with(Given, System), {V = X}, extreme(V, L, H) ), [Low-High])
+    ->  past(System, Given, X =< Low-0.001, LowWhy),
+        past(System, Given, High+0.001 =< X, HighWhy)
+    ;   Low = Value, High = Value, LowWhy = [], HighWhy = [] ).
 
 posted_with(Sizes-Values, System) :- Sizes = Values, posted(System).
 
@@ -159,6 +170,11 @@ past(System, Sizes-Values, Constraint, Why) :-
     ( All = [Why] -> true ; Why = [] ).
 
 % - which constraints bind -----------------------------------------------------------------------------------
+
+%!  tight(+System, +Names-Solved, +Variables, -Binding) is det.
+%
+%   Binding are binds(Sum,Relation,Constant,Why), see room_bounds/7, of the constraints on these Variables; Names are
+%   Variable-Name, and Solved are Value-Name.
 
 tight(System, Names-SolvedNames, Variables, Binding) :-
     pairs_keys(SolvedNames, Values),
@@ -182,3 +198,27 @@ binds([Pairs0,Constant,Relation], Why, Wanted, Numbered, binds(Sum,Relation,Cons
 summand(Numbered, [N,Factor], [Factor*Name|Sum]-Total0, Sum-Total) :-
     nth0(N, Numbered, Name-Value),
     Total is Total0 + Factor*Value.
+
+% - as JSON --------------------------------------------------------------------------------------------------
+
+%!  bounds_json(+Lengths, +Binding, -Json) is det.
+%
+%   Json has "lengths", a list of [Name,Value,Least,LeastReasons,Greatest,GreatestReasons], and "binding", one of
+%   [Sum,Relation,Constant,Reasons] with Sum a list of [Factor,Thing,What], all in metres. Reasons are as in placed/3.
+
+bounds_json(Lengths, Binding, Json) :-
+    maplist(length_record, Lengths, LengthRecords),
+    maplist(binding_record, Binding, BindingRecords),
+    as_json(_{lengths:LengthRecords, binding:BindingRecords}, Json).
+
+length_record(length(Name,Value,Low-LowWhy,High-HighWhy), [Name,V,L,LowReasons,H,HighReasons]) :-
+    maplist(metres, [Value,Low,High], [V,L,H]),
+    maplist(reason_record, LowWhy, LowReasons),
+    maplist(reason_record, HighWhy, HighReasons).
+
+binding_record(binds(Sum,Relation,Constant,Why), [Summands,Relation,Metres,Reasons]) :-
+    metres(Constant, Metres),
+    maplist(summand_record, Sum, Summands),
+    maplist(reason_record, Why, Reasons).
+
+summand_record(Factor*(Thing-What), [Factor,Text,What]) :- term_string(Thing, Text).

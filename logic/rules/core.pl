@@ -1,5 +1,5 @@
 :- module(core, [grammar_problems/4, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
-                 room_conflict/4, room_system/3, room_pieces/3, room_lengths/5,
+                 room_conflict/4, room_system/3, room_pieces/4, room_lengths/6,
                  main_lengths/4, solver_version/1]).
 
 /** <module> Stage 2: from a layout to a house
@@ -22,17 +22,18 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     links.pl           what stands along a wall; stretch.pl: as a chain; island.pl: what stands in the middle
     chain.pl           things in a row, at least a gap apart: furniture along a wall, rooms along a side
     linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
+    exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
     sample.pl          random numbers
     filled.pl          how long a wall can be that furniture fills
     furnish.pl         a random solution for a room, or why it has none
+    solution.pl        the same where every size is unknown
     bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
     main_room.pl       the rooms around the main room
     shape.pl           the stretches of wall that a room's doors leave
     plan.pl            from the rooms' frames to the house's plan
 
-    plans.pl           plans where rooms share walls: what Python asks for them
+    plans.pl           plans where rooms share walls: what Python asks for them; plan_bounds.pl: why their lengths are so
     walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them
-    exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
     own_plan.pl        doors and windows in rooms that a user gives
     given_rooms.pl     furniture for rooms whose sizes and doors are given
 
@@ -46,21 +47,23 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(library(lists)).
 :- use_module(answers).
 :- use_module(bounds).
+:- use_module(exact).
 :- use_module(faults).
 :- use_module(furnish).
 :- use_module(grammar_files).
 :- use_module(grid).
 :- use_module(lengths).
-:- use_module(linear).
 :- reexport(given_rooms).
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
 :- reexport(own_plan).
 :- reexport(plans).
+:- reexport(plan_bounds).
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(reports).
+:- use_module(solution).
 
 %!  grammar_problems(+Files, +Walls, +Cell, -Json) is det.
 %
@@ -128,14 +131,7 @@ report_record(Report, Report).
 %       {"wrong": [File,Line,Column,Text]}  a clause of the grammar's does not end for these rooms
 
 placed(Layout, Limit, Json) :-
-    statistics(inferences, Before),
-    call_with_inference_limit(ended(house_answer(Layout, Answer), Answer), Limit, Result),
-    statistics(inferences, After),
-    Inferences is After - Before,
-    (   Result == inference_limit_exceeded
-    ->  Reply = _{limit:true}
-    ;   report_record(Answer, Record), Reply = Record.put(inferences, Inferences) ),
-    as_json(Reply, Json).
+    answer_within(Limit, ended(house_answer(Layout, Answer), Answer), Answer, report_record, Json).
 
 house_answer(layout(Rooms,Corners,Seed,Proof), Answer) :-
     maplist(finished_room(Proof), Rooms, Finished, Conflicts),
@@ -211,46 +207,32 @@ room_conflict(Type, Layout, Without, Json) :-
 
 %!  room_system(+Type, +Layout, -Json) is det.
 %
-%   Json lists the rows of the linear system of one room (linear.pl), all sizes unknown: what another solver is compared
-%   with.
+%   Json is the linear system of one room, all sizes unknown, and whether it has a solution: see solver_verdicts/2.
 
 room_system(Type, Layout, Json) :-
     whole_system(Type, Layout, _, System),
-    rows(System, Rows),
-    as_json(Rows, Json).
+    solver_verdicts(System, Record),
+    as_json(Record, Json).
 
-%!  room_pieces(+Type, +Layout, -Json) is det.
+%!  room_pieces(+Type, +Layout, +Given, -Json) is det.
 %
 %   Json lists [Type,Atom] of the pieces and companions in a room with this furniture, in the order of a house file.
 
-room_pieces(Type, Layout, Json) :-
-    room_parts(Type, Layout, Parts),
+room_pieces(Type, Layout, Given, Json) :-
+    given_shape(Given, Shape),
+    room_parts(Type, Layout, Shape, Parts),
     findall([F,Text], ( member(F-Atom, Parts), term_string(Atom, Text) ), Pieces),
     as_json(Pieces, Json).
 
-%!  room_lengths(+Type, +Layout, +Seed, +Target, -Json) is det.
+%!  room_lengths(+Type, +Layout, +Given, +Seed, +Target, -Json) is det.
 %
-%   Json is what room_bounds/6 says of a Target in the room of this Seed, in metres: "lengths" lists
-%   [Name,Value,Least,LeastReasons,Greatest,GreatestReasons], and "binding" [Sum,Relation,Constant,Reasons] with Sum a
-%   list of [Factor,Thing,What]. Reasons are as in placed/3.
+%   Json is what room_bounds/7 says of a Target in the room of this Seed: bounds_json/3. Given is `any`, or what is given of
+%   the room, see given_shape/2.
 
-room_lengths(Type, Layout, Seed, Target, Json) :-
-    room_bounds(Type, Layout, Seed, Target, Lengths, Binding),
-    maplist(length_record, Lengths, LengthRecords),
-    maplist(binding_record, Binding, BindingRecords),
-    as_json(_{lengths:LengthRecords, binding:BindingRecords}, Json).
-
-length_record(length(Name,Value,Low-LowWhy,High-HighWhy), [Name,V,L,LowReasons,H,HighReasons]) :-
-    maplist(metres, [Value,Low,High], [V,L,H]),
-    maplist(reason_record, LowWhy, LowReasons),
-    maplist(reason_record, HighWhy, HighReasons).
-
-binding_record(binds(Sum,Relation,Constant,Why), [Summands,Relation,Metres,Reasons]) :-
-    metres(Constant, Metres),
-    maplist(summand_record, Sum, Summands),
-    maplist(reason_record, Why, Reasons).
-
-summand_record(Factor*(Thing-What), [Factor,Text,What]) :- term_string(Thing, Text).
+room_lengths(Type, Layout, Given, Seed, Target, Json) :-
+    given_shape(Given, Shape),
+    room_bounds(Type, Layout, Shape, Seed, Target, Lengths, Binding),
+    bounds_json(Lengths, Binding, Json).
 
 %!  main_lengths(+Outlines, +Corners, +Width, -Json) is det.
 %

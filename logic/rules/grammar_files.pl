@@ -45,6 +45,12 @@ or several.
 %
 %       house_size(W, D) :- { W =< 2*D, D =< 2*W }.
 
+%!  unit_depth(-Depth)
+%
+%   how deep a unit of a house of units is, in metres, away from the public room that it opens from.
+%
+%       unit_depth(D) :- { D >= 7.0, D =< 11.0 }.
+
 %!  window_size(?Type, -Length, +Wall)
 %
 %   how long a window of a room of this Type is, in metres, in an outer wall as long as Wall.
@@ -54,10 +60,11 @@ or several.
 %!  piece_size(?Piece, -Length, -Depth, +Wall)
 %
 %   how large such pieces or companions are, in metres: Length along the wall behind them, Depth out from it. Wall is the
-%   length of that wall from corner to corner; in the middle of a room, the room's width.
+%   length of that wall from corner to corner; in the middle of a room, the room's width. A clause may say Wall-Across for it,
+%   with the room's other side; in the middle, the room's depth.
 %
 %       piece_size(rack,  L, D, Wall) :- { L >= 0.8, L =< 0.5*Wall, D = 0.4 }.
-%       piece_size(keg,   L, D, _)    :- { L = 1.0, D = L }.
+%       piece_size(keg,   L, D, Wall-Across) :- { L >= 0.1*Wall, L =< 0.2*Wall, D = 0.1*Across }.
 %       piece_size(crate, L, D, _)    :- { L >= 0.3, L =< 0.5, D = L }.
 %       piece_size(stool, L, D, _)    :- { L = 0.4, D = L }.
 
@@ -88,7 +95,7 @@ or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 
-:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
+:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:unit_depth/1, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

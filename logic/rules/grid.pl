@@ -1,4 +1,4 @@
-:- module(grid, [set_cell/1, lattice/1, metres/2, rounded_up/2, rounded_range/2, inner_range/2, on_grid/0]).
+:- module(grid, [set_cell/1, lattice/1, metres/2, in_unit/2, rounded_up/2, rounded_range/2, inner_range/2, on_grid/0]).
 
 /** <module> Metres, or the cells of a grid
 
@@ -34,6 +34,12 @@ on_grid :- cell(_).
 %   Metres is a Length of this house, a float.
 
 metres(Length, Metres) :- ( cell(Cell) -> Metres is Length*Cell ; Metres is float(Length) ).
+
+%!  in_unit(+Metres, -Length) is det.
+%
+%   Length is the same, in the house's unit, whole or not.
+
+in_unit(M, X) :- ( cell(Cell) -> X is M/Cell ; X = M ).
 
 %!  rounded_up(+Metres, -Length) is det.
 %

@@ -17,19 +17,18 @@
 
 island(Layout, Room, On, Island) :-
     On = on(F,_,middle,N),
-    make_island([item(item(F,L,D,W)),across(Across),inwards(Inwards),xblock(block(_,FullAcross,XBounds,Apart)),
+    make_island([item(item(F,L,D,W-Depth)),across(Across),inwards(Inwards),xblock(block(_,FullAcross,XBounds,Apart)),
                  yblock(block(_,FullInwards,YBounds,Apart)),seats(Seats),front(Front)], Island),
-    room_width(Room, W),
+    room_width(Room, W), room_depth(Room, Depth),
     phrase(island_reasons(On, Layout, Front, With), Why),
     ( memberchk(Front, [left,right]) -> Across = D, Inwards = L ; Across = L, Inwards = D ),
-    maplist(seat_of(W), With, Seats),
+    maplist(seat_of(W-Depth), With, Seats),
     with_seats(Across, left, right, Seats, FullAcross),
     with_seats(Inwards, outwards, inwards, Seats, FullInwards),
     room_core(Room, core(X1,X2,Y1,Y2)),
     length_of(passage, P), length_of(door_clearance, C),
     room_doors(Room, doors(_,Left,Back,Right)),
     clear_of(Left, at_least(C)-[On,length(door_clearance)], XMore, XMore1),
-    room_depth(Room, Depth),
     clear_of(Right, at_most(W-C-FullAcross)-[On,length(door_clearance)], XMore1, []),
     clear_of(Back, at_most(Depth-C-FullInwards)-[On,length(door_clearance)], YMore, []),
     XBounds = [at_least(X1+P)-Why, at_most(X2-P-FullAcross)-Why|XMore],
@@ -52,7 +51,7 @@ island_reasons(On, Layout, Front, With) -->
 
 after(N, Row, Layout) --> ( holds(on(_,_,middle,N), Layout) -> [row(Row)] ; [] ).
 
-seat_of(W, with(_,_,G,Hand), seat(Hand,item(G,_,_,W))).
+seat_of(Walls, with(_,_,G,Hand), seat(Hand,item(G,_,_,Walls))).
 
 %   with_seats(+Size, +Low, +High, +Seats, -Full): Full is a size of the island with the seats at these two hands.
 

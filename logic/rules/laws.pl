@@ -35,8 +35,10 @@ room_law(Type, Law) :-
 piece_law(Type, Piece, Law) :-
     room_range(Type, W1-W2, D1-D2),
     Short is min(W1, D1), Long is max(W2, D2), Middle is (Short+Long)/2,
-    sized(piece_size(Piece, L, D, Wall)),
-    (   \+ attvar(Wall)
+    piece_sized(Piece, L, D, Wall-Across),
+    (   attvar(Across)
+    ->  Law = clause
+    ;   \+ attvar(Wall)
     ->  law(L, D, Law)
     ;   maplist(law_for_wall(Piece), [Short,Middle,Long], [Law1,Law2,Law3]),
         Law1 =.. [Kind|As], Law2 =.. [Kind|Bs], Law3 =.. [Kind|Cs],
@@ -44,7 +46,7 @@ piece_law(Type, Piece, Law) :-
     ->  Sloped =.. [Kind|Straight], Law = sloped(Sloped)
     ;   Law = clause ).
 
-law_for_wall(Piece, Wall, Law) :- sized(piece_size(Piece, L, D, Wall)), law(L, D, Law).
+law_for_wall(Piece, Wall, Law) :- piece_sized(Piece, L, D, Wall-_), law(L, D, Law).
 
 %   The least and the greatest of a linear program are convex and concave in what is given: what lies on the straight
 %   line in the middle lies on it throughout.
@@ -69,11 +71,11 @@ independent(A, B) :-
 
 value_at(A, V, B, W) :- findall(B, {A = V}, [W]), number(W).
 
-%!  law_at_wall(+Law, +Wall, -Here) is det.
+%!  law_at_wall(+Law, +Walls, -Here) is det.
 %
 %   Here is the law with its numbers for a wall this long, in the house's unit.
 
-law_at_wall(sloped(Law), Wall, Here) :- !,
+law_at_wall(sloped(Law), Wall-_, Here) :- !,
     Law =.. [Kind|Ys],
     metres(Wall, Metres),
     maplist(number_at_wall(Metres), Ys, Xs),

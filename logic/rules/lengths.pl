@@ -1,4 +1,4 @@
-:- module(lengths, [stated_length/2, length_of/2, sized/1, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+:- module(lengths, [stated_length/2, length_of/2, sized/1, piece_sized/4, given_walls/3, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
 
 /** <module> A grammar's lengths and the extremes of its sizes
 
@@ -55,12 +55,30 @@ room_extent(Type, Width, Depth) :-
     rounded_range(W, Width),
     rounded_range(D, Depth).
 
-%!  piece_range(+Piece, ?Wall, -Length, -Depth) is semidet.
+%!  piece_sized(+Piece, ?Length, ?Depth, ?Walls) is semidet.
 %
-%   Length and Depth are the ranges of a piece at a wall this long, a number of metres or constrained.
+%   The grammar's clause of the piece's size holds in a room of these Walls, Wall-Across: the wall behind the piece and the
+%   room's other side. Most clauses are of the Wall alone.
 
-piece_range(Piece, Wall, Length, Depth) :-
-    sized(piece_size(Piece, L, D, Wall)),
+piece_sized(Piece, L, D, Walls) :-
+    given_walls(Piece, Walls, Given),
+    sized(piece_size(Piece, L, D, Given)).
+
+%!  given_walls(+Piece, ?Walls, -Given) is det.
+%
+%   Given is what the piece's clause is called with: the Wall, or Wall-Across where it is written so.
+
+given_walls(Piece, Wall-Across, Given) :-
+    (   clause(grammar:piece_size(Piece, _, _, Written), _), nonvar(Written)
+    ->  Given = Wall-Across
+    ;   Given = Wall ).
+
+%!  piece_range(+Piece, ?Walls, -Length, -Depth) is semidet.
+%
+%   Length and Depth are the ranges of a piece in a room of these walls, numbers of metres or constrained.
+
+piece_range(Piece, Walls, Length, Depth) :-
+    piece_sized(Piece, L, D, Walls),
     extremes(L, Length),
     extremes(D, Depth).
 
@@ -71,8 +89,8 @@ piece_range(Piece, Wall, Length, Depth) :-
 piece_extent(Type, Piece, Length, Depth) :-
     room_range(Type, W1-W2, D1-D2),
     Least is min(W1, D1), Most is max(W2, D2),
-    { Wall >= Least, Wall =< Most },
-    piece_range(Piece, Wall, L, D),
+    { Wall >= Least, Wall =< Most, Across >= Least, Across =< Most },
+    piece_range(Piece, Wall-Across, L, D),
     rounded_range(L, Length),
     rounded_range(D, Depth).
 

@@ -18,20 +18,24 @@ A link is a piece or one of its companions.
 
 stretch_links(Placed, Layout, Room, Name, Name-Links) :-
     (   memberchk(Name-Ons, Placed)
-    ->  wall_length(Name, Room, Wall),
-        phrase(links(Ons, Wall, Layout), Links)
+    ->  walls(Name, Room, Walls),
+        phrase(links(Ons, Walls, Layout), Links)
     ;   Links = [] ).
 
-wall_length(Name, Room, Length) :- stretch_wall(Name, Wall), wall_size(Wall, Room, Length).
+walls(Name, Room, Length-Across) :-
+    stretch_wall(Name, Wall),
+    wall_size(Wall, Room, Length),
+    neighbour(Wall, Next, _, _),
+    wall_size(Next, Room, Across).
 
 links([], _, _) --> [].
-links([On|Ons], Wall, Layout) -->
+links([On|Ons], Walls, Layout) -->
     { phrase(gap(On, Layout, Kind), Why),
-      piece_link(On, Wall, Layout, Gap, Link) },
-    companion(near, On, Wall-Layout, Kind-Why, Gap),
+      piece_link(On, Walls, Layout, Gap, Link) },
+    companion(near, On, Walls-Layout, Kind-Why, Gap),
     [Link],
-    companion(far, On, Wall-Layout, joined-[], _),
-    links(Ons, Wall, Layout).
+    companion(far, On, Walls-Layout, joined-[], _),
+    links(Ons, Walls, Layout).
 
 %   gap(+On, +Layout, -Kind)//: Kind is joined or apart, to what is before the piece and its companions.
 
@@ -40,9 +44,9 @@ gap(On, Layout, Kind) -->
     ( holds(joined(F,K), Layout) -> { Kind = joined } ; fails(joined(F,K)), { Kind = apart } ),
     [On].
 
-piece_link(On, Wall, Layout, Gap, Link) :-
+piece_link(On, Walls, Layout, Gap, Link) :-
     On = on(F,K,_,_),
-    make_link([gap(Gap),role(piece(K)),item(item(F,L,D,Wall)),along(Along),out(Out),front(Front),why([On|Why])], Link),
+    make_link([gap(Gap),role(piece(K)),item(item(F,L,D,Walls)),along(Along),out(Out),front(Front),why([On|Why])], Link),
     phrase(facing(On, Layout, L-D, Along-Out, Front), Why).
 
 %   facing(+On, +Layout, ?Sizes, -Taken, -Front)//: a turned piece takes its depth of the wall.
@@ -53,13 +57,13 @@ facing(on(F,K,_,_), Layout, L-D, Along-Out, Front) -->
     ;   fails(turned(F,K,near)), fails(turned(F,K,far)),
         { Along = L, Out = D, Front = out } ).
 
-%   companion(+Hand, +On, +WallAndLayout, ?Gap0, ?Gap)//: a companion at this hand stands at Gap0 from what is before,
+%   companion(+Hand, +On, +WallsAndLayout, ?Gap0, ?Gap)//: a companion at this hand stands at Gap0 from what is before,
 %   and what follows is joined to it.
 
-companion(Hand, On, Wall-Layout, Gap0, Gap) -->
+companion(Hand, On, Walls-Layout, Gap0, Gap) -->
     { On = on(F,K,_,_), With = with(F,K,G,Hand) },
     (   { memberchk(With, Layout) }
-    ->  { make_link([gap(Gap0),role(with(F-K)),item(item(G,L,D,Wall)),along(L),out(D),front(out),why([With,On])], Link),
+    ->  { make_link([gap(Gap0),role(with(F-K)),item(item(G,L,D,Walls)),along(L),out(D),front(out),why([With,On])], Link),
           Gap = joined-[] },
         [Link]
     ;   { Gap = Gap0 } ).

@@ -12,6 +12,7 @@ from that house's origin.
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(chain).
+:- use_module(grid).
 :- use_module(lengths).
 :- use_module(linear).
 :- use_module(sample).
@@ -94,9 +95,18 @@ fixed_start(west,  Along, origin(_,_,_,South), South-Along).
 
 main_room_sample(Rooms, Least, W-H) -->
     { width_range(Rooms, Least, WLow-WHigh) },
-    interval_sample(WLow, WHigh, 1, W),
-    { height_range(Rooms, Least, W, HLow-HHigh) },
+    interval_sample(WLow, WHigh, 1, Wide),
+    { width_with_height(Rooms, Least, WLow, Wide, W, HLow-HHigh) },
     interval_sample(HLow, HHigh, 1, H).
+
+%   On a grid there may be no whole height between the bounds: then the room is narrower by some cells.
+
+width_with_height(Rooms, Least, WLow, Wide, W, Heights) :-
+    height_range(Rooms, Least, Wide, HLow-HHigh),
+    (   on_grid, ceiling(HLow-1.0e-6) > floor(HHigh+1.0e-6), Wide-1 >= WLow
+    ->  Narrower is Wide-1,
+        width_with_height(Rooms, Least, WLow, Narrower, W, Heights)
+    ;   W = Wide, Heights = HLow-HHigh ).
 
 width_range(Rooms, W0-H0, WLow-WHigh) :-
     largest(Rooms, Largest),

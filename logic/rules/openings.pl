@@ -10,6 +10,7 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(grammar_files).
+:- use_module(grid).
 :- use_module(lengths).
 :- use_module(sample).
 
@@ -62,8 +63,21 @@ side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west,
 
 least_wall(Type, Least) :-
     length_of(window_margin, Margin),
-    findall(L, ( once(grammar:window_size(Type, Length, Wall)), {Length + 2*Margin =< Wall}, inf(Wall, L) ), Found),
-    ( Found = [Least] -> true ; Least = 0 ).
+    metres(Margin, M),
+    findall(L, ( once(grammar:window_size(Type, Length, Wall)), {Length + 2*M =< Wall}, inf(Wall, L) ), Found),
+    (   Found = [Metres]
+    ->  rounded_up(Metres, First), least_wall(Type, Margin, First, Least)
+    ;   Least = 0 ).
+
+%   On a grid no window may be of whole cells in the shortest wall.
+
+least_wall(Type, Margin, Wall, Least) :-
+    on_grid,
+    Most is Wall - 2*Margin,
+    \+ ( window_lengths(Type, Wall, Most, Low-High), Low =< High ), !,
+    Longer is Wall + 1,
+    least_wall(Type, Margin, Longer, Least).
+least_wall(_, _, Least, Least).
 
 % - their places -------------------------------------------------------------------------------------------------
 
@@ -130,7 +144,11 @@ windows_sample([window(R,Side)|Panes], Rooms, [window(Box,R)|Windows]) -->
 
 %   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, Most at most; all of it without a clause.
 
-window_range(Type, A1-A2, Most, Range) :-
-    Wall is A2 - A1,
-    findall(R, ( once(grammar:window_size(Type, Length, Wall)), {Length =< Most + 1.0e-9}, extremes(Length, R) ), [Range]), !.
+window_range(Type, A1-A2, Most, Range) :- Wall is A2 - A1, window_lengths(Type, Wall, Most, Range), !.
 window_range(_, _, Most, Most-Most).
+
+window_lengths(Type, Wall, Most, Range) :-
+    metres(Wall, WallMetres), metres(Most, MostMetres),
+    findall(R, ( once(grammar:window_size(Type, Length, WallMetres)), {Length =< MostMetres + 1.0e-9}, extremes(Length, R) ), [L-H]),
+    maplist(in_unit, [L,H], [Low,High]),
+    inner_range(Low-High, Range).

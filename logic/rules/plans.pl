@@ -1,4 +1,5 @@
-:- module(plans, [answer_record/2, plan_placed/3, plan_lengths/2, plan_conflict/3, plan_system/2]).
+:- module(plans, [answer_record/2, plan_placed/3, unit_extremes/3, unit_depths/1, plan_lengths/2, plan_conflict/3,
+                  plan_system/2]).
 
 /** <module> Plans where rooms share walls: the goals that Python asks
 
@@ -11,29 +12,40 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module(answers).
 :- use_module(areas).
 :- use_module(exact).
+:- use_module(grammar_files).
+:- use_module(grid).
 :- use_module(linear).
 :- use_module(lengths).
 :- use_module(walls).
 
 %!  plan_placed(+Plan, +Limit, -Json) is det.
 %
-%   Plan is plan(Atoms,Seed,Proof). Json is one of these, in metres, with "inferences":
+%   Plan is plan(Atoms,Given,Seed,Proof), Given as in walls.pl. Json is one of these, in metres, with "inferences":
 %
 %       {"rooms": [..], "doors": [..], "windows": [..]}    rooms by number; "between" and "room" are numbers of rooms
 %       {"infeasible": Reasons}                            as in placed/3, minimal or quick, as Proof is
 %       {"limit": true}                                    that takes more inferences than Limit
 
-plan_placed(plan(Atoms,Seed,Proof), Limit, Json) :-
-    statistics(inferences, Before),
-    call_with_inference_limit(walls_placed(Atoms, Proof, Answer, Seed, _), Limit, Result),
-    statistics(inferences, After),
-    Inferences is After - Before,
-    (   Result == inference_limit_exceeded
-    ->  Reply = _{limit:true}
-    ;   answer_record(Answer, Record), Reply = Record.put(inferences, Inferences) ),
-    as_json(Reply, Json).
+plan_placed(plan(Atoms,Given,Seed,Proof), Limit, Json) :-
+    answer_within(Limit, walls_placed(Atoms, Given, Proof, Answer, Seed, _), Answer, answer_record, Json).
+
+%!  unit_extremes(+Unit, +Limit, -Json) is det.
+%
+%   Unit is unit(Atoms,Axis,Depth,Proof). Json is as in plan_placed/3, or {"range": [Low,High]}, see unit_range/5.
+
+unit_extremes(unit(Atoms,Axis,Depth,Proof), Limit, Json) :-
+    answer_within(Limit, unit_range(Atoms, Axis, Depth, Proof, Answer), Answer, answer_record, Json).
+
+%!  unit_depths(-Json) is det.
+%
+%   Json is [Least,Greatest], how deep a unit may be away from its public room, in metres; null where no clause says so.
+
+unit_depths(Json) :-
+    ( sized(unit_depth(D)), extremes(D, Low-High) -> Range = [Low,High] ; Range = null ),
+    as_json(Range, Json).
 
 answer_record(infeasible(Why), _{infeasible:Reasons}) :- maplist(reason_record, Why, Reasons).
+answer_record(range(Low,High), _{range:[Low,High]}).
 answer_record(plan(Rooms,Doors,Windows), _{rooms:Rs, doors:Ds, windows:Ws}) :-
     maplist(room_record, Rooms, Rs),
     maplist(door_record, Doors, Ds),
@@ -43,7 +55,7 @@ room_record(room(R,Type,Box), Record)  :- box_record(Box, Rect), Record = Rect.p
 door_record(door(Box,R,Q), Record)     :- box_record(Box, Rect), Record = Rect.put(between, [R,Q]).
 window_record(window(Box,R), Record)   :- box_record(Box, Rect), Record = Rect.put(room, R).
 
-box_record(box(X,Y,W,H), _{x:X, y:Y, width:W, height:H}).
+box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, [X,Y,W,H], [MX,MY,MW,MH]).
 
 %!  plan_lengths(+Types, -Json) is det.
 %
@@ -51,15 +63,18 @@ box_record(box(X,Y,W,H), _{x:X, y:Y, width:W, height:H}).
 %   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
 
 plan_lengths(Types, Json) :-
-    length_of(door_width, Width), length_of(door_margin, Margin), Doorway is Width + 2*Margin,
+    length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
     maplist(type_extremes, Types, Records),
     as_json([Doorway,Records], Json).
 
-type_extremes(Type, [Type,[W1,W2,D1,D2],Bends,Brims]) :-
+type_extremes(Type, [Type,Reach,Bends,Brims]) :-
     room_system(Type, W, D, System),
-    findall(A-B, ( posted(System), extremes(W, A), extremes(D, B) ), [(W1-W2)-(D1-D2)]),
-    findall([At,Most], ( within(System, {D >= D2}, W, _-Wide), step(Wide, W2, At), within(System, {W >= At}, D, _-Most) ), Bends),
-    findall([At,Least], ( within(System, {D =< D1}, W, Narrow-_), step(W1, Narrow, At), within(System, {W =< At}, D, Least-_) ), Brims).
+    findall(A-B, ( posted(System), extremes(W, A), extremes(D, B) ), [(W1-W2)-(D1-D2)]), !,
+    maplist(metres, [W1,W2,D1,D2], Reach),
+    findall(Bend, ( within(System, {D >= D2}, W, _-Wide), step(Wide, W2, At), within(System, {W >= At}, D, _-Most), maplist(metres, [At,Most], Bend) ), Bends),
+    findall(Brim, ( within(System, {D =< D1}, W, Narrow-_), step(W1, Narrow, At), within(System, {W =< At}, D, Least-_), maplist(metres, [At,Least], Brim) ), Brims).
+
+type_extremes(Type, [Type,[1,0,1,0],[],[]]).        % on this grid no room of the type has a size
 
 within(System, Constraint, X, Range) :- findall(R, ( posted(System), Constraint, extremes(X, R) ), [Range]).
 
@@ -73,9 +88,11 @@ step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-Fro
 %   none, as where a topology lacks some walls.
 
 plan_conflict(Atoms, Without, Json) :-
-    (   wall_system(Atoms, _, System),
+    (   wall_system(Atoms, Plan, System),
         exclude(resting_on(Without), System, Rest),
-        exact_conflict(minimal, Rest, Conflict)
+        (   exact_conflict(minimal, Rest, Conflict)
+        ->  true
+        ;   Without == [], off_grid(Plan, System), Conflict = System )
     ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
         sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
     ;   Reasons = null ),
@@ -90,7 +107,5 @@ resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !
 
 plan_system(Atoms, Json) :-
     wall_system(Atoms, _, System),
-    rows(System, Rows),
-    ( \+ posted(System) -> Real = false ; Real = true ),
-    ( \+ exactly_posted(System) -> Rational = false ; Rational = true ),
-    as_json(_{rows:Rows, real:Real, rational:Rational}, Json).
+    solver_verdicts(System, Record),
+    as_json(Record, Json).

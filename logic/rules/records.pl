@@ -12,7 +12,7 @@ Lengths are unbound until they are solved for. Beside the records:
     busy(Front,Left,Back,Right)     a stretch of each wall at which furniture stands, or none
     doors(Front,Left,Back,Right)    the doors of each wall: door(Start,Width,Why) from the left, or from the front
     stretch(Name,Links,Blocks)      a stretch of wall: Blocks are a chain (chain.pl) of the Links that are joined
-    item(Type,Length,Depth,Wall)    what has a size by piece_size/4
+    item(Type,Length,Depth,Walls)   what has a size by piece_size/4, in a room of these Walls (lengths.pl)
     seat(Hand,Item)                 at an island: left, right, outwards or inwards of it
     Value-Why                       a value and its reasons, see reasons.pl
 */

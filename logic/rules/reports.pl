@@ -52,11 +52,16 @@ room_found(Type, Found) :- sizes_found(room_size(Type,W,D), [W,D], [], Found).
 piece_report(Type, Piece, Turns, Report) :-
     room_range(Type, W1-W2, D1-D2),
     Least is min(W1, D1), Most is max(W2, D2),
-    Head = piece_size(Piece,L,D,Wall),
-    format(string(Short), "~~w >= ~3g (in ~w)", [Least,Type]),
-    format(string(Long), "~~w =< ~3g (in ~w)", [Most,Type]),
-    Walls = [ (Wall >= Least)-said(Short,[4]), (Wall =< Most)-said(Long,[4]), (Wall > 0)-said("",[]) ],
-    Inside = [ (D =< Most)-said(Long,[3]), (L =< Wall)-said("~w =< ~w",[2,4]) ],
+    Head = piece_size(Piece,L,D,Called), given_walls(Piece, Wall-Across, Called),
+    (   Called == Wall
+    ->  Name = "~w", At = [4], Others = []
+    ;   Name = "its wall", At = [], Others = [ (Across >= Least)-said("",[]), (Across =< Most)-said("",[]) ] ),
+    format(string(Short), "~s >= ~3g (in ~w)", [Name,Least,Type]),
+    format(string(Long), "~s =< ~3g (in ~w)", [Name,Most,Type]),
+    format(string(Within), "~~w =< ~s", [Name]),
+    format(string(Deep), "~~w =< ~3g (in ~w)", [Most,Type]),
+    Walls = [ (Wall >= Least)-said(Short,At), (Wall =< Most)-said(Long,At), (Wall > 0)-said("",[])|Others ],
+    Inside = [ (D =< Most)-said(Deep,[3]), (L =< Wall)-said(Within,[2|At]) ],
     judged(piece_found(Piece, Least-Most, Found), Found, Walls-Head, Report0),
     (   is_list(Report0), \+ fits(Type, Piece, Turns)
     ->  append(Inside, Walls, Given), fault_report(empty, Given-Head, Report)
@@ -64,15 +69,16 @@ piece_report(Type, Piece, Turns, Report) :-
     ( is_list(Report) -> piece_extent(Type, Piece, _, _) ; true ).
 
 piece_found(Piece, Least-Most, Found) :-
-    { Wall >= Least, Wall =< Most },
-    sizes_found(piece_size(Piece,L,D,Wall), [L,D], [Wall], Found).
+    { Wall >= Least, Wall =< Most, Across >= Least, Across =< Most },
+    given_walls(Piece, Wall-Across, Given),
+    sizes_found(piece_size(Piece,L,D,Given), [L,D], [Wall,Across], Found).
 
 %   fits(+Type, +Piece, +Turns) is semidet: the piece can stand within the walls of some room of this type.
 
 fits(Type, Piece, Turns) :-
     sized(room_size(Type, W, D)),
     member(Wall-Other, [W-D,D-W]),
-    sized(piece_size(Piece, Length, Depth, Wall)),
+    piece_sized(Piece, Length, Depth, Wall-Other),
     ( Along-Out = Length-Depth ; Turns == true, Along-Out = Depth-Length ),
     \+ \+ {Along =< Wall, Out =< Other}, !.
 

@@ -1,8 +1,8 @@
-:- module(sizes, [room_size_system/4, item_size_system/3, size_system/4]).
+:- module(sizes, [room_size_system/4, item_size_system/3, item_extent/4, size_system/4]).
 
 /** <module> The linear constraints that the clauses of sizes state, as data (linear.pl)
 
-An item is item(Piece,Length,Depth,Wall): what has a size by piece_size/4, at a wall this long.
+An item is item(Piece,Length,Depth,Walls): what has a size by piece_size/4, in a room of these walls (lengths.pl).
 */
 
 :- use_module(library(apply)).
@@ -28,24 +28,32 @@ room_size_system(Type, W, D, Constraints) :-
 %
 %   Constraints of an item in a room of this type.
 
-item_size_system(Type, item(Piece,L,D,Wall), Constraints) :-
+item_size_system(Type, item(Piece,L,D,Walls), Constraints) :-
     on_grid, !,
-    (   number(Wall)
-    ->  metres(Wall, Metres),
-        piece_range(Piece, Metres, L1, D1),
-        rounded_range(L1, Length), rounded_range(D1, Depth)
-    ;   piece_extent(Type, Piece, Length, Depth) ),
+    item_extent(Type, item(Piece,L,D,Walls), Length, Depth),
     box_system(L-D, Length, Depth, size(Type,Piece), Constraints).
-item_size_system(Type, item(Piece,L,D,Wall), Constraints) :-
+item_size_system(Type, item(Piece,L,D,Wall-Across), Constraints) :-
     clause_system(Type, Piece, Sizes, Constraints),
-    Sizes = [L,D,Wall].
+    Sizes = [L,D,Wall,Across].
+
+%!  item_extent(+Type, +Item, -Length, -Depth) is det.
+%
+%   The ranges of an item's sizes, in the house's unit: of a room with these walls if they are known, else of any of this type.
+
+item_extent(_, item(Piece,_,_,Wall-Across), Length, Depth) :-
+    number(Wall), !,
+    metres(Wall, Metres), metres(Across, MetresAcross),
+    piece_range(Piece, Metres-MetresAcross, L, D),
+    rounded_range(L, Length),
+    rounded_range(D, Depth).
+item_extent(Type, item(Piece,_,_,_), Length, Depth) :- piece_extent(Type, Piece, Length, Depth).
 
 box_system(L-D, L1-L2, D1-D2, Reason, Constraints) :-
     maplist(reasoned(Reason), [L1 =< L, L =< L2, D1 =< D, D =< D2], Constraints).
 
 clause_system(Type, Piece, Sizes, Constraints) :-
-    sized(piece_size(Piece, L, D, Wall)),
-    size_system(Sizes, [L,D,Wall], size(Type,Piece), Constraints).
+    piece_sized(Piece, L, D, Wall-Across),
+    size_system(Sizes, [L,D,Wall,Across], size(Type,Piece), Constraints).
 
 %!  size_system(?Sizes, +Solved, +Reason, -Constraints) is det.
 %

@@ -1,4 +1,4 @@
-:- module(walls, [walls_placed//3, wall_system/3, fewest_unknowns_first/2]).
+:- module(walls, [walls_placed//4, wall_system/3, unit_range/5, off_grid/2, fewest_unknowns_first/2]).
 
 /** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
 
@@ -7,58 +7,92 @@ where they run from north to south, y where they run from west to east, and the 
 constraints are linear (areas.pl), each with the atoms and clauses that make it. A room is here
 
     room(R,Type,sides(X1,X2,Y1,Y2),edges(West,East,North,South))     with its edge/3 atoms
+
+Of a house of units, these are placed first, as rooms of the type `unit`, and then the rooms of each. What is Given says so:
+
+    at(Line,Place)                  this line is there: of a unit that has its place, the four lines of its outline
+    size(B,Axis,Depth,Low,High)     the unit B is so deep along the axis, and from Low to High along the other one
 */
 
 :- use_module(library(apply)).
 :- use_module(library(assoc)).
 :- use_module(library(clpr)).
-:- use_module(library(clpq), []).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
 :- use_module(areas).
 :- use_module(exact).
+:- use_module(grid).
 :- use_module(lengths).
 :- use_module(linear).
 :- use_module(openings).
 :- use_module(sample).
 
-%!  walls_placed(+Atoms, +Proof, -Answer)// is det.
+%!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
 %   Answer is plan(Rooms,Doors,Windows), a random solution (openings.pl), or infeasible(Reasons), proved in rational
 %   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`.
 
-walls_placed(Atoms, Proof, Answer) -->
-    { wall_system(Atoms, plan(Lines,Rooms), System) },
+walls_placed(Atoms, Given, Proof, Answer) -->
+    { wall_system(Atoms, Given, plan(Lines,Rooms), System) },
     (   lines_sample(real, Lines, Rooms, System)
     ->  plan_openings(Atoms, Rooms, Answer)
     ;   { exact_conflict(Proof, System, Conflict) }
-    ->  { findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
-          sort(Found, Reasons),
-          Answer = infeasible(Reasons) }
-    ;   lines_sample(rational, Lines, Rooms, System),      % CLP(R) was wrong
-        plan_openings(Atoms, Rooms, Answer) ).
+    ->  { refuted(Conflict, Answer) }
+    ;   lines_sample(rational, Lines, Rooms, System)       % CLP(R) was wrong
+    ->  plan_openings(Atoms, Rooms, Answer)
+    ;   { refuted(System, Answer) } ).                     % on a grid: no whole numbers satisfy them
+
+refuted(Conflict, infeasible(Reasons)) :-
+    findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
+    sort(Found, Reasons).
 
 %!  wall_system(+Atoms, -Plan, -System) is det.
 %
 %   Plan is plan(Lines,Rooms), Lines a list of Name-Place; System are all constraints of it, those with the fewest unknowns
 %   first: in that order CLP(R) is least often wrong.
 
-wall_system(Atoms, plan(Lines,Rooms), System) :-
+wall_system(Atoms, Plan, System) :- wall_system(Atoms, [], Plan, System).
+
+wall_system(Atoms, Given, plan(Lines,All), System) :-
     findall(Line, member(edge(_,_,Line), Atoms), Names0), sort(Names0, Names),
     pairs_keys(Lines, Names),
     list_to_assoc(Lines, Places),
-    get_assoc(outline(west), Places, 0.0), get_assoc(outline(north), Places, 0.0),
+    forall_given(Given, Places),
+    maplist(get_assoc_of(Places), [outline(west),outline(east),outline(north),outline(south)], [West,East,North,South]),
+    maplist(zero_unless_known, [West,North]),
+    findall(T-R, member(room(R,T), Atoms), Types), placed_rooms(Types, Atoms, Places, Rooms),
+    findall(unit-B, member(unit(B,_), Atoms), Units0), placed_rooms(Units0, Atoms, Places, Units),
+    append(Rooms, Units, All),
+    ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
+    phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms) ), Each),
+    append(Whole, Each, Constraints),
+    fewest_unknowns_first(Constraints, System).
+
+forall_given([], _).
+forall_given([at(Line,X)|Given], Places) :- !, get_assoc(Line, Places, X), forall_given(Given, Places).
+forall_given([_|Given], Places) :- forall_given(Given, Places).
+
+get_assoc_of(Places, Line, X) :- get_assoc(Line, Places, X).
+
+zero_unless_known(X) :- ( var(X) -> X = 0.0 ; true ).
+
+placed_rooms(Types, Atoms, Places, Rooms) :-
     findall(r(R,T,[edge(R,west,W),edge(R,east,E),edge(R,north,N),edge(R,south,S)]),
-            ( member(room(R,T), Atoms),
+            ( member(T-R, Types),
               memberchk(edge(R,west,W), Atoms), memberchk(edge(R,east,E), Atoms),
               memberchk(edge(R,north,N), Atoms), memberchk(edge(R,south,S), Atoms) ),
             Found),
-    maplist(room_sides(Places), Found, Rooms),
-    get_assoc(outline(east), Places, Width), get_assoc(outline(south), Places, Depth),
-    house_system(Width, Depth, Whole),
-    phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms) ), Each),
-    append(Whole, Each, All),
-    fewest_unknowns_first(All, System).
+    maplist(room_sides(Places), Found, Rooms).
+
+%   unit_sizes(+Given, +Atoms, +Units, -Constraints): the size of each unit, because of it and its place.
+
+unit_sizes([], _, _, []).
+unit_sizes([size(B,Axis,Depth,Low,High)|Given], Atoms, Units, [(D = Depth)-Why,(Low =< W)-Why,(W =< High)-Why|Constraints]) :-
+    memberchk(room(B,_,sides(X1,X2,Y1,Y2),edges(E1,E2,E3,E4)), Units),
+    memberchk(unit(B,K), Atoms),
+    ( Axis == x -> D = X2-X1, W = Y2-Y1 ; D = Y2-Y1, W = X2-X1 ),
+    Why = [unit(B,K),E1,E2,E3,E4],
+    unit_sizes(Given, Atoms, Units, Constraints).
 
 room_sides(Places, r(R,T,Edges), room(R,T,Sides,AsTerm)) :-
     maplist(line_place(Places), Edges, Xs),
@@ -74,6 +108,22 @@ fewest_unknowns_first(Constraints, Ordered) :-
     pairs_values(Sorted, Ordered).
 
 unknowns(Constraint-_, Count) :- term_variables(Constraint, Variables), length(Variables, Count).
+
+%!  unit_range(+Atoms, +Axis, +Depth, +Proof, -Answer) is det.
+%
+%   Answer is range(Low,High), how long a unit with these rooms may be along the other axis where it is this deep along
+%   the Axis: anything between is possible. Or infeasible(Reasons), as in walls_placed//4.
+
+unit_range(Atoms, Axis, Depth, Proof, Answer) :-
+    ( Axis == x -> Deep = outline(east), Long = outline(south) ; Deep = outline(south), Long = outline(east) ),
+    wall_system(Atoms, [at(Deep,Depth)], plan(Lines,_), System),
+    memberchk(Long-X, Lines),
+    (   findall(Range, ( posted(System), extremes(X, Range) ), [Low-High])
+    ->  Answer = range(Low,High)
+    ;   exact_conflict(Proof, System, Conflict)
+    ->  refuted(Conflict, Answer)
+    ;   findall(L-H, ( exactly_posted(System), clpq:inf(X, L0), clpq:sup(X, H0), L is float(L0), H is float(H0) ), [Low-High]),
+        Answer = range(Low,High) ).
 
 % - sizes --------------------------------------------------------------------------------------------------------
 
@@ -109,10 +159,16 @@ explained(W, D, Wide, Deep, Both, C-Why, C-All) :-
 lines_sample(Arithmetic, Lines, Rooms, System, S0, S) :-
     pairs_values(Lines, Places),
     sampling_order(Lines, Rooms, Order),
-    findall(Places-S1, sampled(Arithmetic, System, Order, Places, S0, S1), [Places-S]).
+    lattice(Kind),
+    findall(Places-S1, once(sampled(Arithmetic-Kind, System, Order, S0, S1)), [Found-S]),
+    ( Kind == whole -> maplist(nearest_cell, Found, Places) ; Places = Found ).
 
-sampled(real, System, Order, _) --> { posted(System) }, all_sampled(Order).
-sampled(rational, System, Order, _) --> { exactly_posted(System) }, all_exactly_sampled(Order).
+nearest_cell(X, Cell) :- ( X =:= 0 -> Cell = X ; Cell is round(X) ).
+
+sampled(real-real, System, Order)      --> { posted(System) }, all_sampled(Order).
+sampled(rational-real, System, Order)  --> { exactly_posted(System) }, exactly_sampled(Order).
+sampled(real-whole, System, Order)     --> { posted(System) }, all_whole_sampled(Order, clpr).
+sampled(rational-whole, System, Order) --> { exactly_posted(System) }, all_whole_sampled(Order, clpq).
 
 all_sampled([]) --> [].
 all_sampled([Gaps-X|Order]) -->
@@ -123,14 +179,28 @@ all_sampled([Gaps-X|Order]) -->
         { {X = V} } ),
     all_sampled(Order).
 
-all_exactly_sampled([]) --> [].
-all_exactly_sampled([Gaps-X|Order]) -->
+%   all_whole_sampled(+Order, +Solver)// is nondet: whole numbers, each sampled in its projection, then those next to it.
+
+all_whole_sampled([], _) --> [].
+all_whole_sampled([Gaps-X|Order], Solver) -->
     (   { number(X) }
-    ->  []
-    ;   { clpq:inf(X, Low), clpq:sup(X, High) },
-        interval_sample(0.0, 1.0, Gaps, U),
-        { rational_number(U, Q), V is Low + (High-Low)*Q, clpq:{X = V} } ),
-    all_exactly_sampled(Order).
+    ->  { abs(X - round(X)) < 1.0e-6 }
+    ;   { Solver:inf(X, Low), Solver:sup(X, High), First is ceiling(Low - 1.0e-6), Last is floor(High + 1.0e-6), First =< Last },
+        interval_sample(First, Last, Gaps, V),
+        { findall(Away-N, ( between(First, Last, N), Away is abs(N-V) ), Numbers),
+          keysort(Numbers, Nearest),
+          member(_-N1, Nearest),
+          Solver:{X = N1} } ),
+    all_whole_sampled(Order, Solver).
+
+%!  off_grid(+Plan, +System) is semidet.
+%
+%   On a grid no whole numbers satisfy the System.
+
+off_grid(plan(Lines,Rooms), System) :-
+    on_grid,
+    \+ call(lines_sample(real, Lines, Rooms, System), 0, _),
+    \+ call(lines_sample(rational, Lines, Rooms, System), 0, _).
 
 %   sampling_order(+Lines, +Rooms, -Order): Gaps-Place of the outline and then of the other lines, where Gaps is the most
 %   rooms in a row between the line and the outline's east or south side.

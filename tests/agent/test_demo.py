@@ -73,7 +73,7 @@ def test_report_and_terminal_say_that_behind_doors_a_planner_searches_and_the_ne
         assert "the search is done by a next-best-view planner over an occupancy map" in words
         assert "a residual over the planner's advice, which changes nothing yet" in words
         assert "Ratio of pqn-map less explorer, paired by house: " in words
-        assert "the paper's own house, which is none of these" in words
+        assert "in the paper's own house: the human's row says whether that is another house" in words
 
 
 def test_the_terminal_shows_whole_tables_in_80_columns(made):

@@ -30,6 +30,8 @@ from agent.released import released
 from agent.world import make_envs, shield
 from logic import generate
 from sim import HouseVectorEnv
+from sim.arguments import PAPER_HOUSE, house_list
+from sim.tasks import PAPER_TASKS
 
 FILE = Path(__file__).parents[1] / "golden" / "agent.json"
 STEPS, ENVIRONMENTS = 1500, 8
@@ -50,6 +52,8 @@ EXPLORERS = {
 
 def environments(targets: str, world: str = "default", cell: float = 0.0) -> HouseVectorEnv:
     houses = [*generate(4, cell=cell, count=ENVIRONMENTS)] if cell else benchmark()[:ENVIRONMENTS]
+    if targets in PAPER_TASKS:  # which are of one house
+        houses = house_list(PAPER_HOUSE)
     backend = "grid" if cell else "continuous"
     return make_envs(houses, ENVIRONMENTS, targets, preset=world, backend=backend)
 

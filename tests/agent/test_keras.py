@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 import torch
 
-from agent import checkpoint
 from agent.avoidance import Free
+from agent.banks import named
 from agent.build import policy_of
+from agent.checkpoint import load
 from agent.commands import ImportKeras
+from agent.evaluation.episodes import play
 from agent.keras import ORIGINAL, import_keras
 from agent.paper import PaperNetwork, next_angles
 from agent.released import CheckpointError
+from agent.world import make_envs
 from sim import HouseVectorEnv
 from tests import sample_houses
 
@@ -83,7 +86,7 @@ def test_the_command_writes_an_agent_that_plays_as_the_original_did(tmp_path):
     keras_file(tmp_path / "weights.h5")
     out = tmp_path / "original.safetensors"
     assert ImportKeras(tmp_path / "weights.h5", out).run() == 0
-    agent = checkpoint.load(out)
+    agent = load(out)
     assert (agent.config, agent.name) == (ORIGINAL, "original weights")
     envs = HouseVectorEnv([sample_houses.example()], num_envs=2, preset="paper")
     policy = policy_of(agent.network, agent.config, envs)
@@ -104,6 +107,14 @@ def test_random_actions_of_the_original_go_forward_where_a_middle_ray_sees_the_t
     forward = policy(seen, torch.zeros(400, dtype=torch.bool)) == 2
     assert forward[:200].all()
     assert 0 < (~forward[200:]).sum() < 60
+
+
+def test_the_released_weights_do_in_the_papers_house_what_they_did_in_an_exact_twin_of_the_original():
+    """It had 9.3 targets an episode in the main room. Here: 16 episodes."""
+    envs, agent = make_envs(named("paper-house"), 16, "paper-main", preset="paper"), load("paper-original")
+    scores = play(envs, policy_of(agent.network, agent.config, envs), 0, np.zeros(16, int))
+    assert 6 < scores.targets.mean() < 13
+    assert scores.steps > 0.9 * 16 * envs.config.steps
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from msgspec.structs import replace
 
 from logic import House, Piece, StarRoom, check, load
+from logic.boxes import distance
 from logic.check import Promises
 from logic.parts import ORIGINAL, Provenance
 from tests.logic.handmade import (
@@ -23,7 +24,7 @@ from tests.logic.handmade import (
     turned,
     turned_house,
 )
-from tests.sample_houses import changed_star
+from tests.sample_houses import PAPER, changed_star
 
 EXAMPLE = Path(__file__).parents[1] / "fixtures" / "example1.json"
 BEDROOM, BATHROOM, KITCHEN, HALL = range(4)
@@ -338,6 +339,33 @@ def test_a_piece_may_have_its_own_companions_before_it_and_none_before_its_back(
     assert check(plain((desk, moved(other, 0.0, 0.02))), WARDROBE) == []
 
 
+def test_a_share_of_the_room_and_an_area_are_promises_of_a_piece() -> None:
+    """A table of 0.9 by 0.7 m in a bedroom of 3.6 by 3.8 m."""
+    house = plain((piece("wardrobe", 0.0, 0.0, 0.9, 0.7),))
+    assert check(house, Promises(shares={"wardrobe": (0.18, 0.25)}, tops={"wardrobe": (0.63, 0.7)})) == []
+    assert check(house, Promises(shares={"wardrobe": (0.2, 0.24)}, tops={"wardrobe": (0.64, 0.7)})) == [
+        "R0 (bedroom): wardrobe takes 25% of the room's side (20% to 24%)",
+        "R0 (bedroom): wardrobe takes 18% of the room's side (20% to 24%)",
+        "R0 (bedroom): wardrobe is of 0.630 m² (0.640 to 0.700)",
+    ]
+
+
+def test_a_bed_along_the_wall_has_its_bedside_at_its_head_where_that_is_promised() -> None:
+    promises = Promises(
+        companions={"bed": {"bedside": (1, 1)}}, turns=frozenset({"bed"}), at_head=frozenset({"bed"})
+    )
+    bedside = piece("bedside", 0.5, 0.0, 0.5, 0.5)
+    bed = piece("bed", 1.0, 0.0, 2.0, 1.0, front="E", children=(bedside,))
+    assert check(plain((bed,)), promises) == []
+    assert check(plain((replace(bed, orientation="W"),)), promises) == [
+        "R0 (bedroom): bed has its head neither to a wall nor to another piece"
+    ]
+    assert check(plain((replace(bed, children=()),)), promises) == [
+        "R0 (bedroom): its bed has 0 bedside (1 to 1)",
+        "R0 (bedroom): bed has its head neither to a wall nor to another piece",
+    ]
+
+
 def test_another_grammar_is_not_judged_by_the_family_s_rules() -> None:
     study = Sketch("study", 3.4, 3.6, pieces=(piece("bed", 1.0, 1.0, 0.6, 0.6),))
     house = built(4.2, 4.2, ((study,), (study,), (study,), ()))
@@ -345,6 +373,48 @@ def test_another_grammar_is_not_judged_by_the_family_s_rules() -> None:
     elsewhere = replace(house, provenance=Provenance("school", "", {}, 0, 0, {}))
     assert check(elsewhere) == [] == check(house, Promises())
     assert set(check(house)) <= set(check(replace(house, provenance=Provenance("family", "", {}, 0, 0, {}))))
+
+
+def test_the_houses_of_the_original_keep_every_promise() -> None:
+    """In the house of the paper's figures a wardrobe stands 0.08 m beside its door, a cupboard 0.36 m."""
+    (house,) = load(PAPER / "house.json")
+    assert check(house) == []
+    beside = [
+        round(distance(piece.box, house.doors_of(room.name)[0].box), 2)
+        for room in house.secondary
+        for piece in room.pieces
+    ]
+    assert sorted(away for away in beside if away < 0.4572) == [0.08, 0.36]
+
+
+@pytest.mark.parametrize("away", [0.1, 0.45, 0.4572])
+@pytest.mark.parametrize("quarters", range(4))
+def test_the_original_keeps_clear_of_a_door_in_front_of_it_and_not_beside_it(
+    away: float, quarters: int
+) -> None:
+    """By the paper's foot and a half."""
+    beside = piece("wardrobe", 0.6 + DOOR, 3.8 - 0.6, 0.5, 0.6)
+    assert check(original(turned_house(plain((beside,)), quarters))) == []
+    before = piece("wardrobe", 0.6 + DOOR - 0.1, 3.8 - 0.6 - away, 0.5, 0.6)
+    words = f"R0 (bedroom): wardrobe stands {away:.2f} m in front of its door (at least 0.457)"
+    assert check(original(turned_house(plain((before,)), quarters))) == ([words] if away < 0.4572 else [])
+
+
+def test_rooms_of_the_original_may_be_empty_and_its_passages_narrow() -> None:
+    (house,) = load(EXAMPLE)
+    assert check(with_room(house, BATHROOM, children=())) == []
+    assert check(original(barrier(0.4572, 0.2))) == []
+
+
+def test_the_original_is_held_to_what_its_paper_says_where_its_program_does_not_keep_it() -> None:
+    """No room is larger than the main room, and from three rooms on there is one of each basic type."""
+    (house,) = load(EXAMPLE)
+    small = replace(house.star.floor, width=3.0, height=3.0)
+    assert any("than the main room (9.00 m²)" in line for line in check(changed_star(house, floor=small)))
+    kinds = {room.type for room in house.secondary}
+    only = tuple(room for room in house.star.rooms if room.type != "kitchen")
+    assert "kitchen" in kinds
+    assert "house: has no kitchen (at least 1 from 3 rooms on)" in check(changed_star(house, rooms=only))
 
 
 def test_the_original_s_example_keeps_every_promise() -> None:

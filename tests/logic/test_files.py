@@ -1,6 +1,5 @@
 """House files: what is written is read back, and what is wrong is refused in one line."""
 
-import copy
 import gzip
 import json
 import os
@@ -18,6 +17,7 @@ from logic import House, HouseFileError, Piece, load, save
 from logic.files import write_whole
 from logic.parts import ORIGINAL, PIXEL, Provenance
 from tests.logic.handmade import built, houses, sketches
+from tests.sample_houses import changed_record
 
 EXAMPLE = Path(__file__).parents[1] / "fixtures" / "example1.json"
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
@@ -93,20 +93,6 @@ def test_pieces_within_pieces_all_count() -> None:
     assert [piece.type for piece in room.pieces] == ["bed", "bedside", "lamp"]
 
 
-def changed(path: str, value: Any) -> dict[str, Any]:
-    """The house's record with the value at a dotted path; ``...`` takes it away."""
-    record = copy.deepcopy(HOUSE.to_dict())
-    *way, last = [int(step) if step.isdecimal() else step for step in path.split(".")]
-    place: Any = record
-    for step in way:
-        place = place[step]
-    if value is ...:
-        del place[last]
-    else:
-        place[last] = value
-    return record
-
-
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
@@ -145,7 +131,7 @@ def changed(path: str, value: Any) -> dict[str, Any]:
 )
 def test_a_wrong_record_is_refused_by_the_name_of_its_field(path: str, value: Any, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        House.from_dict(changed(path, value))
+        House.from_dict(changed_record(HOUSE.to_dict(), path, value))
 
 
 def test_a_gap_in_the_rooms_names_is_refused() -> None:
@@ -325,3 +311,16 @@ def test_a_pipe_is_written_to_and_stays(tmp_path: Path) -> None:
 def test_a_folder_is_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(IsADirectoryError):
         write_whole(tmp_path, b"")
+
+
+def test_lengths_of_the_originals_files_are_cut_to_whole_pixels_where_asked():
+    (house,), (cut,) = load(EXAMPLE), load(EXAMPLE, whole_pixels=True)
+    for room, whole in zip(house.rooms, cut.rooms, strict=True):
+        for name in ("x", "y", "width", "height"):
+            assert getattr(whole, name) == int(getattr(room, name) / PIXEL) * PIXEL
+
+
+def test_a_file_in_metres_has_no_pixels_to_cut(tmp_path):
+    save([HOUSE], tmp_path / "house.json")
+    with pytest.raises(HouseFileError, match="its lengths are in m, so there are no pixels to cut"):
+        load(tmp_path / "house.json", whole_pixels=True)

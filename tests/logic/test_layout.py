@@ -12,7 +12,9 @@ from scipy.stats import chisquare
 from logic import GrammarError
 from logic.grammar import find
 from logic.layout import Program
+from logic.request import Request
 from logic.terms import granted, parts, requirements
+from tests.logic.test_plans import ROW, builder, copied
 
 FAMILY = find("family")
 CHOICE = """
@@ -195,3 +197,19 @@ def test_a_syntax_error_is_reported_by_file_and_line(tmp_path: Path) -> None:
 def test_a_weight_is_a_positive_integer(tmp_path: Path) -> None:
     with pytest.raises(GrammarError, match="positive"):
         program(tmp_path, "#program toys. option(coin,heads,0).")
+
+
+def test_layouts_of_a_plan_are_counted_and_every_one_of_them_is_sampled(tmp_path: Path) -> None:
+    """Four rooms of a home in a row. A layout is counted once, however its lengths could be told apart."""
+    edits = (
+        ("rooms.lp", "topology(ring)", "topology(row)"),
+        ("rooms.lp", ":- not common.", ":- not common, rooms > 4."),
+        ("rooms.lp", "lit(living; dining; kitchen; bedroom; study).", "lit(bedroom)."),
+    )
+    rows = builder(copied(tmp_path, *edits, row=ROW))
+    request = Request(4)
+    name, number, exact = next(rows.programs.counts(request, 20))
+    assert (name, exact) == ("4 rooms", True)
+    program, assumed = rows.programs.rooms_for(request)
+    sampled = {tuple(program.sample(np.random.default_rng(seed), assumed) or ()) for seed in range(1000)}
+    assert len(sampled) == number == 36

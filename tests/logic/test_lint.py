@@ -2,14 +2,14 @@
 
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from agent.cli import main
 from logic import GrammarError, generate, lint
-from logic.grammar import SHIPPED, shipped
+from logic.grammar import SHIPPED, find, shipped
+from logic.linter import findings
 
 
 @pytest.mark.parametrize(
@@ -73,12 +73,12 @@ def test_rules_of_many_kinds_draw_no_finding(tmp_path: Path) -> None:
     shutil.copytree(SHIPPED / "family", folder)
     with (folder / "rooms.lp").open("a") as rules:
         rules.write(RULES)
-    assert lint(folder) == []
+    assert findings(find(folder)) == []
 
 
 @pytest.mark.parametrize("grammar", shipped())
 def test_the_shipped_grammars_are_clean(grammar: str) -> None:
-    assert lint(grammar) == []
+    assert findings(find(grammar)) == []
 
 
 def test_all_mistakes_are_listed_not_just_the_first(tmp_path: Path) -> None:
@@ -98,15 +98,21 @@ def test_nothing_of_a_refused_grammar_is_run(tmp_path: Path) -> None:
     assert not (tmp_path / "trace").exists()
 
 
-def test_the_lint_command_prints_each_finding_on_a_line(tmp_path: Path) -> None:
+def test_the_lint_command_prints_each_finding_on_a_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = tmp_path / "mine"
     shutil.copytree(SHIPPED / "family", folder)
     (folder / "sizes.pl").write_text((folder / "sizes.pl").read_text().replace("room_gap", "room_gab"))
-    command = [sys.executable, "-m", "agent.cli", "lint"]
-    ended = subprocess.run([*command, folder], capture_output=True, text=True, check=False)
-    assert ended.returncode == 1
-    assert "sizes.pl:7:1: error: nothing uses room_gab/1: did you mean room_gap/1?" in ended.stdout
-    ended = subprocess.run([*command, folder, "--json"], capture_output=True, text=True, check=False)
-    assert json.loads(ended.stdout.splitlines()[0])["line"] == 7
-    assert subprocess.run([*command, "clinic"], capture_output=True, check=False).returncode == 0
-    assert subprocess.run([*command, "nowhere"], capture_output=True, check=False).returncode == 5
+
+    def said(*arguments: str) -> tuple[int, str]:
+        with pytest.raises(SystemExit) as end:
+            main(["lint", *arguments])
+        return int(end.value.code or 0), capsys.readouterr().out
+
+    code, lines = said(str(folder))
+    assert code == 1
+    assert "sizes.pl:7:1: error: nothing uses room_gab/1: did you mean room_gap/1?" in lines
+    assert json.loads(said(str(folder), "--json")[1].splitlines()[0])["line"] == 7
+    assert said("family")[0] == 0
+    assert said("nowhere")[0] == 5

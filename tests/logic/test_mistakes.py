@@ -6,16 +6,14 @@ import re
 import shutil
 import time
 import warnings
-from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import clingo
 import pytest
 from clingo import Function, Number
 
-from logic import Finding, GrammarError, GrammarWarning, generate
+from logic import Finding, GrammarError, GrammarWarning, generate, prolog
 from logic.differences import Differences
 from logic.grammar import RULES, SHIPPED, find, shipped
 from logic.layout import CORE
@@ -36,18 +34,11 @@ def linted(folder: Path) -> tuple[list[Finding], float]:
     """What lint says of a grammar outside of this package, and the CPU seconds that it took."""
     from logic.linter import findings
 
+    prolog.load(RULES / "core.pl")
     begin = time.process_time()
     found = findings(find(folder))
     seconds = time.process_time() - begin
     return found, seconds
-
-
-@pytest.fixture(scope="module")
-def solver() -> Iterator[ProcessPoolExecutor]:
-    """One process for all cases: SWI-Prolog is one engine a process, and takes a while to load the core."""
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        pool.submit(linted, SHIPPED / "family").result()
-        yield pool
 
 
 @pytest.mark.parametrize("title", MISTAKES)

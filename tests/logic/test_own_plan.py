@@ -121,10 +121,45 @@ def test_doors_of_a_plan_that_the_rules_forbid_are_named_in_the_proof(home: Buil
             read_plan(replace(house, doors=(*others, astray)))
 
 
-def test_a_room_that_cannot_be_furnished_is_named_at_the_limit(home: Builder) -> None:
+def test_a_room_that_cannot_be_furnished_is_proved_by_the_room_the_pieces_and_the_rules(
+    home: Builder,
+) -> None:
+    small = geojson(BOXES | {"bath": (6, 3, 8.4, 4.6)}, bath="bathroom")
+    with pytest.raises(Unsatisfiable) as proof:
+        made(home, small, furniture={"bathtub": 1, "shower": 1})
+    for text in (
+        "plan: bath is 2.40 by 1.60 m",
+        "plan: bath is of type bathroom",
+        "--piece bathtub=1",
+        "--piece shower=1",
+        "furniture.lp:9:1: may(bathroom,sink,1,1).",
+        "passage(0.42).",
+        "piece_size(bathtub,",
+    ):
+        assert text in str(proof.value), str(proof.value)
+
+
+def test_past_the_most_layouts_of_a_room_its_limit_is_named(
+    home: Builder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("logic.loose_rooms.MOST_LAYOUTS", 0)
+    monkeypatch.setattr("logic.plans.MOST_TRIES", 6)
     small = geojson(BOXES | {"bath": (6, 3, 7.6, 5.15)}, bath="bathroom")
     with pytest.raises(LimitReached, match=r"the last time bath, a bathroom of 1\.60 by 2\.15 m"):
         made(home, small, furniture={"bathtub": 1, "shower": 1, "washingMachine": 1})
+
+
+def test_doors_move_to_where_a_room_can_be_furnished(home: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("logic.own_planner.PATIENCE", 1)
+    monkeypatch.setattr("logic.plans.MOST_TRIES", 1)
+    tight = geojson(BOXES | {"bath": (6, 0, 7.6, 3), "kitchen": (6, 3, 9, 6)}, bath="bathroom")
+    for index in range(6):
+        house = made(home, tight, index, furniture={"bathtub": 1, "shower": 1})
+        assert check(house) == []
+        assert {"bathtub", "shower"} <= {piece.type for piece in house.room("bath").pieces}
+    monkeypatch.setattr("logic.own_planner.PATIENCE", 2)
+    with pytest.raises(LimitReached):
+        [made(home, tight, index, furniture={"bathtub": 1, "shower": 1}) for index in range(6)]
 
 
 @pytest.mark.parametrize(

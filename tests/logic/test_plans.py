@@ -1,7 +1,6 @@
 """Plans where rooms share walls: what their grammars promise, what is proved of them, who adds a topology."""
 
 import shutil
-from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
@@ -10,16 +9,18 @@ import numpy as np
 import pytest
 from clingo import Symbol
 
-from benchmarks.generator.verdicts import feasible, systems
+from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
 from logic import GrammarError, RequestError, Unsatisfiable, check
 from logic.boxes import overlap
 from logic.builder import Builder
+from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import House
 from logic.layout import Nogood
-from logic.parts import OUTSIDE
+from logic.parts import OUTSIDE, Rect
 from logic.programs import Programs
 from logic.request import Request
+from logic.star import Star, StarRoom
 
 INFERENCES = 10**8
 ROW = """%# Topology `row`: the rooms stand in a row, from west to east.
@@ -78,10 +79,11 @@ def test_a_home_keeps_all_that_its_grammar_promises(home: Builder, rooms: int) -
 
 
 def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_both_walls(
-    home: Builder,
+    tmp_path: Path,
 ) -> None:
+    made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
     for seed in range(20):
-        plan, _, _ = home.planner.bare(Request(8), np.random.default_rng(seed), INFERENCES, [])
+        plan, _, _ = made.planner.bare(Request(8), np.random.default_rng(seed), INFERENCES, [])
         boxes = [(r["x"], r["y"], r["x"] + r["width"], r["y"] + r["height"]) for r in plan["rooms"]]
         assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
@@ -112,18 +114,21 @@ def test_hardly_two_plans_have_the_same_topology(home: Builder) -> None:
 
 def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
     """CLP(Q) agrees with HiGHS. CLP(R) may refute what has one, and accepts nothing else."""
-    verdicts = Counter()
-    for system in systems(home, 6, range(60)):
-        verdicts[system["real"], system["rational"], feasible(system["rows"])] += 1
-    assert {rational == highs for _, rational, highs in verdicts} == {True}
-    assert not any(real and not highs for real, _, highs in verdicts)
-    assert len(verdicts) >= 2
+    for systems in (
+        wall_systems(home, 6, range(60)),
+        given_systems(home, 6, range(4)),
+        furniture_systems(home, range(30)),
+    ):
+        found = verdicts(systems)
+        assert {rational == highs for _, rational, highs in found} == {True}
+        assert not any(real and not highs for real, _, highs in found)
+        assert len(found) >= 2
 
 
 def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
     nogoods: list[Nogood] = []
     for seed in range(40):
-        _, layout, _ = home.planner.bare(Request(6), np.random.default_rng(seed), INFERENCES, nogoods)
+        _, layout, _ = home.planner.bare(Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
         assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
     assert nogoods
 
@@ -131,8 +136,12 @@ def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) 
 @pytest.mark.parametrize(
     ("rooms", "types", "reasons"),
     [
-        (6, {"corridor": 2}, ["degree(corridor,4,9).", "--type corridor=2"]),
-        (4, {"hall": 0}, [":- { room(R,hall) } != 1.", "--type hall=0"]),
+        (
+            8,
+            {"hall": 0, "corridor": 0},
+            [":- rooms > 4, not room(_,hall), not room(_,corridor).", "--type hall=0"],
+        ),
+        (4, {"living": 0}, [":- { room(R,living) } != 1.", "--type living=0"]),
     ],
 )
 def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
@@ -146,8 +155,12 @@ def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
 @pytest.mark.parametrize(
     ("text", "other", "rule"),
     [
-        ("opens(outside, hall).", "opens(outside, hall).", ":- room(R,hall), from(R,outside)."),
-        ("kitchen; bedroom; study).", "kitchen; bedroom; study; hall).", ":- room(R,hall), window(R,_)."),
+        ("(hall; corridor; living)).", "hall).", ":- room(R,hall), from(R,outside)."),
+        (
+            "kitchen; bedroom; study).",
+            "kitchen; bedroom; study; bathroom).",
+            ":- room(R,bathroom), window(R,_).",
+        ),
     ],
 )
 def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
@@ -160,11 +173,10 @@ def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
     assert rule in str(error.value)
 
 
-def test_an_outline_may_lack_corners(tmp_path: Path) -> None:
-    made = builder(copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(ring). notches(2).")))
+def test_an_outline_may_lack_corners(home: Builder) -> None:
     filled = []
     for index in range(6):
-        house = made.house(Request(6), 0, index, INFERENCES)
+        house = home.house(Request(6), 0, index, INFERENCES)
         assert check(house) == []
         east, south = (max(room.box[side] for room in house.rooms) for side in (2, 3))
         filled.append(sum(room.area for room in house.rooms) / (east * south))
@@ -182,7 +194,9 @@ def test_another_topology_of_the_core_serves_the_same_rules(tmp_path: Path) -> N
 
 def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
     long = ("sizes.pl", "W =< 2.2*D", "W =< 4*D")
-    folder = copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(row)."), long, row=ROW)
+    ring = ("rooms.lp", "topology(ring).", "topology(row).")
+    common = ("rooms.lp", ":- not common.", ":- not common, rooms > 4.")
+    folder = copied(tmp_path, ring, common, long, row=ROW)
     made = builder(folder)
     house = made.house(Request.read({"rooms": 4, "types": {"dining": 0}}), 0, 0, INFERENCES)
     assert house.topology == "row"
@@ -194,7 +208,10 @@ def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
     [
         (("rooms.lp", "topology(ring).", "topology(rign)."), "did you mean ring"),
         (("rooms.lp", "topology(ring).", "topology(ring). topology(cuts)."), "one topology"),
-        (("rooms.lp", "opens(outside, hall).", "opens(outside, haal)."), "haal"),
+        (("rooms.lp", "topology(ring).", "topology(X) :- X = ring."), "rooms.lp:2:1: .* by a fact alone"),
+        (("rooms.lp", "topology(ring).", "topology(ring;cuts)."), "rooms.lp:2:1: .* by a fact alone"),
+        (("rooms.lp", "topology(ring).", 'mine("topology(ring).").'), "is no fact where it stands"),
+        (("rooms.lp", "opens(outside, (hall;", "opens(outside, (haal;"), "haal"),
     ],
 )
 def test_a_topology_or_type_that_there_is_not_is_named(
@@ -202,6 +219,19 @@ def test_a_topology_or_type_that_there_is_not_is_named(
 ) -> None:
     with pytest.raises(GrammarError, match=says):
         builder(copied(tmp_path, change))
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("topology( cuts ) .", "cuts"),
+        ("topology(\n  cuts\n).", "cuts"),
+        ("%*\ntopology(ring).\n*% topology(cuts).", "cuts"),
+        ("% topology(ring).", "star"),
+    ],
+)
+def test_a_topology_is_named_where_clingo_sees_it(tmp_path: Path, text: str, name: str) -> None:
+    assert find(copied(tmp_path, ("rooms.lp", "topology(ring).", text))).topology_name == name
 
 
 def test_more_rooms_than_the_topology_holds_are_refused(home: Builder) -> None:
@@ -215,9 +245,11 @@ def test_a_grammar_that_names_no_topology_is_a_star() -> None:
     assert find("home").shares_walls
 
 
-def test_what_plans_cannot_have_yet_is_said(home: Builder) -> None:
-    with pytest.raises(RequestError, match=r"cell: .* leave cell out"):
-        Builder(find("home"), 0.3)
+def test_rooms_of_a_star_cannot_be_kept_in_a_plan(home: Builder) -> None:
+    room = StarRoom(0, 0, 4, 4, "bedroom", (), Rect(1, 4, 0.8, 0))
+    star = House.of_star(Star(Rect(0, 4, 8, 8), (room,)))
+    with pytest.raises(RequestError, match=r"keep: these are rooms of a star.*leave keep out"):
+        home.house(Request(6, fixed=tuple(fixed_rooms(star))), 0, 0, INFERENCES)
 
 
 def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:

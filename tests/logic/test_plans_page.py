@@ -32,7 +32,8 @@ def run(command: str, folder: Path) -> int:
 def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A folder where all of the page was followed."""
     folder = tmp_path_factory.mktemp("reader")
-    shutil.copytree(SHIPPED / "home", folder / "logic" / "grammars" / "home")
+    for name in ("home", "apartments"):
+        shutil.copytree(SHIPPED / name, folder / "logic" / "grammars" / name)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         for language, text in BLOCK.findall(PAGE.read_text()):
@@ -68,6 +69,13 @@ def test_the_topology_that_the_page_adds_has_rooms_on_both_sides_of_a_corridor(r
         assert north
         assert south
         assert len(north) + len(south) == 7
+
+
+def test_the_building_of_the_page_is_entered_from_the_west(reader: Path) -> None:
+    (house,) = load(reader / "flats.jsonl")
+    entrances = [door for door in house.doors if door.is_entrance]
+    assert house.main.x in [door.x for door in entrances if not door.width]
+    assert any(room.type == "dining" for room in house.rooms)
 
 
 def test_the_page_says_how_long_the_topology_is() -> None:

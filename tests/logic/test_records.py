@@ -17,7 +17,7 @@ from logic.geojson import from_geojson
 from logic.records import schema
 from tests.logic.handmade import houses
 from tests.plans import PLANS
-from tests.sample_houses import FIXTURES
+from tests.sample_houses import FIXTURES, changed_record
 
 SCHEMA = schema()
 RECORDS = [json.loads(json.dumps(house.to_dict())) for house in PLANS.values()]
@@ -60,20 +60,6 @@ def test_a_house_that_is_no_star_cannot_be_written_as_one() -> None:
         replace(PLANS["flat"], format="vitruvius-1").to_dict()
 
 
-def changed(path: str, value: Any) -> dict[str, Any]:
-    """The flat's record with the value at a dotted path; ``...`` takes it away."""
-    record = copy.deepcopy(RECORD)
-    *way, last = [int(step) if step.isdecimal() else step for step in path.split(".")]
-    place: Any = record
-    for step in way:
-        place = place[step]
-    if value is ...:
-        del place[last]
-    else:
-        place[last] = value
-    return record
-
-
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
@@ -105,7 +91,7 @@ def changed(path: str, value: Any) -> dict[str, Any]:
 )
 def test_a_wrong_record_is_refused_by_the_name_of_its_field(path: str, value: Any, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        House.from_dict(changed(path, value))
+        House.from_dict(changed_record(RECORD, path, value))
 
 
 def test_the_published_schema_is_that_of_the_reader(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,10 +1,8 @@
 """Rule files are data: whatever they say, nothing of them is run but the clauses that lint has judged."""
 
 import shutil
-from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
-from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -113,13 +111,6 @@ def tried(folder: Path, trace: Path) -> tuple[list[str], bool, bool]:
     with suppress(VitruviusError):
         Builder(find(folder)).house(Request(1, types={"bedroom": (1, 1)}), 0, 0, 10**7)
     return errors, linted, trace.exists()
-
-
-@pytest.fixture(scope="module")
-def solver() -> Iterator[ProcessPoolExecutor]:
-    """One process for all cases: SWI-Prolog is one engine a process, and takes a while to load the core."""
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        yield pool
 
 
 @pytest.mark.parametrize("title", WAYS)

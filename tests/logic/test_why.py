@@ -18,9 +18,10 @@ from logic.grammar import find
 from logic.layout import Program
 from logic.placement import RoomLayout
 from logic.request import Request
+from logic.star_witness import StarWitness
 from logic.support import Support
-from logic.why import Derivation, Why, part_names, target_in
-from logic.witness import Witness
+from logic.targets import part_names, target_in
+from logic.why import Derivation, Why
 from tests.sample_houses import changed_star
 
 INFERENCES = 100_000_000
@@ -48,12 +49,12 @@ class Explained:
     def __init__(self, builder: Builder, request: dict, seed: int) -> None:
         self.builder, self.request = builder, Request.read(request)
         self.house, self.layout = builder.made(self.request, seed, 0, INFERENCES)
-        self.witness = Witness(builder, self.house, INFERENCES)
+        self.witness = StarWitness(builder, self.house, INFERENCES)
         self.answers: dict[str, Why] = {}
 
     def why(self, target: str) -> Why:
         if target not in self.answers:
-            self.answers[target] = self.witness.why(target, *target_in(self.house, target))
+            self.answers[target] = self.witness.why(target)
         return self.answers[target]
 
     def pieces(self) -> Iterator[tuple[str, RoomLayout, Piece]]:
@@ -379,7 +380,7 @@ def test_an_edited_house_is_refused(builder: Builder, family: Explained) -> None
     moved = msgspec.structs.replace(family.house.star.rooms[0], x=family.house.star.rooms[0].x + 0.01)
     edited = changed_star(family.house, rooms=(moved, *family.house.star.rooms[1:]))
     with pytest.raises(HouseFileError, match="seed 24, house 0: it was edited"):
-        Witness(builder, edited, INFERENCES)
+        StarWitness(builder, edited, INFERENCES)
 
 
 @pytest.mark.parametrize(
@@ -396,7 +397,7 @@ def test_a_house_of_other_rules_is_refused(
     assert family.house.provenance
     other = msgspec.structs.replace(family.house.provenance, **changes)
     with pytest.raises(HouseFileError, match=words):
-        Witness(builder, msgspec.structs.replace(family.house, provenance=other), INFERENCES)
+        StarWitness(builder, msgspec.structs.replace(family.house, provenance=other), INFERENCES)
 
 
 def test_a_house_without_provenance_is_refused(family: Explained) -> None:

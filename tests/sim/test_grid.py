@@ -13,6 +13,7 @@ from sim import DEFAULT, HouseVectorEnv
 from sim.body import HEADINGS
 from sim.oracle import Oracle
 from tests import sample_houses
+from tests.sim.agreement import require_equal_rays
 
 CELL = 0.45
 ROOMS = "aaaaa.bbb\naAaaa.bbb\naa+aa.bBb\n......+bb\n......bbb\n......bbb"
@@ -150,12 +151,4 @@ def replace_cell(house: House, cell: float) -> House:
 
 def test_generated_houses_run_unchanged_on_both_backends():
     houses = list(generate(rooms=3, cell=0.3, seed=4, count=2))
-    grid, continuous = (
-        HouseVectorEnv(houses, num_envs=300, backend=backend, targets="mixed")
-        for backend in ("grid", "continuous")
-    )
-    ours, info = grid.reset(seed=0)
-    options = {name: info[name] for name in ("house", "pose", "target")}
-    theirs, _ = continuous.reset(seed=0, options=options)
-    assert np.abs(ours - theirs)[..., 0].max() * grid.config.range < 1e-5
-    np.testing.assert_array_equal(ours[..., 1], theirs[..., 1])
+    require_equal_rays(houses, 300, "mixed")

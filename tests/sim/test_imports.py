@@ -44,8 +44,8 @@ def test_taichi_is_imported_in_one_place():
 
 def test_the_public_names_are_these():
     """What needs a library that is not ours is imported by its own name: ``sim.stable_baselines``."""
-    tasks = ["Reach", "Rooms", "Task"]
-    classes = ["Collect", "Config", "Cover", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
+    tasks = ["Points", "Reach", "Rooms", "Task"]
+    classes = ["Collect", "Config", "Cover", "FixedTask", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
     functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
     assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
     assert all(hasattr(sim, name) for name in sim.__all__)

@@ -8,6 +8,7 @@ from sim import HouseVectorEnv, Oracle, shortest_path
 from sim.searcher import Searcher
 from tests import sample_houses
 from tests.plans import PLANS, flat
+from tests.sim.agreement import require_equal_rays
 
 HOUSES = list(PLANS.values())
 FORWARD = 2
@@ -115,12 +116,4 @@ def test_the_paper_s_rule_of_collision_is_refused_where_rooms_have_several_doors
 
 
 def test_rays_on_the_grid_equal_those_of_the_continuous_backend_in_plans() -> None:
-    grid, continuous = (
-        HouseVectorEnv(HOUSES, num_envs=1000, backend=backend, targets="all")
-        for backend in ("grid", "continuous")
-    )
-    ours, info = grid.reset(seed=0)
-    options = {name: info[name] for name in ("house", "pose", "target")}
-    theirs, _ = continuous.reset(seed=0, options=options)
-    assert np.abs(ours - theirs)[..., 0].max() * grid.config.range < 1e-5
-    np.testing.assert_array_equal(ours[..., 1], theirs[..., 1])
+    require_equal_rays(HOUSES, 1000, "all")

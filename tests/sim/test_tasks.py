@@ -11,7 +11,8 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from logic import House, save
-from sim import DEFAULT, Cover, HouseVectorEnv, Oracle, Reach
+from sim import DEFAULT, Cover, HouseVectorEnv, Oracle, Points, Reach
+from sim.searcher import Searcher
 from sim.tasks import Box
 from tests import sample_houses
 
@@ -104,6 +105,44 @@ def test_a_room_is_reached_once_and_that_ends_the_episode(mode):
     assert (reached < DEFAULT.target / 2 + max(DEFAULT.body)).all()
 
 
+POINTS = {"points": [[6.75, 0.45], [4.05, 0.9], [5.0, 2.55], [0.5, 0.5]], "start": [5.85, 1.35, np.pi / 4]}
+"""In the house ``ONE``: three in the main room and one in room a; the start is in the middle of a cell."""
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_targets_at_given_points_are_met_from_the_given_start(backend):
+    envs = HouseVectorEnv([ONE], num_envs=64, backend=backend, targets=POINTS, max_episode_steps=300)
+    _, info = envs.reset(seed=0)
+    np.testing.assert_allclose(info["pose"], np.tile(POINTS["start"], (64, 1)), atol=1e-5)
+    coming = envs.targets(200)
+    away = np.abs(coming[:, :, None] - np.array(POINTS["points"])).max(axis=3)
+    assert away.min(axis=2).max() < 1e-5
+    which = away.argmin(axis=2)
+    assert (which[:, 1:] != which[:, :-1]).all()
+    shares = np.bincount(which.ravel(), minlength=4) / which.size
+    np.testing.assert_allclose(shares, 0.25, atol=0.02)
+    for policy in (Oracle(envs), Searcher(envs)):
+        envs.reset(seed=0)
+        picked = np.sum([envs.step(policy.act())[1] for _ in range(299)], axis=0)
+        assert (picked >= 3).all()
+
+
+def test_a_task_in_a_file_goes_through_the_spec_and_is_filmed(tmp_path):
+    (tmp_path / "mine.json").write_text(json.dumps(POINTS))
+    save([ONE], tmp_path / "house.jsonl")
+    made: Any = gymnasium.make_vec(
+        "sim:Vitruvius/House-v0",
+        houses=str(tmp_path / "house.jsonl"),
+        targets=str(tmp_path / "mine.json"),
+        render_mode="rgb_array",
+    )
+    assert made.unwrapped.world.task == Points(POINTS["points"], POINTS["start"])
+    made.reset(seed=0)
+    frame = made.render()[0]
+    made.step(np.array([0]))
+    assert (frame != made.render()[0]).any()
+
+
 def test_a_house_without_such_a_room_is_refused():
     with pytest.raises(
         ValueError,
@@ -124,8 +163,17 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("targets", "message"),
     [
+        ("attic.json", "attic.json cannot be read"),
+        ("[1]", "there is no task"),
+        ({"points": []}, r"points: a list of \[x, y\], not \[\]"),
+        ({"points": [[1.0, float("nan")]]}, "points: a list"),
+        ({"points": [[1.0, 2.0]], "start": [1.0, 2.0]}, r"start: \[x, y, heading\]"),
+        ({"points": [[1.0, 2.0]], "unit": "ft"}, "unit ft: there are m, px"),
+        ({"points": [[99.0, 2.0]]}, r"house 0 of 1: the body cannot pick up a target at \(99.000, 2.000\) m"),
+        ({"points": [[6.0, 1.0]], "start": [-1.0, 1.0, 0.0]}, "the body cannot be at"),
+        ({"points": [[6.0, 1.0]], "start": [6.0, 1.0, 0.3]}, "heading a multiple of pi/4"),
         ("attic", "there is no task attic: there are main, secondary, mixed"),
-        ({"task": "fly"}, "there is no task fly: there are collect, reach"),
+        ({"task": "fly"}, "there is no task fly: there are collect, points, reach"),
         ({"task": "reach"}, "cannot be had: .*room"),
         ({"task": "reach", "room": "hall", "door": 1}, "cannot be had: .*door"),
         ("tests.sim.test_tasks:Smallest", "cannot be had: .*Smallest"),

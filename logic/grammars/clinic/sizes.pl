@@ -1,20 +1,29 @@
 %   The lengths of a clinic, in metres: a wheelchair passes everywhere.
 
 door_width(0.95).
+door_margin(0.1).
+window_margin(0.65).        % as deep as a fridge at the next wall
 door_clearance(0.5).
 passage(0.9).
-room_gap(0.5).
+room_gap(0.0).              % rooms share walls
 
-%!  room_size(?Type, -Width, -Depth): width runs along the wall with the door.
+%!  room_size(?Type, -Width, -Depth)
+%
+%   Of corridors and washrooms, which are oblong, the width is across.
 
-room_size(reception,  W, D) :- { W >= 4.5, W =< 6.5, D >= 4.0, D =< 5.5 }.
-room_size(waiting,    W, D) :- { W >= 4.0, W =< 7.0, D >= 4.0, D =< 6.0 }.
-room_size(consulting, W, D) :- { W >= 4.6, W =< 5.6, D >= 4.8, D =< 6.0 }.
+room_size(corridor,   W, D) :- { W >= 1.8, W =< 2.4, D >= 4.5, D =< 50.0 }.
+room_size(reception,  W, D) :- { W >= 4.5, W =< 8.0, D >= 4.5, D =< 8.0 }.
+room_size(waiting,    W, D) :- { W >= 4.0, W =< 7.0, D >= 4.0, D =< 7.0 }.
+room_size(consulting, W, D) :- { W >= 4.6, W =< 6.0, D >= 4.6, D =< 6.0 }.
 room_size(treatment,  W, D) :- { W >= 4.8, W =< 6.0, D >= 4.8, D =< 6.0 }.
-room_size(ward,       W, D) :- { W >= 4.5, W =< 7.5, D >= 4.5, D =< 6.5 }.
-room_size(laboratory, W, D) :- { W >= 3.6, W =< 5.5, D >= 3.6, D =< 5.5 }.
-room_size(staff,      W, D) :- { W >= 4.4, W =< 5.8, D >= 4.4, D =< 5.8 }.
-room_size(washroom,   W, D) :- { W >= 2.6, W =< 3.8, D >= 2.6, D =< 3.8 }.
+room_size(ward,       W, D) :- { W >= 4.5, W =< 7.5, D >= 4.5, D =< 7.5 }.
+room_size(laboratory, W, D) :- { W >= 3.6, W =< 6.0, D >= 3.6, D =< 6.0 }.
+room_size(staff,      W, D) :- { W >= 4.4, W =< 6.0, D >= 4.4, D =< 6.0 }.
+room_size(washroom,   W, D) :- { W >= 2.2, W =< 3.4, D >= 4.0, D =< 6.0 }.
+
+%!  window_size(?Type, -Length, +Wall)
+
+window_size(_, L, Wall) :- { L >= 1.2, L =< 0.7*Wall, L =< 3.6 }.
 
 %!  piece_size(?Type, -Length, -Depth, +Wall): length runs along the wall behind the piece.
 

@@ -2,7 +2,7 @@
 
 door_width(0.762).          % 2.5 feet
 room_gap(0.762).            % 2.5 feet
-door_clearance(0.45).       % the original tests no more than that nothing stands in the doorway
+door_clearance(0.4572).     % 1.5 feet
 passage(0.42).              % its body measures 0.394 m across its diagonal
 
 room_size(bedroom,  W, D) :- { W >= 12*0.3048, W =< 17*0.3048, D >= 12*0.3048, D =< 17*0.3048 }.
@@ -19,12 +19,11 @@ piece_size(sink,      L, D, _) :- { L >= 2.5*0.3048, L =< 3.5*0.3048, D = 2/3*L 
 piece_size(desk,      L, D, Wall) :- { L >= 0.7*Wall, L =< Wall, D >= 1.5*0.3048, D =< 1.8*0.3048 }.
 piece_size(cupboard,  L, D, _) :- { L >= 3*0.3048,   L =< 12*0.3048,  D >= 1.5*0.3048, D =< 2*0.3048 }.
 piece_size(sofa,      L, D, _) :- { L >= 6*0.3048,   L =< 8*0.3048,   D >= 2.5*0.3048, D =< 3*0.3048 }.
-piece_size(table,     L, D, _) :- sides_of_table(L, D).
-piece_size(hallTable, L, D, _) :- sides_of_table(L, D).
-piece_size(chair,     L, D, _) :- { L >= 0.8*0.3048, L =< 0.9*0.3048, D = L }.
+piece_size(table,     L, D, Width-Depth) :- { L >= Width/5, L =< 3/10*Width, D >= Depth/5, D =< 3/10*Depth }.
+piece_size(chair,     L, D, _) :- { L >= 0.7*0.3048, L =< 1*0.3048, D = L }.
 
-%   A table that is long is narrow.
+%   A hall's table has sides of 2.5 to 6 feet and an area of 8 to 15 square feet. The curve L*D = 8 lies below its chord
+%   between the tables of 2.5 by 3.2 and of 3.2 by 2.5, the curve L*D = 15 above its tangent at the longest of 6 by 2.5.
 
-sides_of_table(L, D) :-
-    { L >= 2.5*0.3048, L =< 6*0.3048, D >= 2.5*0.3048, D =< 6*0.3048,
-      2*L + 3*D =< 17*0.3048, 3*L + 2*D =< 17*0.3048 }.
+piece_size(hallTable, L, D, _) :-
+    { L >= 2.5*0.3048, D >= 2.5*0.3048, 5.7*0.3048 =< L + D, 5*L + 12*D =< 60*0.3048 }.

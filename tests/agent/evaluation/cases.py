@@ -19,8 +19,6 @@ SHORT = replace(DEFAULT, steps=600)
 def short_episodes() -> Iterator[None]:
     """Within this, agents are measured in such episodes."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("agent.simulator.DEFAULT", SHORT)
-        patch.setattr("agent.evaluation.protocol.DEFAULT", SHORT)
         patch.setitem(PRESETS, "default", SHORT)
         yield
 

@@ -16,6 +16,7 @@ from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import Setting, measure
 from agent.simulator import sensor
 from logic import RequestError, save
+from sim.config import DEFAULT, PAPER
 from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sample_houses import random_house
 
@@ -67,8 +68,11 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
 ):
     save(HOUSES[:2], tmp_path / "houses.jsonl")
     agent, out = written(tmp_path, PQNConfig()), tmp_path / "out"
-    assert Evaluate((agent,), tmp_path / "houses.jsonl", targets=("main",), out=out, json=True).run() == 0
+    options = {"targets": ("main",), "episodes": 2, "out": out, "json": True}
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", **options).run() == 0
     printed = json.loads(capsys.readouterr().out)
+    assert (printed["world"], printed["episodes"], printed["bank"]["houses"]) == ("default", 2, 2)
+    assert len(printed["targets"]["main"]["policies"]["oracle"]["runs"][0]["targets"]) == 4
     assert printed["agents"] == [str(agent)]
     assert len(printed["bank"]["hash"]) == 64
     assert list(printed["targets"]) == ["main"]
@@ -77,6 +81,18 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
     assert "| searcher |" in (out / "evaluation.md").read_text()
     with Image.open(out / "evaluation.png") as image:
         image.verify()
+
+
+def test_in_the_papers_world_all_have_its_body_and_each_its_own_rays():
+    paper, ours = (sensor(PRESETS[name], "paper") for name in ("paper", "pqn"))
+    assert paper == PAPER
+    assert (ours.body, ours.ends_on_collision, ours.first_ray) == (PAPER.body, True, DEFAULT.first_ray)
+
+
+def test_the_papers_tasks_are_refused_in_another_house(tmp_path):
+    save(HOUSES[:1], tmp_path / "houses.jsonl")
+    with pytest.raises(RequestError, match="paper-main: its targets have places in the house paper-house"):
+        Evaluate(houses=tmp_path / "houses.jsonl", targets=("paper-main",)).run()
 
 
 def test_checkpoints_that_differ_in_the_training_seed_alone_are_runs_of_one_agent(tmp_path):

@@ -77,4 +77,5 @@ def test_every_figure_has_a_definition():
 
 
 def test_the_references_are_the_papers_agent_and_the_baselines_with_the_oracle_last():
-    assert REFERENCES == ("paper", "random + avoidance", "script", "explorer", "searcher", "oracle")
+    baselines = "random + avoidance", "script", "explorer", "searcher", "oracle"
+    assert ("paper-original", "paper", *baselines) == REFERENCES

@@ -46,6 +46,17 @@ def test_the_human_stands_last_and_is_said_to_be_of_another_house(mode, human):
     assert last[:3] == ("human, another house", human, "0.48")
 
 
+def test_in_the_papers_house_the_human_stands_beside_agents_as_one_who_saw_the_plan():
+    [*_, last] = score_table(result(scores([5, 10]), mode="paper-main")).rows
+    assert last[:3] == ("human, saw the plan", "27 of 56", "0.48")
+
+
+def test_the_papers_agent_is_told_apart_by_its_weights():
+    others = {"paper-original": scores([3, 3]), "paper": scores([1, 1])}
+    names = [row[0] for row in score_table(result(scores([5, 10]), others=others)).rows]
+    assert names[1:3] == ["paper, original", "paper, retrained"]
+
+
 def test_without_a_human_every_row_has_a_cell_for_each_column():
     for table in tables(result(scores([5, 10]), mode="mixed")):
         assert {len(row) for row in table.rows} == {len(table.headings)}

@@ -30,7 +30,7 @@ def test_areas_doors_and_windows_are_those_of_the_houses() -> None:
 
 
 def test_the_page_has_a_row_for_each_size_and_a_picture(tmp_path: Path) -> None:
-    Homes(rooms=(4, 5), houses=2, out=tmp_path).run()
+    Homes(rooms=(4, 5), houses=2, larger=0, out=tmp_path).run()
     page = (tmp_path / "homes.md").read_text()
     assert [line[:4] for line in page.splitlines() if line.startswith(("| 4 |", "| 5 |"))] == ["| 4 ", "| 5 "]
     assert "space standard, England" in page

@@ -148,6 +148,13 @@ MISTAKES = (
         says="these pieces do not stand there: see stands/2",
     ),
     Mistake(
+        "a companion at the head that is not beside the piece",
+        "furniture.lp",
+        old="",
+        new="at_head(desk,bedside).",
+        says="no such companion is beside the piece: see beside/4",
+    ),
+    Mistake(
         "counts upside down",
         "furniture.lp",
         old="",

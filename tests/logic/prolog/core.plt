@@ -48,9 +48,11 @@ test(a_conflict_is_found_for_a_room, true(memberchk(["clause","length(passage)"]
     answer(room_conflict(cell, [on(block,1,back,1),busy(back),last(back,1)], []), Reasons).
 test(a_room_that_can_be_furnished_has_none, Json == "null") :- room_conflict(cell, [], [], Json).
 test(the_system_of_a_room_is_rows_of_numbers) :-
-    answer(room_system(cell, [on(crate,1,left,1),busy(left),last(left,1)]), Rows), Rows \== [],
+    answer(room_system(cell, [on(crate,1,left,1),busy(left),last(left,1)]), System), Rows = System.rows, Rows \== [],
     forall(member([Pairs,Constant,Relation], Rows),
            ( number(Constant), memberchk(Relation, ["=<","="]), forall(member(Pair, Pairs), ( Pair = [N,F], integer(N), number(F) )) )).
+test(both_solvers_say_whether_a_system_has_a_solution, Real-Rational == false-false) :-
+    answer(room_system(cell, [on(block,1,back,1),busy(back),last(back,1)]), System), Real = System.real, Rational = System.rational.
 test(clauses_are_found_by_their_place, Lines == [5]) :- answer(grammar_origins([length(passage)]), Origins), findall(L, member([_,_,L], Origins), Lines).
 test(sizes_are_listed, true(memberchk(["piece_size","beam"], Found))) :-
     answer(grammar_sized, Clauses), findall([P,N], member([P,N|_], Clauses), Found).

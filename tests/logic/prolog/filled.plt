@@ -1,6 +1,7 @@
 % The sizes of a room where furniture fills a wall from end to end.
 :- use_module('../../../logic/rules/filled').
 :- use_module('../../../logic/rules/furnish').
+:- use_module('../../../logic/rules/solution').
 :- use_module('../../../logic/rules/grammar_files').
 :- use_module('../../../logic/rules/laws').
 :- use_module('../../../logic/rules/linear').

@@ -1,5 +1,6 @@
 % A room's furniture, solved: what fits, what does not, and why.
 :- use_module('../../../logic/rules/furnish').
+:- use_module('../../../logic/rules/solution').
 :- use_module('../../../logic/rules/grammar_files').
 :- use_module('../../../logic/rules/grid').
 :- use_module('../../../logic/rules/linear').
@@ -8,6 +9,7 @@
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
+:- use_module(library(prolog_wrap)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).
 
 :- begin_tests(furnish, [cleanup(set_cell(0))]).
@@ -45,6 +47,27 @@ test(on_a_grid_every_length_is_whole, [setup(set_cell(0.5)), cleanup(set_cell(0)
     crate(L),
     forall(( between(1, 10, Seed), furnished_by(Seed, L, Room) ),
            ( room_width(Room, W), room_door(Room, Door), W =:= round(W), Door =:= round(Door) )).
+
+% - what CLP(R) refutes falsely -----------------------------------------------
+
+%   doubted(:Goal): Goal, where no try succeeds and CLP(R) refutes every room, as it may refute some that has a solution.
+
+doubted(Goal) :-
+    setup_call_cleanup(
+        ( wrap_predicate(linear:posted(_,Count), doubted, _, Count = 0), wrap_predicate(furnish:tries_sample(_,_,_,_), doubted, _, fail) ),
+        Goal,
+        ( unwrap_predicate(linear:posted/2, doubted), unwrap_predicate(furnish:tries_sample/4, doubted) )).
+
+test(a_room_that_is_refuted_falsely_is_furnished_by_its_constraints) :-
+    crate(Layout),
+    doubted(forall(between(1, 5, Seed), ( furnished_by(Seed, Layout, Room), phrase(room_constraints(Room), Constraints), posted(Constraints), ground(Room) ))).
+test(such_a_room_of_given_size_keeps_it, W-D == 3.5-2.5) :-
+    crate(Layout), doubted(call(furnished(cell, Layout, shape(3.5,2.5,doors([door(1.2,0.8,[])],[],[],[])), quick, Room), 1, _)),
+    room_width(Room, W), room_depth(Room, D).
+test(such_a_room_on_a_grid_is_whole, [setup(set_cell(0.5)), cleanup(set_cell(0))]) :-
+    crate(L), doubted(furnished_by(1, L, Room)), room_width(Room, W), integer(W).
+test(a_room_that_has_no_solution_has_a_minimal_conflict, Pieces == [block]) :-
+    blocked(L), doubted(reasons(L, minimal, Reasons)), findall(P, member(size(cell,P), Reasons), Pieces).
 
 % - infeasible rooms ----------------------------------------------------------
 

@@ -13,5 +13,6 @@ piece_size(crate, 1.0, 0.5, _).
 piece_size(beam,  L, 0.5, Wall) :- { L = Wall }.
 piece_size(shelf, L, D, Wall) :- { L >= 0.5*Wall, L =< Wall, D >= 0.2, D =< 0.4 }.
 piece_size(stand, L, D, _) :- { L >= 0.4, L =< 0.6, D = L + 0.1 }.
+piece_size(rug,   L, D, Wall-Across) :- { L >= Wall/4, L =< Wall/2, 2*D >= Across, D =< 2.0 }.
 piece_size(block, 1.0, 2.7, _).
 piece_size(stool, 0.4, 0.4, _).

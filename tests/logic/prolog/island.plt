@@ -19,8 +19,9 @@ test(one_that_faces_sideways_is_turned, true(( Across == D, Inwards == L ))) :-
     of(on(crate,1,middle,1), [faces(crate,1,left)], Island),
     island_item(Island, item(crate,L,D,_)), island_across(Island, Across), island_inwards(Island, Inwards).
 test(without_faces_it_has_no_front, Front == none) :- of(on(crate,1,middle,1), [], Island), island_front(Island, Front).
-test(its_wall_is_the_width_of_the_room, W == Wall) :-
-    room(Room), On = on(crate,1,middle,1), island([On], Room, On, Island), room_width(Room, W), island_item(Island, item(_,_,_,Wall)).
+test(its_walls_are_the_width_and_the_depth_of_the_room, W-D == Walls) :-
+    room(Room), On = on(crate,1,middle,1), island([On], Room, On, Island),
+    room_width(Room, W), room_depth(Room, D), island_item(Island, item(_,_,_,Walls)).
 test(seats_make_the_block_larger_than_the_island, Full == A+Across+B) :-
     of(on(crate,1,middle,1), [with(crate,1,stool,left),with(crate,1,stool,right)], Island),
     island_across(Island, Across), island_xblock(Island, block(_,Full,_,_)), island_yblock(Island, block(_,D,_,_)),

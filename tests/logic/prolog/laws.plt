@@ -18,12 +18,13 @@ test(sizes_bound_together_are_left_to_the_clause, Law == clause) :- room_law(wid
 test(a_piece_of_fixed_size_is_a_box) :- piece_law(cell, crate, Law), like(Law, box(1.0,1.0,0.5,0.5)).
 test(a_piece_on_a_line) :- piece_law(cell, stand, Law), like(Law, line(0.4,0.6,0.5,0.7)).
 test(a_piece_that_depends_on_its_wall_is_sloped) :-
-    piece_law(cell, shelf, Law), law_at_wall(Law, 3.5, Here), Law = sloped(_), like(Here, box(1.75,3.5,0.2,0.4)).
+    piece_law(cell, shelf, Law), law_at_wall(Law, 3.5-3.0, Here), Law = sloped(_), like(Here, box(1.75,3.5,0.2,0.4)).
+test(a_piece_that_depends_on_both_sides_of_the_room_is_left_to_the_clause, Law == clause) :- piece_law(cell, rug, Law).
 test(elsewhere_the_wall_is_of_no_account) :-
-    piece_law(cell, crate, Law), law_at_wall(Law, 99, Here), Here == Law.
+    piece_law(cell, crate, Law), law_at_wall(Law, 99-99, Here), Here == Law.
 test(on_a_grid_each_size_is_rounded_by_itself, [setup(set_cell(0.5)), cleanup(set_cell(0))]) :-
     room_law(square, Law), like(Law, box(2,5,2,5)).
 test(on_a_grid_a_wall_is_a_number_of_cells, [setup(set_cell(0.5)), cleanup(set_cell(0))]) :-
-    piece_law(cell, shelf, Law), law_at_wall(Law, 7, Here), like(Here, box(1.75,3.5,0.2,0.4)).
+    piece_law(cell, shelf, Law), law_at_wall(Law, 7-6, Here), like(Here, box(1.75,3.5,0.2,0.4)).
 
 :- end_tests(laws).

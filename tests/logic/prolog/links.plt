@@ -37,11 +37,11 @@ test(the_first_of_a_group_has_the_gap_and_the_others_are_joined, Kinds == [apart
     findall(Kind, ( member(Link, Links), link_gap(Link, Kind-_) ), Kinds).
 test(at_a_side_wall_the_wall_is_the_depth_of_the_room) :-
     forall(member(Name, [left,right]),
-           ( links_on(Name, [on(crate,1,Name,1)], [], Room, [Link]), link_item(Link, item(_,_,_,Wall)),
-             room_depth(Room, D), Wall == D )).
+           ( links_on(Name, [on(crate,1,Name,1)], [], Room, [Link]), link_item(Link, item(_,_,_,Walls)),
+             room_depth(Room, D), room_width(Room, W), Walls == D-W )).
 test(elsewhere_it_is_the_width) :-
     forall(member(Name, [front_left,back,front_right]),
-           ( links_on(Name, [on(crate,1,Name,1)], [], Room, [Link]), link_item(Link, item(_,_,_,Wall)),
-             room_width(Room, W), Wall == W )).
+           ( links_on(Name, [on(crate,1,Name,1)], [], Room, [Link]), link_item(Link, item(_,_,_,Walls)),
+             room_width(Room, W), room_depth(Room, D), Walls == W-D )).
 
 :- end_tests(links).

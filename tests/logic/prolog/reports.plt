@@ -54,6 +54,8 @@ test(a_piece_longer_than_its_wall, true(says(Text, "L >= 1.1*V and L =< V exclud
     stated("piece_size(pole, L, 0.2, V) :- { L >= 1.1*V, L =< 2*V }.", piece_report(cell, pole, false, wrong(_,1,1,Text))).
 test(a_piece_longer_than_the_walls_of_one_type_names_it, true(says(Text, "4.5, L =< Wall and Wall =< 4 (in cell) exclude each other"))) :-
     stated("piece_size(pole, L, 0.2, _) :- { L >= 4.5, L =< 4.8 }.", piece_report(cell, pole, false, wrong(_,1,1,Text))).
+test(a_piece_that_is_larger_than_the_room_allows_by_both_its_sides, true(says(Text, "L >= 1.1*V and L =< its wall exclude each other"))) :-
+    stated("piece_size(pole, L, D, V-A) :- { L >= 1.1*V, L =< 2*V, D = A/2 }.", piece_report(cell, pole, false, wrong(_,1,1,Text))).
 test(it_fits_where_it_may_be_turned, true(is_list(Report))) :-
     stated("piece_size(pole, L, 0.2, V) :- { L >= 1.1*V, L =< 2*V }.", piece_report(cell, pole, true, Report)).
 test(it_fits_in_a_larger_type, true(is_list(Report))) :-

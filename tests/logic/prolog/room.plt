@@ -1,5 +1,5 @@
 % The constraints of a room: where the door and things may stand at the extremes.
-:- use_module('../../../logic/rules/furnish').
+:- use_module('../../../logic/rules/solution').
 :- use_module('../../../logic/rules/grammar_files').
 :- use_module('../../../logic/rules/linear').
 :- use_module('../../../logic/rules/records').
@@ -18,7 +18,7 @@ ranged(Layout, What, Low, High) :-
     layout_room(cell, Layout, Room),
     phrase(room_constraints(Room), Constraints),
     room_items(Room, Items),
-    furnish:system(Room, Items, Constraints, System),
+    solution:system(Room, Items, Constraints, System),
     posted(System),
     found(What, Room, X),
     ( number(X) -> L = X, H = X ; inf(X, L), sup(X, H) ),

@@ -23,7 +23,9 @@ test(every_constraint_names_its_clause) :-
     room_size_system(wide, _, _, System), System \== [],
     forall(member(_-Why, System), Why == [size(wide)]).
 test(a_piece_depends_on_its_wall) :-
-    item_size_system(cell, item(shelf,L,_,Wall), System), posted(System), {Wall = 3}, range(L, 1.5, 3).
+    item_size_system(cell, item(shelf,L,_,Wall-_), System), posted(System), {Wall = 3}, range(L, 1.5, 3).
+test(a_piece_depends_on_both_sides_of_the_room) :-
+    item_size_system(cell, item(rug,L,D,Wall-Across), System), posted(System), {Wall = 4, Across = 3}, range(L, 1, 2), range(D, 1.5, 2).
 test(a_fixed_size_is_an_equation_with_its_reason, System == [(L = 1.0)-[size(cell,crate)],(D = 0.5)-[size(cell,crate)]]) :-
     item_size_system(cell, item(crate,L,D,_), System).
 test(a_piece_names_its_room_and_itself) :-
@@ -36,7 +38,7 @@ test(on_a_grid_sizes_are_bounds_in_cells, [setup(set_cell(0.5)), cleanup(set_cel
     Expected = [(6 =< W)-[size(cell)], (W =< 8)-[size(cell)], (6 =< D)-[size(cell)], (D =< 6)-[size(cell)]],
     room_size_system(cell, W, D, System).
 test(on_a_grid_a_known_wall_bounds_a_piece, [setup(set_cell(0.5)), cleanup(set_cell(0)), true([A,B] == [4,7])]) :-
-    item_size_system(cell, item(shelf,L,_,7), System),
+    item_size_system(cell, item(shelf,L,_,7-6), System),
     System = [(A =< L1)-_,(L2 =< B)-_|_], L1 == L, L2 == L.
 test(on_a_grid_an_unknown_wall_is_any_of_the_rooms, [setup(set_cell(0.5)), cleanup(set_cell(0)), true([A,B] == [3,8])]) :-
     item_size_system(cell, item(shelf,L,_,_), System),

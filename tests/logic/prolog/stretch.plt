@@ -1,5 +1,5 @@
 % A stretch of wall as a chain of blocks: where they may start at the extremes.
-:- use_module('../../../logic/rules/furnish').
+:- use_module('../../../logic/rules/solution').
 :- use_module('../../../logic/rules/grammar_files').
 :- use_module('../../../logic/rules/linear').
 :- use_module('../../../logic/rules/records').
@@ -19,7 +19,7 @@ starts(Layout, Name, Ranges) :-
     layout_room(cell, Layout, Room),
     phrase(room_constraints(Room), Constraints),
     room_items(Room, Items),
-    furnish:system(Room, Items, Constraints, System),
+    solution:system(Room, Items, Constraints, System),
     posted(System),
     room_stretches(Room, Stretches), memberchk(stretch(Name,_,Blocks), Stretches),
     findall(Low-High, ( member(block(S,_,_,_), Blocks), range(S, Low, High) ), Ranges).

@@ -11,7 +11,7 @@ from logic.parts import FARTHEST
 SHORTEST = 0.01
 """Metres below which a length is likely to be in another unit, if it is not 0."""
 
-LONGEST_LENGTH, LONGEST_SIDE, LONGEST_PIECE = 5.0, 50.0, 20.0
+LONGEST_LENGTH, LONGEST_SIDE, LONGEST_PIECE = 5.0, 120.0, 20.0
 """Metres above which a named length, a side of a room or a piece is."""
 
 

@@ -1,0 +1,1 @@
+"""People play the simulator's episodes: ``vitruvius play``, and its results beside agents."""

@@ -1,0 +1,97 @@
+"""People's games beside agents and baselines that play the same episodes: ``evaluate --beside``."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from agent.build import policy_of
+from agent.checkpoint import Checkpoint
+from agent.evaluation.baselines import BASELINES
+from agent.evaluation.episodes import play
+from agent.evaluation.statistics import interquartile_mean, paired_difference
+from agent.evaluation.tables import WHERE, Table
+from agent.play.game import replayed
+from agent.play.results import PlayedGame, ResultsError, load
+from agent.simulator import sensor
+from agent.world import make_envs
+from logic import House
+from sim.config import DEFAULT
+
+BESIDE = "explorer", "searcher", "oracle"
+"""The baselines that are shown, the oracle last."""
+
+SEES = {"plan": "who saw the whole plan and the target", "seen": "who saw what the robot's rays had reached"}
+
+BESIDE_NOTE = (
+    "People, agents and baselines play the same episodes: house, start and targets. Each game was played "
+    "again from its actions, and came out as it says. Interquartile means with 95 % intervals over games; "
+    "ahead: the policy's ratio less the people's, paired by game."
+)
+
+
+def people_tables(
+    path: Path, houses: Sequence[House], agents: Mapping[str, Sequence[Checkpoint]]
+) -> Iterator[Table]:
+    """A table for each kind of game in a file: where targets lay, what the player saw, how long it lasted.
+
+    Raises ``ResultsError`` for a game of a house that is not there, or that does not come out as it says.
+    """
+    games = load(path)
+    for number, game in enumerate(games, start=1):
+        if game.index >= len(houses):
+            raise ResultsError(f"{path}:{number}: played in house {game.index}, here are {len(houses)}")
+        replayed(game, houses[game.index], f"{path}:{number}")
+
+    def kind(game: PlayedGame) -> tuple[str, str, float]:
+        return game.targets, game.view, game.seconds
+
+    for (targets, view, seconds), group in groupby(sorted(games, key=kind), key=kind):
+        played = list(group)
+        scores = _scores(played, houses, targets, agents)
+        oracle = scores["oracle"][0]
+        reachable = oracle > 0
+        if not reachable.any():
+            raise ResultsError(f"{path}: no game of targets in {targets} has a target that can be reached")
+        ratios = {name: runs[:, reachable] / oracle[reachable] for name, runs in scores.items()}
+        rows = []
+        for name, runs in scores.items():
+            people = np.broadcast_to(ratios["people"], ratios[name].shape)
+            ahead = "" if name == "people" else paired_difference(ratios[name], people).signed(2)
+            counts, ratio = interquartile_mean(runs).text(1), interquartile_mean(ratios[name]).text(2)
+            rows.append((name, counts, ratio, ahead))
+        players, places = len({game.player for game in played}), len({game.index for game in played})
+        title = (
+            f"People, {SEES[view]}: {_count(len(played), 'game')} of {_count(players, 'player')} in "
+            f"{_count(places, 'house')}, {seconds:g} s, targets in {WHERE.get(targets, targets)}"
+        )
+        yield Table(title, ("policy", "targets", "ratio", "ahead"), rows)
+
+
+def _scores(
+    played: Sequence[PlayedGame],
+    houses: Sequence[House],
+    targets: str,
+    agents: Mapping[str, Sequence[Checkpoint]],
+) -> dict[str, np.ndarray]:
+    """By policy, the targets (S, G) of its S training runs in the episodes of G games."""
+    bank = [houses[game.index] for game in played]
+    seeds, numbers = [game.seed for game in played], np.arange(len(played))
+    scores = {"people": np.array([[game.score for game in played]], float)}
+    for name, runs in agents.items():
+        targets_found = []
+        for run in runs:
+            envs = make_envs(bank, len(bank), targets, preset=sensor(run.config))
+            policy = policy_of(run.network, run.config, envs, played[0].seed)
+            targets_found.append(play(envs, policy, seeds, numbers).targets)
+        scores[name] = np.stack(targets_found)
+    envs = make_envs(bank, len(bank), targets, preset=DEFAULT)
+    for name in BESIDE:
+        policy = BASELINES[name](envs, played[0].seed)
+        scores[name] = play(envs, policy, seeds, numbers).targets[None]
+    return scores
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}" + ("s" if number != 1 else "")

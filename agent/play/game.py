@@ -1,0 +1,86 @@
+"""A game: an episode that a person plays, or an agent, apart from how it is shown."""
+
+import numpy as np
+import torch
+
+from agent.actions import FORWARD, LEFT, RIGHT
+from agent.build import policy_of
+from agent.checkpoint import Checkpoint
+from agent.evaluation.episodes import reset
+from agent.play.results import PlayedGame, ResultsError, require_house
+from agent.simulator import sensor
+from agent.world import make_envs
+from logic import House
+from sim.config import DEFAULT, Config
+from sim.film import Scene
+
+LETTERS = {LEFT: "L", RIGHT: "R", FORWARD: "F"}
+"""Actions as a file of results has them."""
+
+
+class Game:
+    """An episode in a house: with seed + i, that of an evaluation with ``seed`` in its house i."""
+
+    def __init__(self, house: House, targets: str, seed: int, config: Config = DEFAULT) -> None:
+        """Begin it. Raises ``HouseFileError`` where the task cannot be played in the house."""
+        self.envs = make_envs([house], 1, targets, preset=config)
+        self.actions: list[str] = []
+        self.ended = False
+        reset(self.envs, seed)
+        self.scene = self.envs.scene(0)
+
+    @property
+    def score(self) -> int:
+        """Targets picked up."""
+        return self.scene.found
+
+    def act(self, action: int) -> None:
+        """Make one step; after the last one, nothing."""
+        if self.ended:
+            return
+        _, _, terminated, truncated, _ = self.envs.step_torch(torch.tensor([action]))
+        self.actions.append(LETTERS[action])
+        self.ended = bool(terminated[0] | truncated[0])
+        self.scene = self.envs.scene(0)
+
+
+def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[Scene]]:
+    """A game that was played, by its actions, and its scenes.
+
+    Raises ``ResultsError`` where it was played in another house, or does not come out as it says.
+    """
+    require_house(played, house, where)
+    game = Game(house, played.targets, played.seed)
+    scenes, actions = [game.scene], {letter: action for action, letter in LETTERS.items()}
+    for letter in played.actions:
+        game.act(actions[letter])
+        scenes.append(game.scene)
+    if (len(game.actions), game.score) != (len(played.actions), played.score):
+        found = f"{game.score} targets in {len(game.actions)} steps"
+        raise ResultsError(
+            f"{where}: says {played.score} targets in {len(played.actions)} steps, its actions give {found}"
+        )
+    return game, scenes
+
+
+def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> list[Scene]:
+    """The scenes of the episode that an agent plays from the same start with the same targets."""
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    observation = reset(envs, seed)
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    policy.begin(1)
+    blocked, scenes = torch.zeros(1, dtype=torch.bool), [envs.scene(0)]
+    for _ in range(envs.config.steps):
+        observation, _, terminated, truncated, info = envs.step_torch(policy(observation, blocked))
+        blocked = info["blocked"]
+        scenes.append(envs.scene(0))
+        if terminated[0] | truncated[0]:
+            break
+    return scenes
+
+
+def fan(scene: Scene) -> np.ndarray:
+    """Where the rays of a scene end (R, 2), metres."""
+    x, y, heading = scene.pose
+    angle = heading + scene.config.ray_angles
+    return np.column_stack([x + np.cos(angle) * scene.distance, y - np.sin(angle) * scene.distance])

@@ -1,0 +1,282 @@
+"""The window: a person's game beside the agent that they race, drawn by pygame."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pygame
+
+from agent.actions import FORWARD, LEFT, RIGHT
+from agent.play.game import Game, fan, replayed
+from agent.play.results import PlayedGame, ResultsError
+from logic import House
+from logic.parts import BODY as SIDE
+from sim.film import BODY, RAY, SHARP, TARGET, TARGET_EDGE, TARGET_RAY, View, plan
+from sim.film import Scene as Picture
+from sim.geometry import geometry
+
+SIZE = 720
+"""Pixels of the longer side of a plan."""
+
+HEAD, GAP, EDGE = 64, 12, 16
+"""Pixels above the plans for words, between two plans, and left of words."""
+
+START = "arrow keys or W, A, D: drive to the yellow square. The first key starts the clock"
+
+FRAMES = 60
+"""Frames a second."""
+
+TURN_EVERY = 0.18
+"""Seconds between turns while a key of turning is held."""
+
+BACK, WORDS, DIM, FOG = (250, 249, 245), (51, 58, 69), (120, 128, 138), (51, 58, 69, 255)
+"""Colours."""
+
+TURNS = {pygame.K_LEFT: LEFT, pygame.K_a: LEFT, pygame.K_RIGHT: RIGHT, pygame.K_d: RIGHT}
+GOES = {pygame.K_UP, pygame.K_w}
+
+Seen = Literal["plan", "seen"]
+Pixel = tuple[float, float]
+
+
+class Panel:
+    """A house from above, and in it a body: all of it, or what its rays have reached."""
+
+    def __init__(self, house: House, view: Seen, size: int = SIZE) -> None:
+        """Draw the plan once."""
+        image = plan(house, size).reduce(SHARP)
+        self.plan = pygame.image.frombytes(image.tobytes(), image.size, "RGB")
+        self.size = image.size
+        self._view = View(geometry(house), size)
+        self.fog: pygame.Surface | None = None
+        if view == "seen":
+            self.fog = pygame.Surface(image.size, pygame.SRCALPHA)
+            self.fog.fill(FOG)
+
+    def at(self, x: float, y: float) -> Pixel:
+        """A point of the house, metres, as a pixel of the panel."""
+        across, down = self._view.at(x, y)
+        return across / SHARP, down / SHARP
+
+    def see(self, scene: Picture) -> None:
+        """Lift the fog where the rays go; call it for every step."""
+        if self.fog is not None:
+            pygame.draw.polygon(self.fog, (0, 0, 0, 0), self._fan(scene))
+            pygame.draw.circle(self.fog, (0, 0, 0, 0), self.at(*scene.pose[:2]), self._length(0.7 * SIDE))
+
+    def draw(self, surface: pygame.Surface, corner: tuple[int, int], scene: Picture) -> None:
+        """Draw the panel as it is now."""
+        whole = self.plan.copy()
+        half = scene.config.target / 2
+        hidden = self.fog is not None and not scene.is_target.any()
+        rays = pygame.Surface(self.size, pygame.SRCALPHA)
+        points = self._fan(scene)
+        pygame.draw.polygon(rays, (*RAY, 34), points)
+        for end, hit in zip(points[1:], scene.is_target, strict=True):
+            pygame.draw.aaline(rays, (*TARGET_RAY, 255) if hit else (*RAY, 120), points[0], end)
+        whole.blit(rays, (0, 0))
+        if self.fog is not None:
+            whole.blit(self.fog, (0, 0))
+        if not hidden:
+            box = self._box(scene.target - half, scene.target + half)
+            pygame.draw.rect(whole, TARGET, box, border_radius=3)
+            pygame.draw.rect(whole, TARGET_EDGE, box, width=2, border_radius=3)
+        self._body(whole, scene)
+        surface.blit(whole, corner)
+
+    def _body(self, surface: pygame.Surface, scene: Picture) -> None:
+        heading = float(scene.pose[2])
+        diagonal = round(heading / (np.pi / 4)) % 2
+        low, side = scene.pose[:2] - scene.config.eye[diagonal], scene.config.body[diagonal]
+        pygame.draw.rect(surface, BODY, self._box(low, low + side), border_radius=4)
+        arrow = side * np.array([(0.4, 0.0), (-0.25, 0.3), (-0.25, -0.3)])
+        turn = np.array([(np.cos(heading), -np.sin(heading)), (-np.sin(heading), -np.cos(heading))])
+        pygame.draw.polygon(surface, "white", [self.at(*point) for point in low + side / 2 + arrow @ turn.T])
+
+    def _fan(self, scene: Picture) -> list[Pixel]:
+        return [self.at(*scene.pose[:2]), *(self.at(*end) for end in fan(scene))]
+
+    def _box(self, low: np.ndarray, high: np.ndarray) -> pygame.Rect:
+        (left, top), (right, bottom) = self.at(*low), self.at(*high)
+        return pygame.Rect(round(left), round(top), max(4, round(right - left)), max(4, round(bottom - top)))
+
+    def _length(self, metres: float) -> float:
+        return metres * self._view.frame.scale
+
+
+class Trace:
+    """An episode that has been played, shown up to a step."""
+
+    def __init__(self, panel: Panel, name: str, scenes: Sequence[Picture]) -> None:
+        """Show its beginning."""
+        self.panel, self.name, self.step, self._scenes = panel, name, 0, scenes
+        panel.see(self.scene)
+
+    @property
+    def scene(self) -> Picture:
+        """The scene that is shown."""
+        return self._scenes[self.step]
+
+    def go_on(self, step: int) -> None:
+        """Go on to a step, or to the last one."""
+        while self.step < min(step, len(self._scenes) - 1):
+            self.step += 1
+            self.panel.see(self.scene)
+
+
+@dataclass
+class Keys:
+    """Which keys are held, and what they ask for. Times in seconds of the game."""
+
+    going: bool = False
+    asked: list[int] = field(default_factory=list)
+    """Actions of keys that were pressed since the last step: no press is lost, however short."""
+    held: dict[int, float] = field(default_factory=dict)
+    """The keys of turning that are held, and when each turns again."""
+
+    def down(self, key: int, now: float) -> None:
+        """A key was pressed."""
+        if key in GOES:
+            self.going = True
+            self.asked.append(FORWARD)
+        elif key in TURNS:
+            self.asked.append(TURNS[key])
+            self.held[key] = now + TURN_EVERY
+
+    def up(self, key: int) -> None:
+        """A key was let go."""
+        if key in GOES:
+            self.going = False
+        self.held.pop(key, None)
+
+    def action(self, now: float) -> int | None:
+        """What the next step is; None where nothing is asked for."""
+        for key, again in self.held.items():
+            if again <= now:
+                self.asked.append(TURNS[key])
+                self.held[key] = now + TURN_EVERY
+        if self.asked:
+            return self.asked.pop(0)
+        return FORWARD if self.going else None
+
+
+class Window:
+    """Shows games one after the other, and plays them by the keyboard."""
+
+    def __init__(self, title: str = "Vitruvius") -> None:
+        """Open the display. Raises ``pygame.error`` where there is none."""
+        pygame.display.init()
+        pygame.font.init()
+        pygame.display.set_caption(title)
+        self.clock = pygame.time.Clock()
+        self.words = pygame.font.Font(None, 26)
+        self.large = pygame.font.Font(None, 40)
+        self.surface = pygame.display.set_mode((SIZE, SIZE))
+        self.tick: Callable[[], float] = lambda: self.clock.tick(FRAMES) / 1000
+        """Waits for the next frame: the seconds since the last one."""
+
+    def play(
+        self, game: Game, seconds: float, view: Seen, race: tuple[str, Sequence[Picture]] | None = None
+    ) -> bool:
+        """Play a game by the keyboard until its steps or its seconds are over; whether it came to its end.
+
+        The clock starts at the first key. An agent's scenes run beside it at the game's speed, ``steps`` of
+        the episode in so many seconds.
+        """
+        house = game.scene.house
+        ghost = Trace(Panel(house, view), *race) if race else None
+        panels = [Panel(house, view), *([ghost.panel] if ghost else [])]
+        across = sum(panel.size[0] for panel in panels) + GAP * (len(panels) - 1)
+        self.surface = pygame.display.set_mode((across, panels[0].size[1] + HEAD))
+        speed, keys = game.scene.config.steps / seconds, Keys()
+        now, due, began = 0.0, 0.0, False
+        panels[0].see(game.scene)
+        while True:
+            for event in pygame.event.get():
+                if _is_end(event):
+                    return False
+                if event.type == pygame.KEYDOWN:
+                    began |= event.key in GOES or event.key in TURNS
+                    keys.down(event.key, now)
+                elif event.type == pygame.KEYUP:
+                    keys.up(event.key)
+            passed = self.tick()
+            if began:
+                now, due = now + passed, due + passed * speed
+            # A step is due every 1 / speed seconds; where no key asks for one, it is lost: time goes on.
+            while due >= 1:
+                due -= 1
+                action = keys.action(now)
+                if action is not None:
+                    game.act(action)
+                    panels[0].see(game.scene)
+            if ghost:
+                ghost.go_on(int(now * speed))
+            scenes = [("you", game.scene), *([(ghost.name, ghost.scene)] if ghost else [])]
+            step = f"{max(seconds - now, 0):.1f} s   step {game.scene.step} of {game.scene.config.steps}"
+            self._draw(panels, scenes, step if began else START)
+            if game.ended or now >= seconds:
+                return True
+
+    def replay(self, played: PlayedGame, houses: Sequence[House], where: str) -> bool:
+        """Show a game again, at its speed; whether it was watched to its end.
+
+        Raises ``ResultsError`` where it cannot be played in these houses, or does not come out as it says.
+        """
+        if played.index >= len(houses):
+            raise ResultsError(f"{where}: played in house {played.index}, here are {len(houses)}")
+        game, scenes = replayed(played, houses[played.index], where)
+        trace = Trace(Panel(scenes[0].house, played.view), played.player, scenes)
+        self.surface = pygame.display.set_mode((trace.panel.size[0], trace.panel.size[1] + HEAD))
+        speed, now = game.scene.config.steps / played.seconds, 0.0
+        while trace.step < len(scenes) - 1:
+            if any(_is_end(event) for event in pygame.event.get()):
+                return False
+            now += self.tick()
+            trace.go_on(int(now * speed))
+            self._draw([trace.panel], [(trace.name, trace.scene)], f"step {trace.step}")
+        return self.show([f"{played.player} {played.score}", "Enter: the next game   Esc: the end"])
+
+    def show(self, lines: Sequence[str]) -> bool:
+        """Show words over what is drawn until Enter (True) or Esc (False)."""
+        veil = pygame.Surface(self.surface.get_size(), pygame.SRCALPHA)
+        veil.fill((250, 249, 245, 225))
+        self.surface.blit(veil, (0, 0))
+        for place, line in enumerate(lines):
+            font = self.words if place else self.large
+            text = font.render(line, True, WORDS)
+            middle = (
+                self.surface.get_width() // 2,
+                self.surface.get_height() // 2 + 40 * (place - len(lines) // 2),
+            )
+            self.surface.blit(text, text.get_rect(center=middle))
+        pygame.display.flip()
+        while True:
+            for event in pygame.event.get():
+                if _is_end(event):
+                    return False
+                if event.type == pygame.KEYDOWN and event.key in (pygame.K_RETURN, pygame.K_SPACE):
+                    return True
+            self.tick()
+
+    def close(self) -> None:
+        """Close the display."""
+        pygame.quit()
+
+    def _draw(self, panels: Sequence[Panel], scenes: Sequence[tuple[str, Picture]], words: str) -> None:
+        """Draw panels side by side, with the name and the score of each, and words over the first."""
+        self.surface.fill(BACK)
+        corner = 0
+        for panel, (name, scene) in zip(panels, scenes, strict=True):
+            panel.draw(self.surface, (corner, HEAD), scene)
+            score = self.large.render(f"{name}: {scene.found}", True, WORDS)
+            self.surface.blit(score, (corner + EDGE, 6))
+            corner += panel.size[0] + GAP
+        self.surface.blit(self.words.render(words, True, DIM), (EDGE, 38))
+        pygame.display.flip()
+
+
+def _is_end(event: pygame.event.Event) -> bool:
+    """Whether the window is closed, or Esc is pressed."""
+    return event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE)

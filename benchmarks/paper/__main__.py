@@ -1,0 +1,7 @@
+"""``python -m benchmarks.paper`` is ``vitruvius bench paper``."""
+
+import sys
+
+from agent.cli import main
+
+main(["bench", "paper", *sys.argv[1:]])

@@ -1,0 +1,106 @@
+"""The original's weights, random walks, our baselines and the oracle, at the paper's three tasks."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from agent import checkpoint
+from agent.avoidance import Free, PaperRule
+from agent.build import policy_of
+from agent.evaluation.baselines import oracle
+from agent.evaluation.episodes import play
+from agent.evaluation.result import HUMAN
+from agent.policies import Policy, QPolicy
+from agent.simulator import sensor
+from agent.world import make_envs
+from benchmarks.common.pages import table_rows
+from logic.files import write_whole
+from sim import HouseVectorEnv
+from sim.arguments import PAPER_HOUSE, house_list
+from sim.config import PAPER
+
+TASKS = ("paper-main", "paper-secondary", "paper-mixed")
+
+EPISODES, SEED = 100, 0
+"""Of each policy at each task; all meet the same targets."""
+
+
+def by_network(
+    epsilon: float, homing: bool = True, avoids: bool = True
+) -> Callable[[HouseVectorEnv], Policy]:
+    """A policy by the original's weights."""
+
+    def make(envs: HouseVectorEnv) -> Policy:
+        generator = torch.Generator().manual_seed(SEED)
+        layer = PaperRule(generator) if avoids else Free()
+        network = checkpoint.load("paper-original").network
+        return QPolicy(network, layer, generator, epsilon, forward=0.92, homing=homing)
+
+    return make
+
+
+def with_map(envs: HouseVectorEnv) -> Policy:
+    """Our agent with a map."""
+    agent = checkpoint.load("pqn-map")
+    return policy_of(agent.network, agent.config, envs, SEED)
+
+
+POLICIES: dict[str, Callable[[HouseVectorEnv], Policy]] = {
+    "original weights, epsilon 0.025": by_network(0.025),
+    "original weights, epsilon 0.025, no avoidance": by_network(0.025, avoids=False),
+    "original weights, epsilon 0.19": by_network(0.19),
+    "original weights, epsilon 0.5": by_network(0.5),
+    "original weights, epsilon 0.5, no avoidance": by_network(0.5, avoids=False),
+    "random walk, no homing": by_network(1.0, homing=False),
+    "random walk with homing": by_network(1.0),
+    "random walk with homing, no avoidance": by_network(1.0, avoids=False),
+    "pqn-map": with_map,
+    "oracle": lambda envs: oracle(envs, SEED),
+}
+"""By name. ``pqn-map`` alone is not in the simulator's preset ``paper``: its collisions end no episode."""
+
+
+def measure(out: Path) -> dict[str, Any]:
+    """Targets of each episode of each policy at each task, and the mean steps of an episode."""
+    torch.set_num_threads(1)
+    file = out / "paper-agents.json"
+    data: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
+    for task in TASKS:
+        done = data.setdefault(task, {})
+        for name, make in POLICIES.items():
+            if name not in done:
+                world = sensor(checkpoint.load(name).config) if name == "pqn-map" else PAPER
+                envs = make_envs(house_list(PAPER_HOUSE), EPISODES, task, preset=world)
+                scores = play(envs, make(envs), SEED, np.zeros(EPISODES, np.int32))
+                done[name] = {
+                    "targets": scores.targets.astype(int).tolist(),
+                    "steps": round(scores.steps / EPISODES, 1),
+                }
+                write_whole(file, json.dumps(data).encode())
+    return {task: {name: data[task][name] for name in POLICIES} for task in TASKS}
+
+
+def mean(targets: list[int]) -> str:
+    """A mean with its standard error."""
+    values = np.array(targets)
+    return f"{values.mean():.2f} ± {values.std(ddof=1) / np.sqrt(values.size):.2f}"
+
+
+def section(data: dict[str, Any]) -> str:
+    """The table of all policies."""
+    human = HUMAN["main"].targets
+    rows = [["the paper's human", *(str(HUMAN[mode].targets) for mode in ("main", "secondary")), *"---"]]
+    for name, main in data[TASKS[0]].items():
+        more = np.mean(np.array(main["targets"]) > human)
+        steps = " / ".join(f"{data[task][name]['steps']:.0f}" for task in TASKS)
+        rows.append([name, *(mean(data[task][name]["targets"]) for task in TASKS), f"{more:.0%}", steps])
+    return f"{HEAD.format(human=human)}\n{table_rows(rows)}"
+
+
+HEAD = """| policy | main room | secondary rooms | all rooms | episodes above {human} in the main room | \
+steps of an episode |
+|---|---|---|---|---|---|"""

@@ -1,0 +1,190 @@
+"""How the work grows with the rooms: the original's placing of rooms beside this project's whole houses.
+
+Both make houses of the grammar ``paper`` with the same rooms of each type, in turn in one process, under the
+same limit of Prolog's inferences. It counts against the generator here that its houses are furnished.
+"""
+
+import json
+from collections import Counter
+from dataclasses import dataclass
+from io import BytesIO
+from itertools import cycle, islice
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from benchmarks.common.pages import DOCS, machine, table_rows
+from benchmarks.common.processes import say
+from logic import prolog
+from logic.builder import Builder
+from logic.errors import LimitReached, RequestError
+from logic.files import write_whole
+from logic.grammar import find
+from logic.request import Request
+
+TYPES = ("bedroom", "bathroom", "kitchen", "hall")
+"""In turn, so that a house has one of each type before it has two: the original allows two of each."""
+SAMPLED = {1: 30, 2: 30, 3: 30, 4: 30, 5: 20, 6: 10, 7: 5, 8: 5}
+"""How many houses of each number of rooms are placed by the original's method."""
+COMMAND = "./run python -m benchmarks.paper complexity"
+ORIGINAL, OURS = "original", "ours"
+LABELS = {ORIGINAL: "the original: sample and test, rooms alone", OURS: "here: furnished houses"}
+
+
+@dataclass(frozen=True)
+class Complexity:
+    """Success rate and CPU time against the rooms, of the original's method and of the generator."""
+
+    rooms: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8, 16, 32, 64)
+    """Numbers of rooms; the original's method is tried up to 8."""
+
+    houses: int = 100
+    """Houses of each number that the generator makes; by the original's method, at most that many."""
+
+    inferences: int = 200_000_000
+    """The limit of a house: about 10 s of CPU."""
+
+    out: Path = DOCS
+    """Folder for paper-complexity.json and .png. What is there of the same limit is not measured again."""
+
+    def run(self) -> None:
+        """Measure what is not measured yet, draw all of it and print a table."""
+        if self.houses < 1 or self.inferences < 1 or not self.rooms or min(self.rooms) < 1:
+            raise RequestError(
+                "--rooms needs one number or more, each 1 or more, as --houses and --inferences"
+            )
+        file = self.out / "paper-complexity.json"
+        study = json.loads(file.read_bytes()) if file.exists() else {}
+        if study.get("inferences") != self.inferences:
+            study = {"command": COMMAND, "inferences": self.inferences, "measured": []}
+        study["machine"] = machine()
+        known = {(each["method"], each["rooms"]) for each in study["measured"]}
+        builder = Builder(find("paper"))
+        prolog.load(Path(__file__).with_name("original_rooms.pl").resolve())
+        for index in range(8):  # What programs take at their first search is paid once too.
+            builder.house(Request(4), 1, index, self.inferences)
+        for rooms in sorted(set(self.rooms)):
+            for method, count in ((ORIGINAL, min(SAMPLED.get(rooms, 0), self.houses)), (OURS, self.houses)):
+                if count and (method, rooms) not in known:
+                    study["measured"].append(self._measured(builder, method, rooms, count))
+                    write_whole(file, json.dumps(study, indent=1).encode())
+                    say(_row(study["measured"][-1]))
+        write_whole(self.out / "paper-complexity.png", picture(study))
+        print(table(study))
+
+    def _measured(self, builder: Builder, method: str, rooms: int, count: int) -> dict[str, Any]:
+        """The CPU seconds of each house that was made, and how many were not within the limit."""
+        types = list(islice(cycle(TYPES), rooms))
+        request = Request(rooms, {type_: (number, number) for type_, number in Counter(types).items()})
+        seconds, tries = [], []
+        for index in range(count):
+            prolog.run("set_random", prolog.Term("seed", 1000 * rooms + index), module="system")
+            began = process_time()
+            if method == ORIGINAL:
+                made = prolog.ask("tries_until_placed", types, self.inferences, module="original_rooms")
+                tries.append(made)
+            else:
+                made = _is_made(builder, request, index, self.inferences)
+            if made:
+                seconds.append(process_time() - began)
+        found = {
+            "method": method,
+            "rooms": rooms,
+            "asked": count,
+            "made": len(seconds),
+            "cpu_seconds": seconds,
+        }
+        return found | ({"tries": [number for number in tries if number]} if tries else {})
+
+
+def _is_made(builder: Builder, request: Request, index: int, inferences: int) -> bool:
+    try:
+        builder.house(request, 0, index, inferences)
+    except LimitReached:
+        return False
+    return True
+
+
+def median(entry: dict[str, Any]) -> float:
+    """Of the CPU seconds of all that were asked for; infinite where the limit stopped half of them."""
+    times = [*entry["cpu_seconds"], *[np.inf] * (entry["asked"] - entry["made"])]
+    return float(np.percentile(times, 50, method="lower"))
+
+
+def growth(study: dict[str, Any], method: str) -> tuple[float, float]:
+    """How the median grows: by which factor with each room, and as which power of their number.
+
+    Both are least squares on logarithms from 2 rooms on.
+    """
+    found = [e for e in study["measured"] if e["method"] == method and e["rooms"] >= 2 and median(e) < np.inf]
+    rooms, times = np.array([e["rooms"] for e in found]), np.log([median(e) for e in found])
+    if len(found) < 2:
+        return np.nan, np.nan
+    return float(np.exp(np.polyfit(rooms, times, 1)[0])), float(np.polyfit(np.log(rooms), times, 1)[0])
+
+
+def table(study: dict[str, Any]) -> str:
+    """All that is measured, as a Markdown table, with the laws that fit."""
+    rows = [[str(e["rooms"]), LABELS[e["method"]], *_cells(e)] for e in _ordered(study)]
+    head = "| rooms | | made | CPU time, median | tries, median |\n|---|---|---|---|---|\n"
+    factor, exponent = growth(study, ORIGINAL)[0], growth(study, OURS)[1]
+    law = f"The original's median grows {factor:.1f} times with each room; here as rooms^{exponent:.2f}."
+    return f"{head}{table_rows(rows)}\n\n{law}"
+
+
+def _ordered(study: dict[str, Any]) -> list[dict[str, Any]]:
+    return sorted(study["measured"], key=lambda entry: (entry["method"] == OURS, entry["rooms"]))
+
+
+def _cells(entry: dict[str, Any]) -> list[str]:
+    middle = median(entry)
+    time = f"{1e3 * middle:,.1f} ms" if middle < np.inf else "over the limit"
+    tries = f"{np.median(entry['tries']):,.0f}" if entry.get("tries") and middle < np.inf else ""
+    return [f"{entry['made']} of {entry['asked']}", time, tries]
+
+
+def _row(entry: dict[str, Any]) -> str:
+    return f"{entry['rooms']} rooms, {entry['method']}: {', '.join(filter(None, _cells(entry)))}"
+
+
+def picture(study: dict[str, Any]) -> bytes:
+    """A PNG: the share of houses that were made, and their CPU time, against the rooms."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 4.2), dpi=150, layout="constrained")
+    share, time = figure.subplots(1, 2)
+    for method in (ORIGINAL, OURS):
+        found = [entry for entry in _ordered(study) if entry["method"] == method]
+        rooms = [entry["rooms"] for entry in found]
+        share.plot(rooms, [e["made"] / e["asked"] for e in found], "o-", label=LABELS[method])
+        done = [e for e in found if median(e) < np.inf]
+        (line,) = time.plot([e["rooms"] for e in done], [median(e) for e in done], "o-", label=LABELS[method])
+        for entry in found:
+            spread = [entry["rooms"]] * entry["made"]
+            time.plot(spread, entry["cpu_seconds"], ".", ms=2, alpha=0.3, color=line.get_color())
+    share.set(xlabel="rooms", ylabel="share that is made within the limit", ylim=(-0.03, 1.03))
+    time.set(xlabel="rooms", ylabel="CPU seconds of a house: medians, and each", yscale="log")
+    for axes in (share, time):
+        axes.set_xscale("log", base=2)
+        ticks = sorted({entry["rooms"] for entry in study["measured"]})
+        axes.set_xticks(ticks, [str(tick) for tick in ticks])
+        axes.minorticks_off()
+        axes.grid(alpha=0.3)
+        axes.legend(frameon=False, fontsize=8)
+    figure.suptitle(f"Limit {study['inferences']:,} inferences. {study['machine']}", fontsize=8)
+    file = BytesIO()
+    figure.savefig(file, format="png")
+    return file.getvalue()
+
+
+def measure(out: Path) -> dict[str, Any]:
+    """Measure what is not measured yet in a folder; all that is known there."""
+    Complexity(out=out).run()
+    return json.loads((out / "paper-complexity.json").read_bytes())
+
+
+def section(data: dict[str, Any]) -> str:
+    """The table and the picture."""
+    return f"    {data['command']}\n\n{table(data)}\n\n![CPU time against the rooms](paper-complexity.png)"

@@ -1,0 +1,69 @@
+"""``python -m benchmarks.paper``, or ``vitruvius bench paper``: the study that makes docs/paper.md.
+
+Each part leaves its data in the folder as it goes, and goes on where it was stopped, or from what is
+published.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from benchmarks.common.pages import DOCS, write
+from benchmarks.paper.page import PARTS, paper_page
+from logic.errors import RequestError
+from logic.files import require_folder, write_whole
+from logic.spelling import unknown
+
+
+@dataclass(frozen=True)
+class Paper:
+    """Measure what the paper claims, and write the page."""
+
+    parts: tyro.conf.Positional[tuple[str, ...]] = ()
+    """What to measure: agents (minutes), training (hours), complexity (an hour); by default all."""
+
+    again: bool = False
+    """Measure all of it, also what is published."""
+
+    publish: bool = False
+    """Write page, picture and data into docs too."""
+
+    out: Path = Path("runs/paper")
+    """Folder for page, picture, data, and what the parts keep on the way."""
+
+    def run(self) -> None:
+        """Measure, and write the page of all that is known."""
+        for part in self.parts:
+            if part not in PARTS:
+                raise RequestError(unknown("part", part, PARTS))
+        require_folder(self.out)
+        self.out.mkdir(parents=True, exist_ok=True)
+        data = published()
+        for name in self.parts or PARTS:
+            file = self.out / f"paper-{name}.json"
+            if name in data and not self.again and not file.exists():
+                write_whole(file, as_json(data[name]))
+            data[name] = PARTS[name].measure(self.out)
+        files = {f"paper-{name}.json": as_json(part) for name, part in data.items()}
+        write(files | pages(data), self.out, self.publish)
+
+
+def published() -> dict[str, Any]:
+    """The data of all parts that are published."""
+    files = {name: DOCS / f"paper-{name}.json" for name in PARTS}
+    return {name: json.loads(file.read_text()) for name, file in files.items() if file.exists()}
+
+
+def pages(data: dict[str, Any]) -> dict[str, bytes]:
+    """The page and its picture, by their names."""
+    made = {"paper.md": paper_page(data).encode()}
+    pictures = {name: PARTS[name].picture(part) for name, part in data.items() if name != "agents"}
+    return made | {f"paper-{name}.png": picture for name, picture in pictures.items()}
+
+
+def as_json(data: Any) -> bytes:
+    """Data as they are published."""
+    return json.dumps(data, separators=(",", ":")).encode() + b"\n"

@@ -1,0 +1,276 @@
+"""The paper's agent trained again, in the paper's house and with one thing changed at a time.
+
+Each group is a process of runs side by side (``benchmarks.paper.side_by_side``), which goes on where it was
+stopped. Its data are a curve of each run, and what its weights do on the way and at the end.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import torch
+
+from agent.config import PRESETS, PaperConfig
+from agent.evaluation.result import HUMAN
+from agent.progress import progress
+from agent.world import make_envs
+from benchmarks.common.pages import table_rows
+from benchmarks.paper.agents import TASKS, mean
+from benchmarks.paper.side_by_side import Actors, Layers, Runs
+from logic import generate
+from logic.files import write_whole
+from sim.arguments import PAPER_HOUSE, house_list
+
+PRESET = cast(PaperConfig, PRESETS["paper"])
+
+KEPT_EVERY, SAVED_EVERY = 100, 25
+"""Episodes between two weights that are kept, and between two states to go on from."""
+
+ON_THE_WAY, AT_THE_END = 20, 40
+"""Episodes that weights are measured in."""
+
+EPSILONS = (PRESET.final_epsilon, 0.5)
+
+SATURATED = 1e-3
+"""Values that differ by less between states say nothing of them."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A kind of run: what is not as in the preset, and its seeds."""
+
+    name: str
+    seeds: tuple[int, ...]
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs that one process makes side by side."""
+
+    entries: tuple[Entry, ...]
+    episodes: int = cast(int, PRESET.episodes)
+    houses: str | dict[str, Any] = PAPER_HOUSE
+
+    def configs(self) -> Iterator[tuple[str, PaperConfig]]:
+        """Each run's entry and config."""
+        for entry in self.entries:
+            for seed in entry.seeds:
+                yield entry.name, replace(PRESET, seed=seed, **entry.options)
+
+
+AS_IT_IS, TORCH, NO_HOMING, FREE = "preset `paper`", "torch's first weights", "no homing", "no avoidance"
+OPTIONS = {TORCH: {"initialisation": "torch"}, NO_HOMING: {"homing": False}, FREE: {"avoidance": "none"}}
+
+
+def _entries(**seeds: tuple[int, ...]) -> tuple[Entry, ...]:
+    names = {"as_it_is": AS_IT_IS, "torch": TORCH, "no_homing": NO_HOMING, "free": FREE}
+    return tuple(Entry(names[key], some, OPTIONS.get(names[key], {})) for key, some in seeds.items())
+
+
+GROUPS = {
+    "first": Group(_entries(as_it_is=(0, 1, 2, 3), torch=(0, 1), no_homing=(0, 1), free=(0, 1)), 200),
+    "short": Group(
+        _entries(as_it_is=(4, 5, 6, 7, 8, 9), torch=(2, 3, 4, 5), no_homing=(2, 3, 4, 5), free=(2, 3)), 50
+    ),
+    "eight": Group((Entry("8 environments", (0, 1, 2, 3), {"num_envs": 8}),), 48),
+    "houses": Group(
+        (Entry("32 houses of `family`, targets anywhere in the main room", (0, 1, 2), {"targets": "main"}),),
+        50,
+        {"rooms": 4, "grammar": "family", "seed": 100, "count": 32},
+    ),
+}
+"""By name: what each group changes, one thing at a time. Weights that learn nothing show it early."""
+
+
+def measure(out: Path, groups: Sequence[str] = tuple(GROUPS)) -> dict[str, Any]:
+    """Train these groups and measure them; the data of all groups that are done in the folder."""
+    file = out / "paper-training.json"
+    data: dict[str, Any] = json.loads(file.read_text()) if file.exists() else {}
+    torch.set_num_threads(1)
+    for name in groups:
+        if name not in data:
+            done = train(name, out / f"{name}.pt")
+            data[name] = {
+                "runs": [{"entry": entry, "seed": config.seed} for entry, config in GROUPS[name].configs()],
+                "targets": np.concatenate(done["targets"], 1).tolist(),
+                "steps": np.concatenate(done["steps"], 1).tolist(),
+                "spread": done["spread"],
+                "tests": tests(GROUPS[name], done["weights"]),
+            }
+            write_whole(file, json.dumps(data).encode())
+    return data
+
+
+def train(name: str, file: Path) -> dict[str, Any]:
+    """Train a group to its end, or go on with it from its file: targets and steps of each episode, a list of
+    (runs, environments), and by the episodes before the weights and the spread of their values.
+    """
+    group = GROUPS[name]
+    configs = [config for _, config in group.configs()]
+    houses = list(generate(**group.houses)) if isinstance(group.houses, dict) else house_list(group.houses)
+    config, end = configs[0], group.episodes
+    envs = make_envs(houses, len(configs) * config.num_envs, config.targets, preset=config.world)
+    runs, done = Runs(configs, envs), {"targets": [], "steps": [], "weights": {}, "spread": {}}
+    if file.exists():
+        kept = torch.load(file, weights_only=False)  # our own file
+        runs.restore(kept["runs"])
+        done = kept["done"]
+    with progress(f"training {name}", every=30.0) as tell:
+        while runs.episodes < end:
+            for what, values in runs.episode().items():
+                done[what].append(values)
+            count, weights = runs.episodes, done["weights"]
+            tell(min(1.0, count / end), f"{count} episodes")
+            if count // KEPT_EVERY > max(weights, default=0) // KEPT_EVERY or count >= end:
+                weights[count] = [tuple(part.detach().clone() for part in layer) for layer in runs.layers]
+                done["spread"][str(count)] = runs.spread()
+            if len(done["steps"]) % SAVED_EVERY == 0 or count >= end:
+                part = file.with_suffix(".part")
+                torch.save({"runs": runs.state(), "done": done}, part)
+                part.replace(file)
+    return done
+
+
+def tests(group: Group, weights: dict[int, Layers]) -> dict[str, Any]:
+    """Targets of each run (N, episodes): on the way in the main room, at the end by task and epsilon."""
+    configs = [replace(config, homing=True, num_envs=1) for _, config in group.configs()]
+
+    def found(layers: Layers, task: str, epsilon: float, episodes: int) -> list[list[int]]:
+        envs = make_envs(house_list(PAPER_HOUSE), len(configs) * episodes, task, preset=PRESET.world)
+        actors = Actors(configs, layers, envs, seed=0)
+        rewards = actors.play(envs.reset(seed=[*range(episodes)] * len(configs))[0], epsilon)["r"]
+        return rewards.sum(0).reshape(len(configs), episodes).astype(int).tolist()
+
+    last = weights[max(weights)]
+    return {
+        "on the way": {
+            str(count): found(layers, TASKS[0], EPSILONS[0], ON_THE_WAY) for count, layers in weights.items()
+        },
+        "at the end": {
+            f"{task}, {epsilon}": found(last, task, epsilon, AT_THE_END)
+            for task in TASKS
+            for epsilon in EPSILONS
+        },
+    }
+
+
+class Run(NamedTuple):
+    """One run of the data."""
+
+    entry: str
+    seed: int
+    curve: list[int]
+    """Targets of each episode while learning."""
+    spread: float
+    """How much its values differ between states, at the end."""
+    way: list[list[int]]
+    """Targets in the main room of its weights on the way."""
+    end: dict[str, list[int]]
+    """Of its last weights, by task and epsilon."""
+
+    def found(self, epsilon: float) -> float:
+        """Its mean in the main room."""
+        return float(np.mean(self.end[f"{TASKS[0]}, {epsilon}"]))
+
+
+def runs_of(data: dict[str, Any]) -> list[Run]:
+    """All runs, by entry and seed."""
+    found = [
+        Run(
+            made["entry"],
+            made["seed"],
+            group["targets"][run],
+            list(group["spread"].values())[-1][run],
+            [some[run] for some in group["tests"]["on the way"].values()],
+            {name: some[run] for name, some in group["tests"]["at the end"].items()},
+        )
+        for group in data.values()
+        for run, made in enumerate(group["runs"])
+    ]
+    entries = list(dict.fromkeys(run.entry for run in found))
+    return sorted(found, key=lambda run: (entries.index(run.entry), run.seed))
+
+
+def section(data: dict[str, Any]) -> str:
+    """What all runs do at the end, and what came out of the claim."""
+    runs, human = runs_of(data), HUMAN["main"].targets
+    by_entry: dict[str, list[Run]] = {}
+    for run in runs:
+        by_entry.setdefault(run.entry, []).append(run)
+    kinds = [
+        [
+            *(entry, str(len(some)), str(sum(run.spread < SATURATED for run in some))),
+            *(", ".join(f"{run.found(epsilon):.1f}" for run in some) for epsilon in EPSILONS),
+        ]
+        for entry, some in by_entry.items()
+    ]
+    each = [
+        [
+            *(run.entry, str(run.seed), str(len(run.curve)), f"{run.spread:.2g}"),
+            *(mean(run.end[f"{task}, {epsilon}"]) for task in TASKS for epsilon in EPSILONS),
+            f"{max(np.mean(some) for some in run.way):.1f}",
+        ]
+        for run in runs
+    ]
+    least, half = EPSILONS
+    best, busiest = (max(runs, key=lambda run: run.found(epsilon)) for epsilon in EPSILONS)
+    like = [run for run in runs if run.entry == AS_IT_IS]
+    return TEXT.format(
+        kinds=table_rows(kinds),
+        each=table_rows(each),
+        human=human,
+        runs=len(runs),
+        more=sum(run.found(least) > human for run in runs),
+        more_half=sum(run.found(half) > human for run in runs),
+        like=len(like),
+        like_more=sum(run.found(least) > human for run in like),
+        like_saturated=sum(run.spread < SATURATED for run in like),
+        best=f"{best.found(least):.1f} ({best.entry}, seed {best.seed})",
+        busiest=f"{busiest.found(half):.1f} ({busiest.entry}, seed {busiest.seed})",
+    )
+
+
+TEXT = """| what | runs | saturated | main room, epsilon 0.025, run by run | epsilon 0.5, run by run |
+|---|---|---|---|---|
+{kinds}
+
+More than the human's {human} pick up, at epsilon 0.025, {like_more} of {like} runs of the preset and {more}
+of all {runs}: the best has {best}. At 0.5 it is {more_half} of {runs}: the best has {busiest}.
+{like_saturated} of the {like} runs of the preset are saturated: the softmax gives one action the value 1 in
+all states, where its gradient is 0, so nothing is learnt any more.
+
+![Targets of an episode while learning](paper-training.png)
+
+| what | seed | episodes | spread of values | main room | epsilon 0.5 | secondary rooms | epsilon 0.5 | \
+all rooms | epsilon 0.5 | best on the way |
+|---|---|---|---|---|---|---|---|---|---|---|
+{each}"""
+
+
+def picture(data: dict[str, Any]) -> bytes:
+    """The curves of all runs: targets of an episode while learning, means of 25, a panel an entry."""
+    from matplotlib.figure import Figure
+
+    curves: dict[str, list[np.ndarray]] = {}
+    for run in runs_of(data):
+        curves.setdefault(run.entry, []).append(np.array(run.curve, float))
+    figure = Figure(figsize=(3.2 * len(curves), 3.0), dpi=120, layout="constrained")
+    for axes, (name, runs) in zip(
+        np.ravel(figure.subplots(1, len(curves), sharex=True, sharey=True, squeeze=False)),
+        curves.items(),
+        strict=True,
+    ):
+        for run in runs:
+            axes.plot(np.arange(25, len(run) + 1), np.convolve(run, np.ones(25) / 25, "valid"), lw=1)
+        axes.axhline(HUMAN["main"].targets, color="0.5", ls="--", lw=1)
+        axes.set_title(name.replace("`", "").partition(",")[0], size=9)
+        axes.set(xlabel="episode", ylim=(0, None))
+    figure.axes[0].set_ylabel("targets of an episode")
+    content = BytesIO()
+    figure.savefig(content, format="png")
+    return content.getvalue()

@@ -1,0 +1,54 @@
+"""Houses in the formats of other tools, a file a house: what ``vitruvius convert --to`` writes.
+
+A format is a function that writes a house: ``write(house, path)``, with a path without an ending. What it
+needs is imported when it is used.
+"""
+
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+from logic.house import House
+from logic.spelling import unknown
+
+
+class Format(NamedTuple):
+    """Where a format is written, and what it is."""
+
+    module: str
+    endings: tuple[str, ...]
+    """Of the files that are written for one house; the first is named in messages."""
+    words: str
+
+
+FORMATS = {
+    "geojson": Format("geojson", (".geojson",), "GeoJSON in metres: rooms, doors, windows, furniture"),
+    "gltf": Format("gltf", (".glb",), "binary glTF 2.0: walls 2.5 m high, furniture as boxes"),
+    "mjcf": Format("mjcf", (".xml",), "MuJoCo's XML: the house and a robot with range finders"),
+    "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2"),
+    "usd": Format("usd", (".usda",), "OpenUSD: the same solids as glTF"),
+}
+"""By the name that ``--to`` takes."""
+
+
+def export(houses: Iterable[House], out: str | Path, format: str) -> list[Path]:
+    """Write each house into the folder ``out`` in a format of ``FORMATS``; return the first file of each.
+
+    House 0 is ``house-0``. Each file appears whole or not at all. Raises ``ValueError`` for another format
+    and for no house, ``ImportError`` where its library is missing.
+    """
+    if format not in FORMATS:
+        raise ValueError(unknown("format", format, FORMATS))
+    houses, out = list(houses), Path(out)
+    if not houses:
+        raise ValueError(f"no house to write to {out}")
+    module, endings, _ = FORMATS[format]
+    write: Callable[[House, Path], None] = import_module(f"logic.exports.{module}").write
+    digits = len(str(len(houses) - 1))
+    paths = []
+    for index, house in enumerate(houses):
+        path = out / f"house-{index:0{digits}}"
+        write(house, path)
+        paths.append(path.with_suffix(endings[0]))
+    return paths

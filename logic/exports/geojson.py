@@ -1,0 +1,41 @@
+"""GeoJSON (RFC 7946), in metres instead of degrees: x east, y north, as ``generate --plan`` reads it.
+
+Rooms come first; a feature's property ``kind`` is room, door, window or piece.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from logic.files import write_whole
+from logic.house import House
+from logic.parts import Rect
+
+
+def write(house: House, path: Path) -> None:
+    """Write a house as a feature collection."""
+    write_whole(path.with_suffix(".geojson"), msgspec.json.encode(to_geojson(house)))
+
+
+def to_geojson(house: House) -> dict[str, Any]:
+    """A house as a feature collection."""
+    features = [_feature(room, "room", name=room.name, type=room.type) for room in house.rooms]
+    features += [_feature(door, "door", between=door.between) for door in house.doors]
+    features += [_feature(window, "window", room=window.room) for window in house.windows]
+    for room in house.rooms:
+        for piece in room.pieces:
+            properties = {"type": piece.type, "room": room.name, "orientation": piece.orientation}
+            features.append(_feature(piece, "piece", **properties))
+    return {"type": "FeatureCollection", "features": features}
+
+
+def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
+    """A polygon anticlockwise, as RFC 7946 asks, or a line where a side is zero."""
+    west, north, east, south = rect.x, -rect.y, rect.x + rect.width, -rect.y - rect.height
+    if rect.width and rect.height:
+        ring = [(west, south), (east, south), (east, north), (west, north), (west, south)]
+        geometry = {"type": "Polygon", "coordinates": [ring]}
+    else:
+        geometry = {"type": "LineString", "coordinates": [(west, north), (east, south)]}
+    return {"type": "Feature", "properties": {"kind": kind, **properties}, "geometry": geometry}

@@ -1,0 +1,40 @@
+"""Binary glTF 2.0, by trimesh: a node for each solid, named as it is. x east, y up, z south; metres."""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from trimesh.exchange.gltf import export_glb
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
+
+from logic.files import write_whole
+from logic.house import House
+from logic.solids import solids
+
+
+def write(house: House, path: Path) -> None:
+    """Write the solids of a house as one ``.glb`` file."""
+    scene = trimesh.Scene()
+    for solid in solids(house):
+        west, north, east, south = solid.box
+        low, high = np.array([west, solid.bottom, north]), np.array([east, solid.top, south])
+        box = trimesh.creation.box(high - low)
+        opacity = 96 if solid.kind == "window" else 255
+        material = PBRMaterial(
+            baseColorFactor=[*_linear(solid.colour), opacity],
+            metallicFactor=0.0,
+            roughnessFactor=0.9,
+            alphaMode="BLEND" if opacity < 255 else "OPAQUE",
+        )
+        box.visual = TextureVisuals(material=material)
+        transform = trimesh.transformations.translation_matrix((low + high) / 2)
+        scene.add_geometry(box, node_name=solid.name, geom_name=solid.name, transform=transform)
+    write_whole(path.with_suffix(".glb"), export_glb(scene))
+
+
+def _linear(colour: str) -> list[int]:
+    """A colour of CSS as glTF has it: linear, not sRGB."""
+    values = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
+    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    return [round(255 * value) for value in linear.tolist()]

@@ -1,0 +1,116 @@
+"""MJCF, the XML of MuJoCo (mujoco.readthedocs.io): the house, and in it a robot with range finders.
+
+z up; x east, y north; metres. MuJoCo's range finders do not see what is wholly transparent. So each wall is
+two boxes: a visible one, nearly a plane, where rays end as the simulator's do, and a transparent one that
+bodies touch.
+"""
+
+from math import cos, radians, sin
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+import shapely
+
+from logic.boxes import Box
+from logic.files import write_whole
+from logic.house import House
+from logic.parts import BODY
+from logic.solids import Solid, solids
+
+RAYS, FIRST_RAY, SPACING = 40, 58.5, 3.0
+"""The simulator's rays: how many, degrees from the heading to ray 0, counter-clockwise, and to the next."""
+
+EYE = 0.3
+"""Metres above the floor: lower than any piece of ``looks.json``."""
+
+TOUCHED = 0.01
+"""Metres: how thick walls are to bodies, which may not pass through in one step of MuJoCo."""
+
+THIN = 2e-6
+"""Metres: how thick walls are to rays."""
+
+HEIGHT = 0.4
+"""Metres, of the robot."""
+
+
+def write(house: House, path: Path) -> None:
+    """Write a house as ``.xml``."""
+    root = to_mjcf(house, path.name)
+    indent(root)
+    write_whole(path.with_suffix(".xml"), tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
+
+
+def to_mjcf(house: House, name: str = "house") -> Element:
+    """A house as the element ``mujoco``.
+
+    The robot stands in the middle of the largest free place of the room where bodies start. It slides along
+    ``x`` and ``y`` and turns about ``heading`` (radians, counter-clockwise from east), each driven by a
+    velocity. Sensor ``ray_i`` is the distance along ray i, metres, or -1 where nothing is.
+    """
+    root = Element("mujoco", model=name)
+    SubElement(root, "compiler", angle="radian")
+    SubElement(root, "option", timestep="0.005", integrator="implicitfast")
+    world = SubElement(root, "worldbody")
+    SubElement(world, "light", pos="0 0 20", dir="0 0 -1", directional="true")
+    touched = {each.name: each for each in solids(house, TOUCHED)}
+    for each in solids(house, THIN):
+        seen = {} if each.kind == "piece" else {"contype": "0", "conaffinity": "0"}
+        _box(world, each, _rgba(each), name=each.name, **seen)
+        if not seen or each.kind == "floor":
+            continue
+        _box(world, touched[each.name], "0 0 0 0", name=f"{each.name}.body")
+    _robot(root, world, *_free_place(house))
+    return root
+
+
+def _robot(root: Element, world: Element, x: float, y: float) -> None:
+    robot = SubElement(world, "body", name="robot", pos=_numbers(x, -y, 0))
+    for joint, kind, axis in (
+        ("x", "slide", "1 0 0"),
+        ("y", "slide", "0 1 0"),
+        ("heading", "hinge", "0 0 1"),
+    ):
+        SubElement(robot, "joint", name=joint, type=kind, axis=axis)
+    size = _numbers(BODY / 2, BODY / 2, HEIGHT / 2)
+    pos = _numbers(0, 0, HEIGHT / 2 + TOUCHED)
+    SubElement(robot, "geom", name="robot", type="box", size=size, pos=pos, mass="5", rgba="0.85 0.45 0.3 1")
+    actuators, sensors = SubElement(root, "actuator"), SubElement(root, "sensor")
+    for joint, gain in (("x", "100"), ("y", "100"), ("heading", "10")):
+        SubElement(actuators, "velocity", name=joint, joint=joint, kv=gain)
+    for ray in range(RAYS):
+        angle = radians(FIRST_RAY - SPACING * ray)
+        axis = _numbers(cos(angle), sin(angle), 0)
+        SubElement(robot, "site", name=f"ray_{ray}", pos=_numbers(0, 0, EYE), zaxis=axis, size="0.01")
+        SubElement(sensors, "rangefinder", name=f"ray_{ray}", site=f"ray_{ray}")
+
+
+def _box(world: Element, solid: Solid, rgba: str, **attributes: str) -> None:
+    west, north, east, south = solid.box
+    middle = _numbers((west + east) / 2, -(north + south) / 2, (solid.bottom + solid.top) / 2)
+    size = _numbers((east - west) / 2, (south - north) / 2, (solid.top - solid.bottom) / 2)
+    SubElement(world, "geom", {"type": "box", "pos": middle, "size": size, "rgba": rgba, **attributes})
+
+
+def _rgba(solid: Solid) -> str:
+    red, green, blue = (int(solid.colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    return f"{red:.3f} {green:.3f} {blue:.3f} {0.4 if solid.kind == 'window' else 1}"
+
+
+def _numbers(*values: float) -> str:
+    return " ".join(f"{value:.9g}" for value in values)
+
+
+def _free_place(house: House) -> tuple[float, float]:
+    """The middle of the largest circle free of furniture in the room where bodies start."""
+    room = house.start
+
+    def polygon(box: Box) -> shapely.Polygon:
+        return shapely.box(*box)
+
+    others = [other.box for other in house.counted if house.is_star and other is not room]
+    taken = shapely.union_all([polygon(box) for box in (*others, *(piece.box for piece in room.pieces))])
+    free = polygon(room.box).difference(taken)
+    # A line from the circle's centre outwards.
+    line = shapely.maximum_inscribed_circle(free)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    x, y = shapely.get_coordinates(line)[0].tolist()
+    return x, y

@@ -1,0 +1,79 @@
+"""An occupancy map for map_server of ROS (wiki.ros.org/map_server) and ROS 2 (nav2_map_server): a picture of
+cells and its description. x east, y north; metres.
+"""
+
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from logic.boxes import TOLERANCE, Box
+from logic.files import write_whole
+from logic.house import House
+from logic.plan import extent
+
+RESOLUTION = 0.05
+"""Metres of a cell."""
+
+MARGIN = 10
+"""Cells around the house."""
+
+OCCUPIED, FREE, UNKNOWN = 0, 254, 205
+"""Grey values, as map_server's mode ``trinary`` reads them."""
+
+DESCRIPTION = """\
+image: {image}
+resolution: {resolution}
+origin: [{west:.6f}, {south:.6f}, 0.0]
+negate: 0
+occupied_thresh: 0.65
+free_thresh: 0.196
+mode: trinary
+"""
+
+
+def write(house: House, path: Path) -> None:
+    """Write the map's picture, then its description, ``.yaml``, which names it."""
+    cells, (west, south) = occupancy(house)
+    buffer = BytesIO()
+    Image.fromarray(cells).save(buffer, "PNG")
+    picture = path.with_suffix(".png")
+    write_whole(picture, buffer.getvalue())
+    text = DESCRIPTION.format(image=picture.name, resolution=RESOLUTION, west=west, south=south)
+    write_whole(path.with_suffix(".yaml"), text.encode())
+
+
+def occupancy(house: House) -> tuple[np.ndarray, tuple[float, float]]:
+    """The cells (H, W) uint8, row 0 in the north, and where the corner of the south-west cell is, metres.
+
+    A cell that a wall or a piece touches is occupied, one within rooms alone is free, all others are unknown.
+    """
+    west, north, east, south = extent(house)
+    left, up = west - MARGIN * RESOLUTION, north - MARGIN * RESOLUTION
+    columns, rows = (
+        int(np.ceil(length / RESOLUTION)) + 2 * MARGIN for length in (east - west, south - north)
+    )
+    cells = np.full((rows, columns), UNKNOWN, np.uint8)
+
+    def fill(box: Box, value: int) -> None:
+        (x0, x1), (y0, y1) = _cells(box[0] - left, box[2] - left), _cells(box[1] - up, box[3] - up)
+        cells[y0:y1, x0:x1] = value
+
+    for room in house.rooms:
+        fill(room.box, FREE)
+    for room in house.rooms:
+        for piece in room.pieces:
+            fill(piece.box, OCCUPIED)
+    verticals, horizontals = house.walls
+    for x, low, high in verticals:
+        fill((x, low, x, high), OCCUPIED)
+    for y, low, high in horizontals:
+        fill((low, y, high, y), OCCUPIED)
+    return cells, (left, -(up + rows * RESOLUTION))
+
+
+def _cells(low: float, high: float) -> tuple[int, int]:
+    """The first cell that a span touches, and the one after the last."""
+    first = int(np.floor((low + TOLERANCE) / RESOLUTION))
+    return first, max(first + 1, int(np.ceil((high - TOLERANCE) / RESOLUTION)))

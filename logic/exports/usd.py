@@ -1,0 +1,35 @@
+"""OpenUSD, by usd-core: a cube for each solid, under a scope for each kind. z up; x east, y north; metres."""
+
+# usd-core has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+import secrets
+from pathlib import Path
+
+from pxr import Gf, Usd, UsdGeom
+
+from logic.files import write_whole
+from logic.house import House
+from logic.solids import solids
+
+
+def write(house: House, path: Path) -> None:
+    """Write the solids of a house as one ``.usda`` file."""
+    stage = Usd.Stage.CreateInMemory(f"{secrets.token_hex(8)}.usda")
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    root = UsdGeom.Xform.Define(stage, "/house")
+    stage.SetDefaultPrim(root.GetPrim())
+    for solid in solids(house):
+        west, north, east, south = solid.box
+        cube = UsdGeom.Cube.Define(stage, f"/house/{solid.kind}s/{solid.name.replace('.', '_')}")
+        cube.CreateSizeAttr(1.0)
+        cube.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])
+        middle = (west + east) / 2, -(north + south) / 2, (solid.bottom + solid.top) / 2
+        cube.AddTranslateOp().Set(Gf.Vec3d(*middle))
+        cube.AddScaleOp().Set(Gf.Vec3f(east - west, south - north, solid.top - solid.bottom))
+        red, green, blue = (int(solid.colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+        cube.CreateDisplayColorAttr([Gf.Vec3f(red, green, blue)])
+        if solid.kind == "window":
+            cube.CreateDisplayOpacityAttr([0.4])
+    write_whole(path.with_suffix(".usda"), stage.GetRootLayer().ExportToString().encode())

@@ -1,0 +1,172 @@
+"""Why a part of a plan is as it is: a room, a door, the entrance, a window, a piece."""
+
+from functools import cache, cached_property
+
+from clingo import Function, Number, Symbol
+
+from logic.alternatives import Search
+from logic.errors import Reason
+from logic.house import House
+from logic.loose_rooms import LooseRoom, Refuted
+from logic.own_plan import OwnPlan, Wall
+from logic.parts import OUTSIDE, Door, Provenance, Window
+from logic.support import Support
+from logic.targets import target_in
+from logic.why import Length, Why
+from logic.witness import Witness
+
+MOST = 5
+"""How many other choices may have to change before they are no longer named."""
+
+
+class PlanWitness(Witness):
+    """A plan that is made again."""
+
+    def why(self, target: str) -> Why:
+        """Why a room, a door, the entrance, a window or a piece is as it is."""
+        room, part = target_in(self._house, target)
+        if isinstance(part, Door):
+            return self._entrance(target, part) if part.is_entrance else self._door(target, part)
+        assert room is not None
+        if isinstance(part, Window):
+            return self._window(target, room, part)
+        if isinstance(part, int):
+            if room not in self._making.furniture:
+                about = f"in {self._named(self._house.rooms[room].name)}; the request keeps it (keep)"
+                return Why(target, f"{about} ({self._origin})")
+            return self._piece(target, self._making.furniture[room].layout, part, *self._of_furniture(room))
+        return self._room(target, room)
+
+    def _made_again(self, made: Provenance, inferences: int) -> House:
+        planner = self._builder.planner_of(self._request)
+        arguments = self._request, made.seed, made.index, inferences
+        self._builder.house(*arguments)
+        assert planner.making is not None
+        # The programs of rooms with these doors are known now: the second time they keep all that held.
+        for program in (
+            planner.making.program,
+            *(each.program for each in planner.making.furniture.values()),
+        ):
+            program.models = []
+        again = self._builder.house(*arguments)
+        self._making = planner.making
+        return again
+
+    def _room(self, target: str, room: int) -> Why:
+        """Why a room has its type, and walls on these lines."""
+        rect, number = self._house.rooms[room], Number(room)
+        about = f"a {rect.type}, {rect.width:.3f} by {rect.height:.3f} m ({self._origin})"
+        support, search = self._of_rooms
+        atoms = [each for name in ("room", "runs", "edge") for each in self._atoms(name, number)]
+        own = [each for each in support.variables([number]) if len(each.arguments) == 1]
+        choices = [
+            self._furnishable(self._making.prover, each) if each.name == f"type({number})" else each
+            for each in search.choices(sorted(own, key=lambda each: each.name != "type"))
+        ]
+        lengths, tight = (), ()
+        if self._request.plan:
+            about += "; the plan says where it is"
+        else:
+            rooms = self._house.rooms
+            found = self._builder.placer.wall_bounds(self._making.layout, rooms, room)
+            lengths, tight = self._bounds(found, {})
+        return Why(target, about, support.trees(atoms), tuple(choices), lengths, tight)
+
+    def _door(self, target: str, door: Door) -> Why:
+        """Why two rooms have a door between them."""
+        names = [room.name for room in self._house.rooms]
+        one, other = (Number(names.index(name)) for name in door.between)
+        (atom,) = [each for each in self._atoms("door", one) if each.arguments[1] == other]
+        by_it = Function("from", [one, other]) in self._model
+        variable = Function("entry", [one]) if by_it else Function("also", [one, other])
+        about = f"the door between {' and '.join(self._named(name) for name in door.between)}"
+        return self._opening(target, about, [atom], [variable], door)
+
+    def _entrance(self, target: str, door: Door) -> Why:
+        """Why the house is entered there."""
+        (name,) = (name for name in door.between if name != OUTSIDE)
+        room = Number([room.name for room in self._house.rooms].index(name))
+        about = f"the entrance, into {self._named(name)}"
+        variables = [Function("entrance"), Function("entry", [room])]
+        return self._opening(target, about, self._atoms("entrance", room), variables, door)
+
+    def _window(self, target: str, room: int, window: Window) -> Why:
+        """Why there is a window in a wall."""
+        side = Function(self._wall(window).side)
+        atom = Function("window", [Number(room), side])
+        about = f"a window in the {side} wall of {self._named(window.room)}"
+        return self._opening(target, about, [atom], [atom], window)
+
+    def _opening(
+        self, target: str, about: str, atoms: list[Symbol], variables: list[Symbol], opening: Door | Window
+    ) -> Why:
+        support, search = self._of_rooms
+        choices = search.choices(each for each in variables if each in support.chosen.picks)
+        plan = self._request.plan
+        if plan and opening in (plan.doors if isinstance(opening, Door) else plan.windows):
+            about += "; the plan has it there"
+            lengths = ()
+        else:
+            lengths = self._opening_lengths(opening)
+        return Why(target, f"{about} ({self._origin})", support.trees(atoms), tuple(choices), lengths)
+
+    def _opening_lengths(self, opening: Door | Window) -> tuple[Length, Length]:
+        """How long a door or window could be in its wall, and where it could begin at its length."""
+        wall = self._wall(opening)
+        type_ = self._house.rooms[wall.room].type
+        found = self._builder.placer.opening_lengths(type_, wall.start, wall.end)
+        axis = "y" if wall.side in ("west", "east") else "x"
+        place = Reason(f"a wall from {axis} {wall.start:.3f} to {wall.end:.3f} m")
+        if isinstance(opening, Door):
+            margin, least, greatest = found["margin"], found["door"], found["door"]
+            near = (*self._clause("length(door_margin)"), place)
+            no_less = no_more = self._clause("length(door_width)")
+        else:
+            margin, (least, greatest) = found["frame"], found["window"]
+            near = (*self._clause("length(window_margin)"), place)
+            no_less = no_more = self._clause(f"window_size({type_})")
+            if greatest > wall.end - wall.start - 2 * margin - 1e-6:
+                no_more = near
+        low, high = wall.start + margin, wall.end - margin - opening.length
+        length = Length("width", opening.length, least, greatest, no_less, no_more)
+        return length, Length(axis, getattr(opening, axis), low, high, near, near)
+
+    def _clause(self, clause: str) -> tuple[Reason, ...]:
+        return self._reasons([("clause", clause)])
+
+    def _wall(self, opening: Door | Window) -> Wall:
+        """The part of a wall that a door or window may lie in."""
+        wall = OwnPlan(self._house.rooms).wall_of(opening)
+        assert wall is not None
+        return wall
+
+    def _named(self, name: str) -> str:
+        return f"{name}, a {self._house.room(name).type}"
+
+    def _atoms(self, name: str, room: Symbol) -> list[Symbol]:
+        """The atoms of this name in the layout whose first argument is the room."""
+        return [each for each in self._making.layout if each.name == name and each.arguments[0] == room]
+
+    @cached_property
+    def _model(self) -> list[Symbol]:
+        """All that held when the walls were chosen: the last one sampled is the house's."""
+        return (self._making.program.models or [])[-1][1]
+
+    @cached_property
+    def _of_rooms(self) -> tuple[Support, Search]:
+        """What supports the layout of the rooms, and what could be instead."""
+        support = Support(self._making.program, self._model)
+        relaxed, statements = self._making.prover.house(self._request, laws=True)
+        possible = self._making.prover.has_walls(relaxed)
+        return support, Search(relaxed, statements, possible, support.chosen, self._making.layout, MOST)
+
+    @cache  # noqa: B019 (a witness is asked about one house)
+    def _of_furniture(self, room: int) -> tuple[Support, Search]:
+        """The same for the furniture of a room."""
+        how = self._making.furniture[room]
+        (model,) = [model for shown, model in how.program.models or [] if shown is how.layout.furniture]
+        support = Support(how.program, model)
+        fixed = LooseRoom(how.room, [None] * len(how.room.doors))
+        given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())
+        relaxed = self._making.prover.furniture(self._request, how.room.type, laws=True, room=given)
+        return support, Search(*relaxed, support.chosen, how.layout.furniture)

@@ -1,0 +1,21 @@
+"""Backends that must show the same where a body stands at the same place."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from logic import House
+from sim import HouseVectorEnv
+
+
+def require_equal_rays(houses: Sequence[House], count: int, targets: str) -> None:
+    """Hold that at the grid's poses both backends see the same distances and the same targets."""
+    grid, continuous = (
+        HouseVectorEnv(houses, num_envs=count, backend=backend, targets=targets)
+        for backend in ("grid", "continuous")
+    )
+    ours, info = grid.reset(seed=0)
+    options = {name: info[name] for name in ("house", "pose", "target")}
+    theirs, _ = continuous.reset(seed=0, options=options)
+    assert np.abs(ours - theirs)[..., 0].max() * grid.config.range < 1e-5
+    np.testing.assert_array_equal(ours[..., 1], theirs[..., 1])
