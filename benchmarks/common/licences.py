@@ -31,6 +31,9 @@ SPDX = {
 UNSTATED = {"array-api-compat": "MIT", "cuda-toolkit": "LicenseRef-NVIDIA-Proprietary"}
 """Licences that packages neither name nor bring the text of: as their projects have them."""
 
+ELSEWHERE = {"appnope": "BSD-2-Clause"}
+"""Licences of packages that other systems than Linux install: as their projects have them."""
+
 ASKS_MORE = re.compile(r"GPL|MPL|EPL|CDDL|Proprietary")
 """In the names of licences that ask for more than a notice."""
 
@@ -59,6 +62,8 @@ Read them before you pass these on, for instance in an image with all of it.
   `clpr.pl` and `clpq.pl` say.
 - **SWI-Prolog** itself is under BSD-2-Clause; libgmp, which it links, under the GNU LGPL, version 3 or later,
   or the GNU GPL, version 2 or later.
+- **FFmpeg**, a program that imageio-ffmpeg brings and that `record` starts for an MP4: the GNU GPL, version 3 or
+  later, as its builds for Linux are.
 """
 
 
@@ -110,8 +115,8 @@ def _texts(package: Distribution) -> Iterator[tuple[str, str]]:
 
 def notice() -> str:
     """The page, the same from the same lock and packages."""
-    packages = {name: distribution(name) for name in locked()}
-    licences = {name: licence(package) for name, package in packages.items()}
+    packages = {name: distribution(name) for name in locked() if name not in ELSEWHERE}
+    licences = ELSEWHERE | {name: licence(package) for name, package in packages.items()}
     lines = [NOTICE.rstrip()]
     for more in sorted({words for words in licences.values() if ASKS_MORE.search(words)}):
         lines.append(f"- **{more}**: {', '.join(name for name in packages if licences[name] == more)}.")
