@@ -62,8 +62,8 @@ Read them before you pass these on, for instance in an image with all of it.
   `clpr.pl` and `clpq.pl` say.
 - **SWI-Prolog** itself is under BSD-2-Clause; libgmp, which it links, under the GNU LGPL, version 3 or later,
   or the GNU GPL, version 2 or later.
-- **FFmpeg**, a program that imageio-ffmpeg brings and that `record` starts for an MP4: the GNU GPL, version 3 or
-  later, as its builds for Linux are.
+- **FFmpeg**, a program that imageio-ffmpeg brings and that `record` starts for an MP4: the GNU GPL, version 3
+  or later, as its builds for Linux are.
 """
 
 
