@@ -351,7 +351,7 @@ def test_the_extras_are_those_of_the_distribution() -> None:
 
 def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
-    assert parse(["train", *said]).config == replace(PRESETS["pqn-map"], targets="main", seed=3)
-    assert parse(["train", *said[:1]]).config == PRESETS["pqn"]
+    assert parse(["train", *said]).learning == replace(PRESETS["pqn-map"], targets="main", seed=3)
+    assert parse(["train", *said[:1]]).learning == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
-    assert replayed.config == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
+    assert replayed.learning == replace(PRESETS["paper"], batch_size=700, lr_decay=0)

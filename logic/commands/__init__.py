@@ -50,6 +50,13 @@ def progress_bar(*columns: ProgressColumn) -> Progress:
     )
 
 
+def print_answer(command: str, answer: Any, exit_code: int = 0) -> None:
+    """Print what a command found as ``--json`` has it: see ``logic.answers``."""
+    from logic.answers import encoded
+
+    print(encoded(command, exit_code, answer), flush=True)
+
+
 def say_warnings() -> None:
     """Print a warning as ``lint`` does, without the line of Python that it came by."""
     warnings.showwarning = lambda message, *_: say(str(message))
