@@ -6,6 +6,7 @@ agents and banks that come with Vitruvius, and leaves files to the shell.
 
 import pkgutil
 import shlex
+import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,7 @@ import tyro
 
 from agent.banks import BANKS
 from agent.config import PRESETS, TARGET_MODES
-from agent.options import Option, options_of
+from agent.options import Option, options_in, options_of
 from agent.released import released
 from logic.grammar import shipped
 
@@ -86,8 +87,10 @@ def places() -> list[Place]:
     found = list[Place]()
     for prefix, table in (("", COMMANDS), ("bench ", STUDIES)):
         for name, (where, sentence) in table.items():
-            kind = pkgutil.resolve_name(where)
-            options = [] if kind is STUDIES else _options(kind)
+            if table is STUDIES:
+                options = options_in(where)
+            else:
+                options = [] if name == "bench" else _options(pkgutil.resolve_name(where))
             found.append(Place(prefix + name, sentence, tuple(options)))
     return found
 
@@ -204,6 +207,7 @@ def zsh() -> str:
     return f"""\
 #compdef {" ".join(PROGRAMS)}
 # Completion of vitruvius by zsh: eval "$(vitruvius completion zsh)", after compinit
+_vitruvius_or_files() {{ compadd -- "$@"; _files }}
 _vitruvius() {{
   local -a commands studies
   commands=({commands})
@@ -246,7 +250,7 @@ def _zsh_specs(place: Place) -> Iterator[str]:
             yield f"{'*' if option.several else ''}:{option.name}:{action}"
             continue
         star = "*" if option.repeated else ""
-        about = _zsh_text(option.help.partition(". ")[0].rstrip("."))
+        about = _zsh_text(_short(option.help))
         if option.type is bool:
             yield f"{option.flag}[{about}]"
             if option.default:
@@ -261,7 +265,7 @@ def _zsh_specs(place: Place) -> Iterator[str]:
 def _zsh_action(option: Option) -> str:
     words = " ".join(values(option))
     if words and takes_files(option):
-        return f"{{_alternative 'names:name:({words})' 'files:file:_files'}}"
+        return f" _vitruvius_or_files {words}"
     return f"({words})" if words else "_files" if takes_files(option) else ""
 
 
@@ -272,34 +276,40 @@ def _zsh_text(text: str) -> str:
 
 def fish() -> str:
     """The script for fish."""
-    lines = ["# Completion of vitruvius by fish: ~/.config/fish/completions/vitruvius.fish"]
-    for program in ("vitruvius",):
-        lines += [f"complete -c {program} -f", *_fish_lines(program)]
+    lines = [
+        "# Completion of vitruvius by fish: ~/.config/fish/completions/vitruvius.fish",
+        'function __vitruvius_after; set -l w (commandline -poc); test "$w[2..]" = "$argv[1]"; end',
+        'function __vitruvius_in; set -l w (commandline -poc); string match -q -- "$argv[1] *" "$w[2..] "; end',
+        "complete -c vitruvius -f",
+        *_fish_lines(),
+    ]
     return "\n".join(lines) + "\n"
 
 
-def _fish_lines(program: str) -> Iterator[str]:
-    start = f"complete -c {program} -n"
+def _fish_lines() -> Iterator[str]:
+    start = "complete -c vitruvius -n"
     for place in places():
-        *above, name = place.words.split()
-        within = f"test (count (commandline -poc)) -eq {1 + len(above)}"
-        if above:
-            within += f"; and __fish_seen_subcommand_from {above[0]}"
-        yield f"{start} {_fish(within)} -a {_fish(name)} -d {_fish(place.sentence)}"
-        here = f"set -l w (commandline -poc); test \"$w[2..{len(above) + 2}]\" = {_fish(place.words)}"
+        above, _, name = place.words.rpartition(" ")
+        after, here = (_fish(f"__vitruvius_{word}") for word in (f"after '{above}'", f"in '{place.words}'"))
+        yield f"{start} {after} -a {name} -d {_fish(place.sentence)}"
         for option in place.options:
             words = " ".join(values(option))
-            files = "-F" if takes_files(option) else ""
-            about = _fish(option.help.partition(". ")[0].rstrip("."))
+            taken = f" -a {_fish(words)}" if words else ""
+            about = _fish(_short(option.help))
             if option.positional:
-                taken = f"-a {_fish(words)} " if words else ""
-                yield f"{start} {_fish(here)} {taken}{files}".rstrip()
+                files = " -F" if takes_files(option) else ""
+                yield f"{start} {here}{files}{taken}"
             elif option.type is bool:
                 flags = [option.flag[2:], *([f"no-{option.flag[2:]}"] if option.default else [])]
-                yield from (f"{start} {_fish(here)} -l {flag} -d {about}" for flag in flags)
+                yield from (f"{start} {here} -l {flag} -d {about}" for flag in flags)
             else:
-                taken = f" -a {_fish(words)}" if words else ""
-                yield f"{start} {_fish(here)} -l {option.flag[2:]} -d {about} -r {files}{taken}".rstrip()
+                files = "-r -F" if takes_files(option) else "-x"
+                yield f"{start} {here} -l {option.flag[2:]} -d {about} {files}{taken}"
+
+
+def _short(text: str) -> str:
+    """What a list of completions has room for."""
+    return textwrap.shorten(text.partition(". ")[0].rstrip("."), 70, placeholder="...")
 
 
 def _fish(text: str) -> str:

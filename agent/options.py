@@ -9,6 +9,7 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from types import NoneType, UnionType
@@ -99,6 +100,48 @@ def options_of(command: Any) -> list[Option]:
     return found
 
 
+def options_in(place: str) -> Iterator[Option]:
+    """The options of a command, ``module:Class``, by its source alone: importing a study imports torch.
+
+    Defaults are not known, nor values whose names are imported.
+    """
+    module, _, name = place.partition(":")
+    found = find_spec(module)
+    assert found is not None
+    assert found.origin is not None
+    tree = ast.parse(Path(found.origin).read_text("utf-8"))
+    values = {
+        each.targets[0].id: _literals(each.value)
+        for each in tree.body
+        if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name)
+    }
+    [kind] = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
+    for field, sentence in _documented(kind):
+        annotation = ast.unparse(field.annotation)
+        names = [each.id for each in ast.walk(field.annotation) if isinstance(each, ast.Name)]
+        choices = _literals(field.annotation) or next((values[each] for each in names if values.get(each)), ())
+        assert isinstance(field.target, ast.Name)
+        yield Option(
+            field.target.id,
+            next((kind for kind in (bool, Path, int, float) if kind.__name__ in names), str),
+            " ".join(sentence.split()),
+            "Options",
+            None,
+            choices,
+            positional="Positional" in annotation,
+            several="tuple" in names and "UseAppendAction" not in annotation,
+            repeated="UseAppendAction" in annotation,
+        )
+
+
+def _literals(annotation: ast.expr) -> tuple[str, ...]:
+    """The values of a ``Literal``, wherever it stands."""
+    for each in ast.walk(annotation):
+        if isinstance(each, ast.Subscript) and ast.unparse(each.value) == "Literal":
+            return tuple(str(one.value) for one in ast.walk(each.slice) if isinstance(one, ast.Constant))
+    return ()
+
+
 def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> None:
     """Raise ``RequestError`` for arguments that are no command's: an option that it lacks or a value that one
     cannot have, a word too many or one that is missing.
@@ -136,8 +179,8 @@ def _named(prog: str, flag: str, options: Iterable[Option]) -> Option:
     off = {f"--no-{name[2:]}": option for name, option in known.items() if option.type is bool}
     found = (known | off).get(flag)
     if found is None:
-        close = closest(flag, [*known, *off, "--help"])
-        hint = f"did you mean {close}?" if close else f"see {prog} --help"
+        close = closest(flag[2:], [each[2:] for each in (*known, *off, "--help")])
+        hint = f"did you mean --{close}?" if close else f"see {prog} --help"
         raise RequestError(f"{prog}: there is no option {flag}: {hint}")
     return found
 
@@ -196,15 +239,16 @@ def _sentences(kind: type) -> dict[str, str]:
     found: dict[str, str] = {}
     for each in reversed(kind.__mro__):
         if is_dataclass(each):
-            found.update(_own_sentences(each))
+            [body] = ast.parse(textwrap.dedent(inspect.getsource(each))).body
+            assert isinstance(body, ast.ClassDef)
+            found |= {ast.unparse(field.target): sentence for field, sentence in _documented(body)}
     return found
 
 
-def _own_sentences(kind: type) -> Iterator[tuple[str, str]]:
-    [body] = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
-    assert isinstance(body, ast.ClassDef)
-    for one, following in pairwise(body.body):
-        if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name):
+def _documented(kind: ast.ClassDef) -> Iterator[tuple[ast.AnnAssign, str]]:
+    """The fields of a class, each with the docstring below it."""
+    for field, following in pairwise(kind.body):
+        if isinstance(field, ast.AnnAssign):
             match following:
-                case ast.Expr(ast.Constant(str() as text)):
-                    yield one.target.id, text
+                case ast.Expr(ast.Constant(str() as sentence)):
+                    yield field, sentence

@@ -23,7 +23,7 @@ def test_the_page_is_short_and_names_no_host():
 
 
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
-    from agent import checkpoint
+    from agent import released
     from logic import files, grammar, parts
     from sim import world
 
