@@ -7,10 +7,10 @@ import os
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, ClassVar, Generic, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import tyro
 
@@ -65,16 +65,21 @@ class Train(Generic[Kind]):
     @staticmethod
     def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
         """The command with the defaults of the preset and of the file of settings that the arguments name."""
-        preset: Preset | None = _given(arguments, "--preset")  # pyright: ignore[reportAssignmentType]
-        if preset is not None and preset not in PRESETS:
-            raise RequestError(f"--preset {preset}: {unknown('preset', preset, PRESETS)}")
-        file = _given(arguments, "--config")
-        if file is None:
-            preset = preset or "pqn"
+        asked: Any = next(iter(_given(arguments, "--preset")[-1:]), None)
+        if asked is not None and asked not in PRESETS:
+            raise RequestError(f"--preset {asked}: {unknown('preset', asked, PRESETS)}")
+        files = _given(arguments, "--config")
+        if not files:
+            preset = asked or "pqn"
             return Train(preset=preset, learning=PRESETS[preset])
-        preset, learning, beside = read(Path(file), preset)  # pyright: ignore[reportAssignmentType]
+        preset, learning, beside = read(Path(files[-1]), asked)
+        # The command line adds fields of the simulator to these, and wins.
+        ours = {text.partition("=")[0] for text in _given(arguments, "--sim")}
+        kept = tuple(text for text in learning.sim if text.partition("=")[0] not in ours)
         houses = Path(beside["houses"]) if "houses" in beside else None
-        return Train(houses, preset=preset, name=beside.get("name"), learning=learning)
+        return Train(
+            houses, preset=preset, name=beside.get("name"), learning=replace(learning, sim=kept)
+        )
 
     def run(self) -> int:
         """Train to the end; the run is saved every half minute on the way."""
@@ -182,14 +187,14 @@ class ImportKeras:
         return 0
 
 
-def _given(arguments: Sequence[str], flag: str) -> str | None:
-    """The last value that arguments give an option."""
-    found = None
-    for argument, following in pairwise([*arguments, ""]):
+def _given(arguments: Sequence[str], flag: str) -> list[str]:
+    """The values that arguments give an option."""
+    found = list[str]()
+    for argument, following in pairwise([*arguments, "--"]):
         if argument == flag and not following.startswith("--"):
-            found = following or None
+            found.append(following)
         elif argument.startswith(f"{flag}="):
-            found = argument.partition("=")[2]
+            found.append(argument.partition("=")[2])
     return found
 
 

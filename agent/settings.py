@@ -5,15 +5,16 @@ None: the word "none" stands for it.
 """
 
 import re
+import textwrap
 import tomllib
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
 
 import msgspec
 
 from agent.config import PRESETS, TrainConfig
-from agent.options import Option
+from agent.options import Option, options_of
 from logic.errors import VitruviusError
 from logic.spelling import unknown
 
@@ -38,7 +39,8 @@ def written(config: TrainConfig, options: list[Option], **beside: str | None) ->
 
     lines = ["# vitruvius train --config FILE; options on the command line win over what is here.", ""]
     lines += [tomli_w.dumps({key: value}).strip() for key, value in beside.items() if value]
-    values, title = asdict(config), ""
+    # As it is read again: 1 is 1.0 where a number is asked for.
+    values, title = asdict(msgspec.convert(asdict(config), type(config))), ""
     for option in options:
         if option.name not in values:
             continue
@@ -46,12 +48,12 @@ def written(config: TrainConfig, options: list[Option], **beside: str | None) ->
             title = option.group
             lines += ["", f"# - {title} " + "-" * (70 - len(title))]
         value = values[option.name]
-        lines.append(f"# {option.help}")
+        lines += textwrap.wrap(option.help, 100, initial_indent="# ", subsequent_indent="# ")
         lines.append(tomli_w.dumps({option.name: NONE if value is None else value}).strip())
     return "\n".join(lines) + "\n"
 
 
-def read(path: Path, preset: str | None = None) -> tuple[str, TrainConfig, dict[str, str]]:
+def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, str]]:
     """The preset that a file names, its config, and what else of ``BESIDE`` it has. Another ``preset`` takes
     the place of the file's: what the file says besides is kept.
 
@@ -77,12 +79,17 @@ def read(path: Path, preset: str | None = None) -> tuple[str, TrainConfig, dict[
     if preset not in PRESETS:
         refuse("preset", unknown("preset", preset, PRESETS))
     base = PRESETS[preset]
-    known = [each.name for each in fields(base)]
-    for key in found:
+    known = {option.name: option for option in options_of(base)}
+    for key, value in found.items():
+        if isinstance(value, dict):
+            refuse(key, f"[{key}]: settings stand at the top of the file, in no table")
         if key not in known:
             refuse(key, f"preset {preset}: {unknown('setting', key, [*known, *BESIDE])}")
-    optional = {each.name for each in fields(base) if "None" in str(each.type)}
-    given = {key: None if value == NONE and key in optional else value for key, value in found.items()}
+        if known[key].choices and value not in known[key].choices:
+            refuse(key, unknown(key, value, known[key].choices))
+    given = {
+        key: None if value == NONE and known[key].optional else value for key, value in found.items()
+    }
     try:
         config = msgspec.convert(asdict(base) | given, type(base))
     except msgspec.ValidationError as error:
