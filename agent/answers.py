@@ -16,7 +16,7 @@ ANSWERS = {
     "convert": "logic.answers:Written",
     "lint": "logic.answers:Linted",
     "explain": "logic.answers:Explained",
-    "info": "agent.info:About",
+    "info": "agent.info.commands:About",
     "train": "agent.answers:Trained",
     "evaluate": "agent.evaluation.scores:ScoreFile",
     "record": "logic.answers:Written",

@@ -27,7 +27,7 @@ COMMANDS = {
         "logic.commands.houses:Convert",
         "Write houses as a file of today's format, or for another tool.",
     ),
-    "info": ("agent.info:Info", "Say what a file or folder is: houses, a grammar, an agent, a run."),
+    "info": ("agent.info.commands:Info", "Say what a file or folder is: houses, a grammar, an agent, a run."),
     "explain": (
         "logic.commands.rules:Explain",
         "Why no house satisfies a request, or why a house is as it is.",
@@ -88,24 +88,24 @@ def main(arguments: list[str] | None = None) -> None:
     sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
 
 
-def top() -> str:
-    """The help of ``vitruvius``."""
-    return help.of_table("vitruvius", ABOUT, COMMANDS, GROUPS, ENDINGS)
+def top(width: int | None = None) -> str:
+    """The help of ``vitruvius``, as wide as the terminal or as given."""
+    return help.of_table("vitruvius", ABOUT, COMMANDS, GROUPS, ENDINGS, width)
 
 
-def studies() -> str:
+def studies(width: int | None = None) -> str:
     """The help of ``vitruvius bench``."""
-    return help.of_table("vitruvius bench", COMMANDS["bench"][1], STUDIES, STUDY_GROUPS)
+    return help.of_table("vitruvius bench", COMMANDS["bench"][1], STUDIES, STUDY_GROUPS, width=width)
 
 
-def command_help(words: Sequence[str], arguments: Sequence[str] = ()) -> str:
+def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int | None = None) -> str:
     """The help of a command, ``["generate"]`` or ``["bench", "generator"]``, with these arguments."""
     from agent.options import options_of
 
     table = STUDIES if words[0] == "bench" else COMMANDS
     kind = pkgutil.resolve_name(table[words[-1]][0])
     options = options_of(kind.like(arguments) if words[0] == "train" else kind)
-    return help.of_command(f"vitruvius {' '.join(words)}", kind.__doc__, options)
+    return help.of_command(f"vitruvius {' '.join(words)}", kind.__doc__, options, width)
 
 
 def parse(arguments: list[str]) -> Any:
@@ -201,28 +201,28 @@ def _exit_code(arguments: list[str]) -> int:
         if "--json" in arguments:
             from logic.answers import encoded, failure
 
-            words = arguments[:2] if arguments[0] == "bench" else arguments[:1]
-            print(encoded(" ".join(words), code, error=failure(error)))
+            named = arguments[: 1 + (arguments[0] == "bench")]
+            print(encoded(" ".join(named), code, error=failure(error)))
         return code
 
     try:
         with at_sigterm(terminate):
-            return _run(arguments)
+            code = _run(arguments)
     except VitruviusError as error:
         fault = error.exit_code == VitruviusError.exit_code
         what = "error, a fault of ours, please report it" if fault else "error"
-        return failed(error, error.exit_code, f"{what}: {error}")
+        code = failed(error, error.exit_code, f"{what}: {error}")
     except KeyboardInterrupt as end:
-        return failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
+        code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
     except BrokenPipeError:
         # The reader of our output is gone, as in `vitruvius generate ... | head`.
-        sys.stdout = None
-        return 0
+        sys.stdout, code = None, 0
     except OSError as error:
-        return failed(error, 5, f"error: {error.filename or 'a file'}: {error.strerror}")
+        code = failed(error, 5, f"error: {error.filename or 'a file'}: {error.strerror}")
     except Exception as error:
         traceback.print_exc()
-        return failed(error, 70, "error, a fault of ours: please report it with the lines above")
+        code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
+    return code
 
 
 if __name__ == "__main__":

@@ -77,9 +77,7 @@ class Train(Generic[Kind]):
         ours = {text.partition("=")[0] for text in _given(arguments, "--sim")}
         kept = tuple(text for text in learning.sim if text.partition("=")[0] not in ours)
         houses = Path(beside["houses"]) if "houses" in beside else None
-        return Train(
-            houses, preset=preset, name=beside.get("name"), learning=replace(learning, sim=kept)
-        )
+        return Train(houses, preset=preset, name=beside.get("name"), learning=replace(learning, sim=kept))
 
     def run(self) -> int:
         """Train to the end; the run is saved every half minute on the way."""

@@ -43,7 +43,7 @@ PROGRAMS = "vitruvius", "./run"
 
 @dataclass(frozen=True)
 class Completion:
-    """Print a script by which your shell completes commands, options, and names of grammars, agents and banks.
+    """Print a script by which your shell completes commands, options, and names of grammars and agents.
 
     bash: add eval "$(vitruvius completion bash)" to ~/.bashrc. zsh: the same with zsh in ~/.zshrc, after
     compinit. fish: vitruvius completion fish > ~/.config/fish/completions/vitruvius.fish
@@ -122,7 +122,9 @@ def bash() -> str:
     from benchmarks import STUDIES
 
     commands = " ".join(place.words for place in found if " " not in place.words)
-    flags = "\n".join(f"    {shlex.quote(place.words)}) options={shlex.quote(' '.join(place.flags))} ;;" for place in found)
+    flags = "\n".join(
+        f"    {shlex.quote(place.words)}) options={shlex.quote(' '.join(place.flags))} ;;" for place in found
+    )
     taken = "\n".join(_bash_values(found))
     return f"""\
 # Completion of vitruvius by bash: eval "$(vitruvius completion bash)"
@@ -196,13 +198,12 @@ def _bash_values(found: Iterable[Place]) -> Iterator[str]:
 
 def zsh() -> str:
     """The script for zsh."""
-    cases = list[str]()
-    for place in places():
+    found, cases = places(), list[str]()
+    for place in found:
         specs = " ".join(shlex.quote(spec) for spec in _zsh_specs(place))
         cases.append(f"    {shlex.quote(place.words)}) _arguments -S {specs} ;;")
-    described = [place for place in places()]
-    commands = _zsh_described(place for place in described if " " not in place.words)
-    studies = _zsh_described(place for place in described if " " in place.words)
+    commands = _zsh_described(place for place in found if " " not in place.words)
+    studies = _zsh_described(place for place in found if " " in place.words)
     body = "\n".join(cases)
     return f"""\
 #compdef {" ".join(PROGRAMS)}
@@ -279,7 +280,8 @@ def fish() -> str:
     lines = [
         "# Completion of vitruvius by fish: ~/.config/fish/completions/vitruvius.fish",
         'function __vitruvius_after; set -l w (commandline -poc); test "$w[2..]" = "$argv[1]"; end',
-        'function __vitruvius_in; set -l w (commandline -poc); string match -q -- "$argv[1] *" "$w[2..] "; end',
+        "function __vitruvius_in; set -l w (commandline -poc)",
+        '  string match -q -- "$argv[1] *" "$w[2..] "; end',
         "complete -c vitruvius -f",
         *_fish_lines(),
     ]

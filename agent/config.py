@@ -28,7 +28,11 @@ class TrainConfig:
     Raises ``RequestError``, a ``ValueError``, that names the field for a value that no run can have.
     """
 
-    groups: ClassVar = {"targets": "What is learnt", "num_envs": "The run's size", "learning_rate": "Learning"}
+    groups: ClassVar = {
+        "targets": "What is learnt",
+        "num_envs": "The run's size",
+        "learning_rate": "Learning",
+    }
 
     targets: str = "main"
     """Where targets lie: main, secondary or mixed; or another task: module:Class, or as JSON, for example

@@ -34,9 +34,11 @@ def grouped(table: Table, groups: Mapping[str, str]) -> dict[str, list[str]]:
     return found
 
 
-def of_table(prog: str, about: str, table: Table, groups: Mapping[str, str], end: str = "") -> str:
+def of_table(
+    prog: str, about: str, table: Table, groups: Mapping[str, str], end: str = "", width: int | None = None
+) -> str:
     """Help that lists commands."""
-    width = columns()
+    width = width or columns()
     parts = [f"usage: {prog} COMMAND [OPTIONS]", "", *_wrapped(about, width, 0), ""]
     longest = max(map(len, table))
     for title, names in grouped(table, groups).items():
@@ -48,9 +50,9 @@ def of_table(prog: str, about: str, table: Table, groups: Mapping[str, str], end
     return "\n".join([*parts, *(["", end] if end else [])])
 
 
-def of_command(prog: str, about: str, options: Iterable["Option"]) -> str:
+def of_command(prog: str, about: str, options: Iterable["Option"], width: int | None = None) -> str:
     """Help of one command: what it does, its arguments, its options."""
-    options, width = list(options), columns()
+    options, width = list(options), width or columns()
     positional = [option for option in options if option.positional]
     named = [option for option in options if not option.positional]
     parts = [f"usage: {' '.join([prog, *map(_argument, positional), '[OPTIONS]'])}", ""]
@@ -60,7 +62,9 @@ def of_command(prog: str, about: str, options: Iterable["Option"]) -> str:
     for title, members in groupby(named, lambda option: option.group):
         groups[title] = [*groups.get(title, []), *members]
     entries = {title: [(_name(each), sentence(each)) for each in groups[title]] for title in groups}
-    longest = max((len(name) for each in entries.values() for name, _ in each if len(name) <= LONGEST), default=0)
+    longest = max(
+        (len(name) for each in entries.values() for name, _ in each if len(name) <= LONGEST), default=0
+    )
     for title, members in entries.items():
         parts.append(_heading(title))
         for name, text in members:

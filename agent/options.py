@@ -119,12 +119,14 @@ def options_in(place: str) -> Iterator[Option]:
     for field, sentence in _documented(kind):
         annotation = ast.unparse(field.annotation)
         names = [each.id for each in ast.walk(field.annotation) if isinstance(each, ast.Name)]
-        choices = _literals(field.annotation) or next((values[each] for each in names if values.get(each)), ())
+        choices = _literals(field.annotation) or next(
+            (values[each] for each in names if values.get(each)), ()
+        )
         assert isinstance(field.target, ast.Name)
         yield Option(
             field.target.id,
             next((kind for kind in (bool, Path, int, float) if kind.__name__ in names), str),
-            " ".join(sentence.split()),
+            " ".join(sentence.replace("``", "").split()),
             "Options",
             None,
             choices,
@@ -186,7 +188,7 @@ def _named(prog: str, flag: str, options: Iterable[Option]) -> Option:
 
 
 def _require_loose(prog: str, words: Sequence[str], options: Sequence[Option]) -> None:
-    """Raise ``RequestError`` for arguments without names that are too few or too many, or have wrong values."""
+    """Raise ``RequestError`` for arguments without names that are too few, too many or wrong."""
     if len(words) > len(options) and not any(option.several for option in options):
         surplus = words[len(options)]
         raise RequestError(f"{prog}: {surplus} is one word too many: see {prog} --help")

@@ -87,9 +87,7 @@ def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, st
             refuse(key, f"preset {preset}: {unknown('setting', key, [*known, *BESIDE])}")
         if known[key].choices and value not in known[key].choices:
             refuse(key, unknown(key, value, known[key].choices))
-    given = {
-        key: None if value == NONE and known[key].optional else value for key, value in found.items()
-    }
+    given = {key: None if value == NONE and known[key].optional else value for key, value in found.items()}
     try:
         config = msgspec.convert(asdict(base) | given, type(base))
     except msgspec.ValidationError as error:

@@ -1,7 +1,7 @@
 """What commands print with ``--json``: one object on the standard output, whatever comes out.
 
-``format``, ``command`` and ``exit_code`` are always there; ``answer`` is what the command found, ``error`` why
-it found nothing, and one of the two is null. ``docs/answers.schema.json`` is their JSON Schema.
+``format``, ``command`` and ``exit_code`` are always there; ``answer`` is what the command found, ``error``
+why it found nothing, and one of the two is null. ``docs/answers.schema.json`` is their JSON Schema.
 """
 
 from typing import Any
@@ -56,8 +56,8 @@ class Linted(msgspec.Struct, frozen=True):
 
 
 class Explained(msgspec.Struct, frozen=True):
-    """Of ``explain``: a request, and the conflict if it is not ``satisfiable``; or ``why`` a part is as it is,
-    in the house of that index.
+    """Of ``explain``: a request, and the conflict if it is not ``satisfiable``; or ``why`` a part of a house
+    is as it is.
     """
 
     satisfiable: bool | None = None

@@ -56,8 +56,8 @@ class Evaluate:
     """Episodes in each house."""
 
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
-    """Scores of external agents in the same houses, seed and targets, to show in the tables: the evaluation.json of
-    --out, or what an example's --out writes."""
+    """Scores of external agents in the same houses, seed and targets, to show in the tables: the
+    evaluation.json of --out, or what an example's --out writes."""
 
     beside: Path | None = None
     """Games that people played in these houses (vitruvius play), to show beside agents and baselines that

@@ -6,7 +6,6 @@ from agent.config import PRESETS
 from logic.errors import VitruviusError
 from logic.spelling import unknown
 
-
 FORMAT = "vitruvius-agent-3"
 """Of checkpoints, which ``agent.checkpoint`` reads and writes."""
 

@@ -52,7 +52,13 @@ class Rate(ProgressColumn):
 
 def progress(items: Any, total: int, what: str) -> Iterator[Any]:
     """A progress bar on a terminal, with rate and time left; nothing in a pipe."""
-    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), Rate(), TimeRemainingColumn()
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        Rate(),
+        TimeRemainingColumn(),
+    )
     with progress_bar(*columns) as bar:
         yield from bar.track(items, total, description=what)
 

@@ -6,7 +6,9 @@ from typing import Annotated, Any
 import msgspec
 import tyro
 
-from agent.about import (
+from agent.help import columns, entry
+from agent.info.reading import things
+from agent.info.things import (
     Agent,
     Games,
     Grammar,
@@ -17,9 +19,7 @@ from agent.about import (
     Scores,
     Settings,
     Trace,
-    things,
 )
-from agent.help import columns, entry
 from logic.commands import print_answer
 from logic.spelling import printable
 
@@ -57,7 +57,7 @@ class About(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Info:
-    """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run...
+    """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
 
     It reads house files of every format, GeoJSON plans, checkpoints, folders of train, games, scores, traces,
     folders of rules, TOML settings and weights of Keras, and runs nothing of them.
@@ -90,21 +90,24 @@ def _text(record: dict[str, Any]) -> str:
 
 def _words(key: str, value: Any) -> str:
     """A value as people read it; empty where there is nothing to say."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if key == "rooms" and isinstance(value, tuple | list):
-        return f"{value[0]} to {value[1]}" if value[0] < value[1] else str(value[0])
-    if isinstance(value, int) and key in LARGE:
-        return f"{value:,}"
-    if isinstance(value, float):
-        return f"{value:,.2f}"
-    if isinstance(value, dict) and len(value) == 1 and key in ALIKE:
-        return next(iter(value))
-    if isinstance(value, dict):
-        return ", ".join(f"{name} {_inner(each)}" for name, each in value.items())
-    if isinstance(value, tuple | list):
-        return ", ".join(_inner(each) for each in value)
-    return "" if value is None else str(value)
+    match value:
+        case bool():
+            words = "yes" if value else "no"
+        case (least, most) if key == "rooms":
+            words = f"{least} to {most}" if least < most else str(least)
+        case int() if key in LARGE:
+            words = f"{value:,}"
+        case float():
+            words = f"{value:,.2f}"
+        case dict() if len(value) == 1 and key in ALIKE:
+            words = next(iter(value))
+        case dict():
+            words = ", ".join(f"{name} {_inner(each)}" for name, each in value.items())
+        case tuple() | list():
+            words = ", ".join(map(_inner, value))
+        case _:
+            words = "" if value is None else str(value)
+    return words
 
 
 def _inner(value: Any) -> str:

@@ -1,14 +1,11 @@
-"""What a file or folder of ours is, or a name: what ``vitruvius info`` says of it. Nothing of it is run.
-
-Each kind of thing is a Struct, whose ``kind`` names it in JSON, with a function that reads it.
-"""
+"""What a path or a name is: told by how a file begins, and read as one of ``things``. Nothing of it runs."""
 
 import gzip
 import json
-import tomllib
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +13,19 @@ import msgspec
 
 from agent.banks import BANKS, bank_hash, benchmark_path
 from agent.config import PRESETS, TrainConfig, differences
+from agent.info.things import (
+    Agent,
+    Games,
+    Grammar,
+    Houses,
+    Keras,
+    Plan,
+    Run,
+    Scores,
+    Settings,
+    Thing,
+    Trace,
+)
 from agent.play.results import load as load_games
 from agent.released import FORMAT, located, released, require_sizes
 from agent.settings import read as read_settings
@@ -40,149 +50,6 @@ class UnknownFileError(VitruviusError):
     """A file or folder is absent, or is nothing that we know."""
 
     exit_code = 5
-
-
-class Thing(msgspec.Struct, frozen=True, tag_field="kind", kw_only=True):
-    """Anything that ``info`` knows."""
-
-    name: str
-    """As it was given."""
-
-
-class Houses(Thing, tag="houses"):
-    """A house file, or a frozen bank."""
-
-    houses: int
-    formats: dict[str, int]
-    topologies: dict[str, int]
-    rooms: tuple[int, int]
-    """Fewest and most in a house, as requests count them."""
-    types: dict[str, int]
-    pieces: dict[str, int]
-    grammars: dict[str, int]
-    """Houses by grammar, each with the start of its hash."""
-    seeds: tuple[int, ...]
-    versions: dict[str, str]
-    checksum: str
-    """``agent.banks.bank_hash``."""
-    bank: str | None = None
-    """The frozen bank whose houses these are."""
-    stopped: str | None = None
-    """Why the series ended early."""
-
-
-class Plan(Thing, tag="plan"):
-    """GeoJSON, for ``generate --plan``."""
-
-    rooms: int
-    types: dict[str, int]
-    size: tuple[float, float]
-    """Metres, east and south."""
-
-
-class Agent(Thing, tag="agent"):
-    """A checkpoint."""
-
-    agent: str
-    format: str
-    readable: bool
-    """Whether this version plays it."""
-    algorithm: str
-    steps: int
-    parameters: int
-    targets: str
-    houses_checksum: str
-    """``bank_hash`` of those that it learnt in."""
-    command: str
-    config: dict[str, Any]
-
-
-class Run(Thing, tag="run"):
-    """A folder of ``train``."""
-
-    preset: str
-    algorithm: str
-    steps: int
-    of_steps: int
-    finished: bool
-    seconds: float
-    targets: float | None
-    """Picked up per 1500 steps at the last report."""
-    houses: int
-    houses_checksum: str
-    command: str
-    versions: dict[str, str]
-    files: list[str]
-
-
-class Games(Thing, tag="games"):
-    """Results of ``play``."""
-
-    games: int
-    players: dict[str, int]
-    targets: dict[str, int]
-    views: dict[str, int]
-    score: float
-    """Mean number of targets."""
-    raced: list[str]
-    houses: int
-    taken: tuple[str, str]
-    """The first and the last."""
-    versions: dict[str, str]
-
-
-class Scores(Thing, tag="scores"):
-    """Figures of ``evaluate``: the oracle ratio of each policy by where targets lay."""
-
-    bank: str
-    houses: int
-    checksum: str
-    seed: int
-    backend: str
-    ratios: dict[str, dict[str, float]]
-
-
-class Trace(Thing, tag="trace"):
-    """An episode, step by step."""
-
-    format: str
-    agent: str
-    mode: str
-    seed: int
-    length: int
-    targets: int
-    """How many appeared."""
-
-
-class Grammar(Thing, tag="grammar"):
-    """A folder of rules."""
-
-    folder: str
-    topology: str
-    checksum: str
-    lines: dict[str, int]
-    """Of each of its files."""
-    shipped: bool
-
-
-class Keras(Thing, tag="keras"):
-    """Weights in HDF5, as Keras writes them: for ``import-keras``."""
-
-    layers: dict[str, str]
-    """The shapes of each one's arrays."""
-    parameters: int
-    versions: dict[str, str]
-
-
-class Settings(Thing, tag="settings"):
-    """A TOML file for ``train --config``, or a preset."""
-
-    preset: str
-    algorithm: str
-    steps: int
-    targets: str
-    changed: dict[str, str]
-    """What is not as in the preset."""
 
 
 def things(name: str) -> list[Thing]:
@@ -227,9 +94,11 @@ def _folder(name: str, path: Path) -> Thing:
     if any(path.glob("*.lp")) or any(path.glob("*.pl")):
         return _grammar(name, path)
     there = sorted(each.name for each in path.iterdir())
-    known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", ".toml")) or each == "training"]
+    known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", "training"))]
     hint = f"look at {path / known[0]}" if known else "it has " + (", ".join(there[:5]) or "nothing")
-    raise UnknownFileError(f"{name}: a folder that is no run (no config.json) and no grammar (no .lp): {hint}")
+    raise UnknownFileError(
+        f"{name}: a folder that is no run (no config.json) and no grammar (no .lp): {hint}"
+    )
 
 
 def _file(name: str, path: Path) -> Thing:
@@ -362,7 +231,7 @@ def _agent(name: str, path: Path) -> Agent:
             readable=record["format"] == FORMAT,
             algorithm=record["algorithm"],
             steps=int(record["steps"]),
-            parameters=sum(_product(shape) for shape in shapes),
+            parameters=sum(map(prod, shapes)),
             targets=str(config.get("targets", "")),
             houses_checksum=record["houses"],
             command=record["command"],
@@ -370,13 +239,6 @@ def _agent(name: str, path: Path) -> Agent:
         )
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
         raise UnknownFileError(f"{name}: no checkpoint of ours. Make one with: vitruvius train") from None
-
-
-def _product(shape: Sequence[int]) -> int:
-    number = 1
-    for each in shape:
-        number *= each
-    return number
 
 
 def _run(name: str, path: Path) -> Run:
@@ -461,7 +323,9 @@ def _scores(name: str, record: dict[str, Any]) -> Scores:
 def _trace(name: str, record: dict[str, Any]) -> Trace:
     try:
         words = {key: record[key] for key in ("format", "agent", "mode", "seed", "length")}
-        return msgspec.convert({"kind": "trace", "name": name, **words, "targets": len(record["targets"])}, Trace)
+        return msgspec.convert(
+            {"kind": "trace", "name": name, **words, "targets": len(record["targets"])}, Trace
+        )
     except (KeyError, TypeError, msgspec.ValidationError):
         raise UnknownFileError(f"{name}: a trace of another version. Record the episode again") from None
 
@@ -483,25 +347,29 @@ def _grammar(name: str, folder: str | Path) -> Grammar:
 def _keras(name: str, path: Path) -> Keras:
     import h5py
 
-    layers, parameters = dict[str, list[str]](), 0
     try:
         with h5py.File(path) as file:
-            group = file.get("model_weights", file)
-            for layer in group.attrs["layer_names"]:
-                word = _text(layer)
-                shapes = [tuple(group[word][key].shape) for key in map(_text, group[word].attrs["weight_names"])]
-                parameters += sum(_product(shape) for shape in shapes)
-                if shapes:
-                    layers[word] = [" x ".join(map(str, shape)) for shape in shapes]
-            versions = {
-                key.removesuffix("_version"): _text(group.attrs[key])
-                for key in ("keras_version", "backend")
-                if key in group.attrs
-            }
+            shapes, versions = _weights(file)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {str(error).splitlines()[0]}") from None
-    shown = {layer: ", ".join(shapes) for layer, shapes in layers.items()}
-    return Keras(name=name, layers=shown, parameters=parameters, versions=versions)
+        reason = str(error).splitlines()[0]
+        raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {reason}") from None
+    layers = {
+        layer: ", ".join(" x ".join(map(str, shape)) for shape in arrays) for layer, arrays in shapes.items()
+    }
+    parameters = sum(prod(shape) for arrays in shapes.values() for shape in arrays)
+    return Keras(name=name, layers=layers, parameters=parameters, versions=versions)
+
+
+def _weights(file: Any) -> tuple[dict[str, list[tuple[int, ...]]], dict[str, str]]:
+    """The shapes of each layer's arrays, of those that have any, and the versions that wrote them."""
+    group = file.get("model_weights", file)
+    layers = {
+        layer: [tuple(group[layer][_text(key)].shape) for key in group[layer].attrs["weight_names"]]
+        for layer in map(_text, group.attrs["layer_names"])
+    }
+    kept = {"keras_version": "keras", "backend": "backend"}
+    versions = {word: _text(group.attrs[key]) for key, word in kept.items() if key in group.attrs}
+    return {layer: shapes for layer, shapes in layers.items() if shapes}, versions
 
 
 def _settings(name: str, preset: str, config: TrainConfig) -> Settings:
