@@ -1,4 +1,4 @@
-"""``docs/command-line.md``: how commands are used, and the help of each. ``python -m agent.page`` prints it."""
+"""``docs/command-line.md``: how commands are used, and the help of each: ``python -m agent.page``."""
 
 import pkgutil
 from collections.abc import Iterator

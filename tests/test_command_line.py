@@ -22,6 +22,7 @@ import tyro
 from agent import page
 from agent.answers import ANSWERS
 from agent.cli import COMMANDS, GROUPS, STUDY_GROUPS, command_help, main
+from agent.commands import Train
 from agent.completion import bash, fish, places, zsh
 from agent.config import PRESETS
 from agent.help import grouped
@@ -33,6 +34,7 @@ from logic.commands import progress
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
+Answered = Callable[[str], dict[str, Any]]
 WORDS = [*([name] for name in COMMANDS if name != "bench"), *(["bench", name] for name in STUDIES)]
 
 
@@ -48,10 +50,10 @@ def classes() -> Iterator[tuple[list[str], Any]]:
 
 def test_options_of_help_and_completion_are_those_that_tyro_takes() -> None:
     for words, command in classes():
-        kind = command if isinstance(command, type) else type(command)[type(command.learning)]
-        shown = io.StringIO()
+        is_train, shown = words[0] == "train", io.StringIO()
+        kind: Any = Train[type(command.learning)] if is_train else command
         with contextlib.redirect_stdout(shown), pytest.raises(SystemExit):
-            tyro.cli(kind, args=["--help"], **({} if kind is command else {"default": command}))
+            tyro.cli(kind, args=["--help"], default=command if is_train else tyro.MISSING)
         listed = re.findall(r"^  (--[\w-]+)", shown.getvalue(), re.MULTILINE)
         ours = {option.flag for option in options_of(command) if not option.positional}
         assert ours == set(listed), words
@@ -106,7 +108,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def answered(
     validator: Any, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[[str], dict[str, Any]]:
+) -> Answered:
     """Runs a command with --json, holds what is true of each answer, and returns it."""
 
     def run(words: str) -> dict[str, Any]:
@@ -149,9 +151,7 @@ def test_the_published_schema_of_answers_is_that_of_their_types(capsys: pytest.C
         ("info test-v1", 0),
     ],
 )
-def test_each_answer_is_as_the_schema_says(
-    answered: Callable[[str], dict[str, Any]], words: str, code: int
-) -> None:
+def test_each_answer_is_as_the_schema_says(answered: Answered, words: str, code: int) -> None:
     found = answered(words)
     assert (found["command"], found["exit_code"], found["error"]) == (words.split(maxsplit=1)[0], code, None)
 
@@ -184,9 +184,7 @@ def test_the_schema_s_answers_are_told_apart_by_their_command(validator: Any, an
         ("train --steps 0", 2, "RequestError"),
     ],
 )
-def test_an_error_is_an_answer_too(
-    answered: Callable[[str], dict[str, Any]], words: str, code: int, kind: str
-) -> None:
+def test_an_error_is_an_answer_too(answered: Answered, words: str, code: int, kind: str) -> None:
     found = answered(words)
     assert (found["exit_code"], found["error"]["kind"], found["answer"]) == (code, kind, None)
     assert found["error"]["message"]
@@ -300,15 +298,14 @@ def test_each_script_has_every_command_and_option() -> None:
         assert all(place.words in script for place in places())
 
 
-@pytest.mark.parametrize(
-    "words", [["--help"], ["completion", "bash"], ["bench", "--help"], ["info", "pqn-map"]]
-)
-def test_help_completion_and_info_import_neither_torch_nor_taichi(words: list[str]) -> None:
+@pytest.mark.parametrize("words", ["--help", "completion bash", "bench --help", "info pqn-map"])
+def test_help_completion_and_info_import_neither_torch_nor_taichi(words: str) -> None:
     code = (
         "import sys; from agent.cli import main\ntry: main(sys.argv[1:])\nexcept SystemExit: pass\n"
         "print('imported', *({'torch', 'taichi', 'gymnasium', 'scipy'} & set(sys.modules)))"
     )
-    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
+    command = [sys.executable, "-c", code, *words.split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "imported"
 
 

@@ -65,10 +65,10 @@ def things(name: str) -> list[Thing]:
     found = list(_named(name))
     if not found:
         names = sorted({*BANKS, PAPER_HOUSE, *shipped(), *released(), *PRESETS})
-        beside = sorted(each.name for each in path.parent.glob("*")) if path.parent.is_dir() else []
-        close = closest(path.name, beside)
-        hint = f"did you mean {path.parent / close}?" if close else f"and {unknown('name', name, names)}"
-        raise UnknownFileError(f"{name}: there is no such file{': ' if close else ', '}{hint}")
+        beside = [str(each) for each in sorted(path.parent.glob("*"))]
+        if (close := closest(name, [*beside, *names])) in beside:
+            raise UnknownFileError(f"{name}: there is no such file: did you mean {close}?")
+        raise UnknownFileError(f"{name}: there is no such file, and {unknown('name', name, names)}")
     return found
 
 

@@ -20,7 +20,7 @@ WORDS = "--num-envs 8 --num-steps 16 --steps 1500 --learning-rate 0.003 --half-l
 
 def printed(words: str, capsys: pytest.CaptureFixture[str]) -> str:
     """What --print-config prints."""
-    with pytest.raises(SystemExit, match="^0$"):
+    with pytest.raises(SystemExit, match=r"^0$"):
         main(["train", *words.split(), "--print-config"])
     return capsys.readouterr().out
 
@@ -109,5 +109,5 @@ def test_what_is_wrong_in_a_file_is_named_by_its_line(text: str | bytes, says: s
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(SettingsError, match="none.toml: cannot be read: No such file"):
+    with pytest.raises(SettingsError, match=r"none\.toml: cannot be read: No such file"):
         read(tmp_path / "none.toml")
