@@ -52,7 +52,8 @@ def play(config, steps, tuned=TUNED):
         blocked = torch.from_numpy(info["blocked"].copy())
         rows.append((pose, np.stack(taken, axis=-1), action.numpy(), info["blocked"].copy()))
         found += reward.sum()
-    return Play(*map(np.stack, zip(*rows, strict=True)), found, policy.tracker.planner)
+    pose, taken, actions, blocks = map(np.stack, zip(*rows, strict=True))
+    return Play(pose, taken, actions, blocks, found, policy.tracker.planner)
 
 
 def changed(places):
