@@ -17,12 +17,12 @@ POINTS = 300
 """Of a curve, at most."""
 
 CURVES = (
-    ("targets", "targets per 1500 steps, while exploring", False),
-    ("loss", "loss", True),
-    ("epsilon", "share of random actions", False),
-    ("overruled", "share of actions overruled by avoidance", False),
+    ("targets", "Targets picked up, while exploring", "targets per 1500 steps", False),
+    ("loss", "Loss", "mean loss", True),
+    ("epsilon", "Random actions", "share of actions", False),
+    ("overruled", "Actions that the avoidance layer overruled", "share of actions", False),
 )
-"""Fields of ``Progress`` that are drawn: the label, and whether its axis is logarithmic."""
+"""Fields of ``Progress`` that are drawn: title and label, and whether the axis is logarithmic."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,8 @@ class TrainingRun:
         here = Folder(folder)
         try:
             config = json.loads(here.config.read_bytes()) if here.config.exists() else {}
+            if not isinstance(config, dict):
+                raise ValueError("it is no object")
         except ValueError as error:
             raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
         history = []
@@ -67,10 +69,15 @@ class TrainingRun:
         return "finished" if done >= 1 else f"stopped at {done:.0%}: vitruvius train --resume continues it"
 
 
-def section(files: Sequence[Path], folder: Path) -> Section:
-    """Of the folders of these ``config.json`` or ``metrics.jsonl`` files."""
+def section(files: Sequence[Path], folder: Path) -> Section | None:
+    """Of the folders of these ``config.json`` or ``metrics.jsonl`` files. Other programs have a file
+    ``config.json`` too: theirs are passed over.
+    """
     folders = sorted({path.parent for path in files})
-    runs = [TrainingRun.of(each, _name(each, folder)) for each in folders]
+    found = [TrainingRun.of(each, _name(each, folder)) for each in folders]
+    runs = [run for run in found if run.history or "algorithm" in run.config]
+    if not runs:
+        return None
     shown = [run for run in runs if run.history]
     kinds = slots(dict.fromkeys(_kind(run) for run in shown))
     parts = []
@@ -99,7 +106,7 @@ def _kind(run: TrainingRun) -> str:
     return str(run.config.get("preset", run.name))
 
 
-def _curve(runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, label: str, log: bool) -> str:
+def _curve(runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, title: str, label: str, log: bool) -> str:
     """A field of all runs against steps."""
     series = [
         Series(
@@ -112,7 +119,7 @@ def _curve(runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, label
         for run in runs
     ]
     x, y = Axis("environment steps, millions", least=0.0), Axis(label, log, None if log else 0.0)
-    return line_plot(label[0].upper() + label[1:], x, y, series)
+    return line_plot(title, x, y, series)
 
 
 def _cell(last: Progress | None, field: str, form: str) -> Cell:

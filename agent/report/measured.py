@@ -15,7 +15,7 @@ from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
 
 COLUMNS = {
     "targets": ("targets", 1),
-    "ratio": ("ratio to the oracle", 2),
+    "ratio": ("ratio", 2),
     "success": ("success", 2),
     "spl": ("SPL", 2),
     "coverage_500": ("seen by 500", 2),

@@ -249,7 +249,8 @@ class Episode {
     const marks = [["never seen", GROUND[0]], ["seen before the last pick-up", GROUND[1]], ["occupied", GROUND[3]], ["belief", [240, 130, 20, 200]]];
     for (const [words, [red, green, blue, alpha]] of marks) {
       const mark = made("i");
-      mark.style.background = `rgb(${red} ${green} ${blue} / ${alpha / 255})`;
+      const colour = `rgb(${red} ${green} ${blue} / ${alpha / 255})`;
+      mark.style.background = `linear-gradient(${colour}, ${colour}), white`;
       key.append(mark, words);
     }
     field.append(key);
@@ -264,17 +265,21 @@ class Episode {
     this.article.querySelector(".choice tbody").append(...rows);
     this.rows = rows;
     if (!this.values) return;
-    this.spread = 1e-6; // the most that a value differs from the mean of its step
-    for (let t = 0; t < this.trace.length; t++) {
-      const q = this.q(t);
-      const mean = q.reduce((sum, value) => sum + value, 0) / q.length;
-      for (const value of q) this.spread = Math.max(this.spread, Math.abs(value - mean));
-    }
+    // How far values lie from the mean of their step: a bar is full where few are farther.
+    const apart = Array.from({ length: this.trace.length }, (_, t) => Math.max(...this.aboveMean(t).map(Math.abs)));
+    this.spread = apart.sort((a, b) => a - b)[Math.floor(0.95 * apart.length)] || 1;
   }
 
   q(t) {
     const count = this.trace.actions.length;
     return [...this.values.slice(t * count, (t + 1) * count)].map((value) => value * this.trace.value_unit);
+  }
+
+  /** Q-values less their mean. */
+  aboveMean(t) {
+    const q = this.q(t);
+    const mean = q.reduce((sum, value) => sum + value, 0) / q.length;
+    return q.map((value) => value - mean);
   }
 
   addTimeline() {
@@ -399,10 +404,10 @@ class Episode {
     const t = this.step;
     const over = t >= this.trace.length;
     const q = this.values && this.layers.values.checked && !over ? this.q(t) : null;
-    const mean = q ? q.reduce((sum, value) => sum + value, 0) / q.length : 0;
+    const above = q ? this.aboveMean(t) : [];
     this.rows.forEach((row, action) => {
       const [, value, bar, note] = row.cells;
-      const says = [];
+      const says = []; // of the action, at this step
       if (!over && this.action[t] === action) says.push("done");
       if (!over && this.advice?.[t] === action) says.push("planner's advice");
       if (!over && !(this.allowed[t] & (1 << action))) says.push("forbidden");
@@ -410,7 +415,7 @@ class Episode {
       note.textContent = says.join(", ");
       note.className = says.includes("forbidden") ? "vetoed" : "";
       value.textContent = q ? q[action].toFixed(3) : "";
-      const wide = q ? (50 * (q[action] - mean)) / this.spread : 0;
+      const wide = q ? Math.max(-50, Math.min(50, (50 * above[action]) / this.spread)) : 0;
       const rect = bar.querySelector("rect");
       rect.setAttribute("x", Math.min(0, wide));
       rect.setAttribute("width", Math.abs(wide));

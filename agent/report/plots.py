@@ -77,8 +77,7 @@ class _Scale:
         if high <= low:
             low, high = (low / 2, low * 2) if axis.log else (low - 0.5, low + 0.5)
         self.ticks = list(axis.ticks) or (_decades(low, high) if axis.log else _round(low, high))
-        if not axis.ticks:
-            low, high = min(low, self.ticks[0]), max(high, self.ticks[-1])
+        low, high = min(low, *self.ticks), max(high, *self.ticks)
         self.low, self.high = self._of(low), self._of(high)
 
     def _of(self, value: float) -> float:
@@ -121,7 +120,7 @@ def interval_plot(
 ) -> str:
     """A figure: a row for each name, with its figure and its interval; ``mark`` is a line across them all."""
     row, top = 30, 12
-    left = 16 + 7 * max((len(name) for name, _, _ in rows), default=0)
+    left = 16 + 7.8 * max((len(name) for name, _, _ in rows), default=0)
     height = top + row * len(rows) + 44
     axis = Axis(label, least=0.0, most=1.0)
     scale = _Scale(axis, (v for _, each, _ in rows for v in each), left, WIDTH - 40)
@@ -232,11 +231,11 @@ def _listed(points: Iterable[tuple[float, float]]) -> str:
 
 
 def _round(low: float, high: float) -> list[float]:
-    """Round numbers from at most ``low`` to at least ``high``: some five."""
+    """Round numbers from ``low`` or less to ``high`` or less: some five."""
     raw = (high - low) / 5
     size = 10 ** math.floor(math.log10(raw))
     step = next(size * factor for factor in (1, 2, 2.5, 5, 10) if size * factor >= raw * 0.999)
-    first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
+    first, last = math.floor(low / step + 1e-9), math.floor(high / step + 1e-9)
     return [round(k * step, 12) for k in range(first, last + 1)]
 
 

@@ -9,7 +9,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from agent.report.folder import write_report
 from benchmarks.common.pages import ROOT, write
 from benchmarks.common.plot import plot
 from benchmarks.common.series import is_rate, law, series_of
@@ -53,10 +52,9 @@ def study(
         files = {f"{name}.png": plot(report)} if series_of(report) else {}
         files |= {f"{name}.md": marked(page(report), report).encode()} if page else {}
         write(files, out, publish=publish and page is not None and stopped is None)
-        write_report(out)
         for title, points in series_of(report).items():
             print(f"{title}: {law(points, is_rate(report))}")
-        print(", ".join(str(out / each) for each in (file.name, f"{name}.csv", *files, "report.html")))
+        print(", ".join(str(out / each) for each in (file.name, f"{name}.csv", *files)))
     if stopped:
         raise stopped
 
