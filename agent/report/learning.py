@@ -106,7 +106,9 @@ def _kind(run: TrainingRun) -> str:
     return str(run.config.get("preset", run.name))
 
 
-def _curve(runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, title: str, label: str, log: bool) -> str:
+def _curve(
+    runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, title: str, label: str, log: bool
+) -> str:
     """A field of all runs against steps."""
     series = [
         Series(

@@ -163,6 +163,7 @@ const FORWARD = 2;
 
 /** Colours of a map's ground, as red, green, blue and how much hides the house. */
 const GROUND = [[70, 78, 92, 150], [110, 165, 215, 95], [255, 255, 255, 0], [25, 30, 38, 215]];
+const BELIEF = [18, 148, 86];
 const COLOURS = {
   ray: "rgb(84 108 140 / 50%)", fan: "rgb(84 108 140 / 12%)", hit: "#e07a14", path: "#1f5ea8", body: "#1f5ea8",
   target: "#f5b22d", edge: "#8a5a04", view: "#8c46a0", veto: "#c22a3c",
@@ -246,12 +247,12 @@ class Episode {
     });
     if (!this.map) return;
     const key = made("small", { class: "key" });
-    const marks = [["never seen", GROUND[0]], ["seen before the last pick-up", GROUND[1]], ["occupied", GROUND[3]], ["belief", [240, 130, 20, 200]]];
+    const marks = [["never seen", GROUND[0]], ["seen before the last pick-up", GROUND[1]], ["occupied", GROUND[3]], ["belief", [...BELIEF, 160]]];
     for (const [words, [red, green, blue, alpha]] of marks) {
       const mark = made("i");
       const colour = `rgb(${red} ${green} ${blue} / ${alpha / 255})`;
       mark.style.background = `linear-gradient(${colour}, ${colour}), white`;
-      key.append(mark, words);
+      key.append(made("span", {}, mark, words), " ");
     }
     field.append(key);
   }
@@ -409,7 +410,7 @@ class Episode {
       const [, value, bar, note] = row.cells;
       const says = []; // of the action, at this step
       if (!over && this.action[t] === action) says.push("done");
-      if (!over && this.advice?.[t] === action) says.push("planner's advice");
+      if (!over && this.advice?.[t] === action) says.push("advised");
       if (!over && !(this.allowed[t] & (1 << action))) says.push("forbidden");
       row.className = !over && this.action[t] === action ? "done" : "";
       note.textContent = says.join(", ");
@@ -480,7 +481,7 @@ class Episode {
   }
 
   drawBelief(pen) {
-    this.drawCells(pen, this.map.belief, (count) => [240, 130, 20, count ? 30 + 1.3 * count : 0]);
+    this.drawCells(pen, this.map.belief, (count) => [...BELIEF, count && 30 + 1.3 * count]);
   }
 
   drawTarget(pen) {

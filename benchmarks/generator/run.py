@@ -33,7 +33,8 @@ class Generator:
     (sample), beside another solver. By default all."""
 
     out: Path = Path("runs/bench")
-    """Folder for generator.json and generator.csv, written as it goes, report.html, generator.png, generator.md."""
+    """Folder for generator.json and generator.csv, written as it goes, report.html, generator.png and
+    generator.md."""
 
     publish: bool = False
     """Put the page and its plot into docs too."""
