@@ -41,6 +41,7 @@ COMMANDS = {
     "schema": ("logic.commands.houses:Schema", "Print the JSON Schema of a house."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
+    "report": ("agent.report.commands:Report", "Write a run as one HTML file, with episodes to play."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
     "play": ("agent.play.commands:Play", "Drive the robot by the keyboard, and race an agent."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),

@@ -34,7 +34,8 @@ class Train(Generic[Kind]):
     for preset paper the paper's house, paper-house."""
 
     out: Path = Path("runs/train")
-    """Folder for agent.safetensors, config.json, metrics.jsonl, learning-curve.png and tensorboard/."""
+    """Folder for agent.safetensors, config.json, metrics.jsonl, report.html, learning-curve.png and
+    tensorboard/."""
 
     resume: bool = False
     """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
@@ -66,6 +67,7 @@ class Train(Generic[Kind]):
         require_task(self.config.targets)
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
+        from agent.report.folder import write_report
         from agent.runs import run
         from logic.files import require_folder, write_whole
         from sim.arguments import BANK, house_list
@@ -87,6 +89,7 @@ class Train(Generic[Kind]):
             return 0
         agent, last = self.out / "agent.safetensors", history[-1]
         write_whole(self.out / "learning-curve.png", learning_curve(history))
+        write_report(self.out)
         _say(
             f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "

@@ -62,7 +62,7 @@ class Evaluate:
     play the same episodes."""
 
     out: Path | None = None
-    """Folder for evaluation.json, evaluation.md and evaluation.png."""
+    """Folder for evaluation.json, evaluation.md, evaluation.png and report.html."""
 
     json: bool = False
     """Print all figures, and each house's, as JSON."""
@@ -88,6 +88,7 @@ class Evaluate:
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
+        from agent.report.folder import write_report
         from logic.files import require_folder, write_whole
 
         require_folder(self.out)
@@ -134,7 +135,8 @@ class Evaluate:
             write_whole(self.out / "evaluation.json", content)
             write_whole(self.out / "evaluation.png", ratio_plot(results))
             write_whole(self.out / "evaluation.md", "\n\n".join([*page, note, ""]).encode())
-            say(f"{self.out}: evaluation.md, evaluation.png, evaluation.json")
+            write_report(self.out)
+            say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
         return 0
 
 
@@ -163,7 +165,9 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
 
 @dataclass(frozen=True)
 class Record:
-    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one."""
+    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one. Or write a
+    trace of its episode, which the page of vitruvius report plays.
+    """
 
     agent: tyro.conf.Positional[Path]
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
@@ -175,7 +179,7 @@ class Record:
     """Which house of the file, from 0."""
 
     out: Path = Path("episode.gif")
-    """The film, a GIF."""
+    """The film, a GIF; or a trace, NAME.trace.json."""
 
     steps: int = 1500
     """How many steps of the episode to film."""
@@ -200,15 +204,19 @@ class Record:
         require_task(self.targets)
         banks.require_places(self.targets, self.houses)
         from agent import checkpoint
-        from agent.evaluation.film import record
+        from agent.evaluation.film import record, watch
         from agent.progress import progress
+        from agent.report import trace
+        from agent.report.recorder import Recorder
         from logic.files import require_file
         from sim.film import require_gif
 
+        is_trace = self.out.name.endswith(trace.ENDING)
         try:
-            require_gif(self.out)
+            if not is_trace:
+                require_gif(self.out)
         except ValueError as error:
-            raise RequestError(f"--out {error}") from None
+            raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
         require_file(self.out, [self.out.suffix])
         agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
         if not 0 <= self.house < len(houses):
@@ -216,18 +224,14 @@ class Record:
         for name, least in (("steps", 1), ("stride", 1), ("width", 100)):
             if getattr(self, name) < least:
                 raise RequestError(f"--{name} must be {least} or more, not {getattr(self, name)}")
+        house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
         with progress("filming") as report:
-            record(
-                agent,
-                houses[self.house],
-                self.out,
-                targets=self.targets,
-                seed=self.seed,
-                steps=self.steps,
-                stride=self.stride,
-                width=self.width,
-                report=report,
-            )
+            if is_trace:
+                recorder = Recorder(agent.name, self.targets, self.seed)
+                watch(agent, house, [recorder], report=report, **how)
+                trace.save(recorder.trace, self.out)
+            else:
+                record(agent, house, self.out, stride=self.stride, width=self.width, report=report, **how)
         print(self.out)
         return 0
 

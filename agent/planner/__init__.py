@@ -17,7 +17,7 @@ from agent.planner.features import FEATURES
 from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
 from agent.planner.paths import FAR
 from agent.planner.reachability import SIDE, UNKNOWN, WORDS
-from agent.planner.state import AT, SIZE, TARGET
+from agent.planner.state import AT, NONE, SIZE, TARGET
 from agent.planner.step import step_kernel
 from agent.planner.viewpoints import views
 from agent.planner.visibility import FINE, fan
@@ -124,7 +124,7 @@ class Planner:
             "features": Array(ti.f32, count * FEATURES),
         }
         self.arrays = given | tables | memory | kept
-        body = Body(
+        self.body = body = Body(
             rays=rays,
             channels=world.channels,
             distance=int(world.sees_angle),
@@ -206,6 +206,19 @@ class Planner:
         """
         x, y, heading = (int(self.read(name)[environment]) for name in ("x", "y", "heading"))
         return x / 2, y / 2, heading
+
+    def goal(self, environment: int) -> tuple[float, float] | None:
+        """Where it goes, cells east and south of its start: to where it believes the target to be, else to a
+        viewpoint; None where it has no goal.
+        """
+        if self.read("kind")[environment] == NONE:
+            return None
+        if self.read("kind")[environment] == TARGET:
+            x, y = self._states[environment, AT["target"] : AT["target"] + 2].view(torch.float32).tolist()
+            return x, y
+        side = 1 << self.config.map_bits
+        y, x = divmod(int(self.read("goal")[environment]), side)
+        return float((x + side // 2) % side - side // 2), float((y + side // 2) % side - side // 2)
 
     def occupancy(self, environment: int) -> np.ndarray:
         """Cells (S, S) uint8, south by east, unseen, free or taken; the start is the middle's corner."""
