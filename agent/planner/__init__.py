@@ -89,6 +89,7 @@ class Planner:
         directions = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * world.range / self.cell
         clear = clearance(angles, side, world.step, air(world)) / world.range
         starts, skips, cells = fan(config, angles, world.range / self.cell)
+        errs = (world.noise > 0 or world.slip > 0) and not world.in_cells
         program, area = start(), count << 2 * config.map_bits
         given = {
             "observation": Array(ti.f32, count * rays * world.channels),
@@ -114,7 +115,7 @@ class Planner:
             "odds": Array.of(np.full(area >> 2, UNKNOWN, np.uint8)),
             "candidates": Array(ti.u8, area >> 2),
             "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
-            "evidence": Array(ti.u8, area if (world.noise or world.slip) and not world.in_cells else 1),
+            "evidence": Array(ti.u8, area if errs else 1),
             "last": Array(ti.f32, count * rays if world.slip else 1),
             "prior": Array(ti.u8, area if prior else 1),
         }
@@ -136,6 +137,7 @@ class Planner:
             dropout=world.dropout > 0,
             slip=world.slip > 0,
             eighth=45 // world.ray_spacing,
+            errs=errs,
             prior=prior,
         )
         self._launch = Launch(step_kernel(program, config, body), self.arrays)

@@ -35,5 +35,8 @@ class Body(NamedTuple):
     eighth: int
     """Rays in an eighth of a turn."""
 
+    errs: bool
+    """Whether rays or wheels err, and the body does not fill a cell."""
+
     prior: bool
     """Whether what unseen places count is given from outside."""

@@ -39,9 +39,8 @@ class Step:
     def __init__(self, config: PlannerConfig, body: Body) -> None:
         """Make the parts."""
         self.config, self.body = config, body
-        noisy = (body.noise > 0 or body.slip) and not body.touching
         self.scan = Scan(body)
-        self.occupancy = Occupancy(config, body.step, body.touching, noisy)
+        self.occupancy = Occupancy(config, body.step, body.touching, body.errs)
         self.visibility = Visibility(config, self.occupancy, body.rays, body.reach, self.scan.tolerance)
         self.target = Target(config, body.target)
         self.belief = Belief(config, self.occupancy, body.prior)
