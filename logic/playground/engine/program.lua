@@ -11,21 +11,27 @@ local function symbols(prg, name, arity)
   return found
 end
 
--- The variables in order: name, turn, how many values they pick, and options {value, weight} in order.
+-- The variables in order: name, turn, whether they pick one value, and options {value, weight} in order. Of two weights
+-- of one option the last stands, in the order in which they are grounded.
 local function variables(prg)
   local found, by_name, several, turns = {}, {}, {}, {}
   for _, symbol in ipairs(symbols(prg, "picks", 2)) do several[tostring(symbol.arguments[1])] = true end
   for _, symbol in ipairs(symbols(prg, "turn", 2)) do
     turns[tostring(symbol.arguments[1])] = symbol.arguments[2].number
   end
-  for _, symbol in ipairs(symbols(prg, "option", 3)) do
-    local name, value, weight = table.unpack(symbol.arguments)
+  for atom in prg.symbolic_atoms:by_signature("option", 3) do
+    local name, value, weight = table.unpack(atom.symbol.arguments)
     local key = tostring(name)
     if not by_name[key] then
-      by_name[key] = { name = name, turn = turns[key] or 0, single = not several[key], options = {} }
+      by_name[key] = { name = name, turn = turns[key] or 0, single = not several[key], options = {}, by_value = {} }
       found[#found + 1] = by_name[key]
     end
-    table.insert(by_name[key].options, { value = value, weight = tostring(weight) })
+    local variable, text = by_name[key], tostring(value)
+    if not variable.by_value[text] then
+      variable.by_value[text] = { value = value }
+      table.insert(variable.options, variable.by_value[text])
+    end
+    variable.by_value[text].weight = tostring(weight)
   end
   table.sort(found, function(a, b) return a.name < b.name end)
   for _, variable in ipairs(found) do
@@ -93,7 +99,7 @@ function Differences:init(init)
       self.nodes[from], self.nodes[to] = true, true
       local literal = init:solver_literal(atom.literal)
       init:add_watch(literal)
-      self.edges[#self.edges + 1] = { from, to, tonumber(tostring(atom.guard[2])), literal }
+      self.edges[#self.edges + 1] = { from, to, tonumber((tostring(atom.guard[2]):gsub("[()]", ""))), literal }
     end
   end
 end
@@ -122,7 +128,7 @@ function Differences:cycle(assignment)
 end
 function Differences:propagate(control)
   local clause = self:cycle(control.assignment)
-  if clause then control:add_clause(clause) end
+  if clause then control:add_clause{ clause } end
 end
 Differences.check = Differences.propagate
 
@@ -167,6 +173,38 @@ function tasks.sample(prg)
     say("model")
     for _, symbol in ipairs(found) do say("atom", tostring(symbol)) end
   end
+end
+
+-- Statements, each atoms that hold or not, that have no layout together, and have one with any of them left out. Layouts are
+-- told with the statements that they keep: stage 2 may yet refute them.
+function tasks.conflict(prg)
+  local backend = prg:backend()
+  for _, nogood in ipairs(task.nogoods) do exclude(prg, backend, nogood) end
+  local function possible(kept)
+    local assumed = {}
+    for _, number in ipairs(kept) do
+      for _, each in ipairs(task.statements[number]) do
+        local known = literal(prg, each[1])
+        if known then assumed[#assumed + 1] = { clingo.parse_term(each[1]), each[2] }
+        elseif each[2] then return false end
+      end
+    end
+    local found = model(prg, assumed)
+    if found then
+      say("keeps", table.unpack(kept))
+      for _, symbol in ipairs(found) do say("atom", tostring(symbol)) end
+    end
+    return found
+  end
+  local needed = {}
+  for number = 1, #task.statements do needed[number] = number end
+  if possible(needed) or task.once then return end
+  for place = #needed, 1, -1 do
+    local fewer = { table.unpack(needed) }
+    table.remove(fewer, place)
+    if not possible(fewer) then needed = fewer end
+  end
+  say("conflict", table.unpack(needed))
 end
 
 function main(prg)
