@@ -42,6 +42,7 @@ COMMANDS = {
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
+    "playground": ("logic.playground.commands:Playground", "A page that makes houses in the browser."),
     "play": ("agent.play.commands:Play", "Drive the robot by the keyboard, and race an agent."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
     "import-keras": ("agent.commands:ImportKeras", "Take the weights of the paper's original program."),

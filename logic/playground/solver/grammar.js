@@ -5,6 +5,9 @@ import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
 const DIFFERENCES = "plans/differences.lp";
+const NOTHING = { rooms: 1, types: {}, furniture: {} };
+/** clingo's greatest number: no bound. */
+export const MOST = 2 ** 31 - 1;
 const GIVEN = { in_a_row: 4, fuller: 2 };
 
 /** clingo-dl's theory, as far as the rules use it. program.lua has what it means. */
@@ -153,14 +156,32 @@ export class Grammar {
   }
 
   /** The program of the furniture of a room of this type. */
-  room(type) {
-    return this.program({ this_room: type }, ["room", "capacity", ...this.lengths[type].map(([fact]) => fact)]);
+  room(type, request) {
+    const parts = ["room", "capacity", ...this.lengths[type].map(([fact]) => fact), ...this.requiredIn(type, request)];
+    return this.program({ this_room: type }, parts);
   }
 
   /** The program of the furniture of a room whose size and doors are given. */
-  givenRoom(type, doorways) {
+  givenRoom(type, doorways, request) {
     const facts = this.lengths[type].map(([fact]) => fact).filter((fact) => !fact.startsWith("reach("));
-    return this.program({ this_room: type, ...GIVEN }, ["room", "plan", ...facts, ...doorways]);
+    const parts = ["room", "plan", ...facts, ...doorways, ...this.requiredIn(type, request)];
+    return this.program({ this_room: type, ...GIVEN }, parts);
+  }
+
+  /** What a request requires of the furniture of a room of this type, all counts of a piece together. */
+  requiredIn(type, request) {
+    const counts = new Map();
+    for (const [, piece, [least, most]] of this.counted(type, request)) {
+      const [a, b] = counts.get(piece) ?? [0, MOST];
+      counts.set(piece, [Math.max(a, least), Math.min(b, most ?? MOST)]);
+    }
+    return [...counts.keys()].sort().map((piece) => `has(${piece},${counts.get(piece)})`);
+  }
+
+  /** What a request counts in rooms of this type: each count's name, its piece, and from how many to how many. */
+  counted(type, { furniture }) {
+    return Object.keys(furniture).sort().map((name) => [name, name.split(".").at(-1), furniture[name]])
+      .filter(([name, piece]) => (name === piece || name === `${type}.${piece}`) && this.furniture[type].includes(piece));
   }
 
   hasFurniture(type) {
@@ -169,7 +190,7 @@ export class Grammar {
 
   /** What clingo remarks on in the user's files; that an atom is in no head is no mistake of one stage alone. */
   remarks() {
-    const programs = [this.rooms({ rooms: 1, types: {} }), ...this.types.map((type) => this.room(type))];
+    const programs = [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))];
     const each = programs.map((program) => {
       program.atoms();
       const own = this.clingo.placed.filter(({ kind, file }) => kind && this.files[file]);
@@ -201,8 +222,7 @@ export const wrong = ([file, line, column, text]) => new RuleError(text, file.re
 
 /** What a request requires of the rooms: see rules/request.lp. */
 export function requirements({ types }) {
-  const most = 2 ** 31 - 1;
-  return Object.keys(types).sort().map((type) => `among(${type},${types[type][0]},${types[type][1] ?? most})`);
+  return Object.keys(types).sort().map((type) => `among(${type},${types[type][0]},${types[type][1] ?? MOST})`);
 }
 
 /** The atom to assume where a requirement is to hold. */

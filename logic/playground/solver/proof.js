@@ -6,13 +6,14 @@
  */
 
 import { LimitReached } from "./answers.js";
-import { granted, requirements, toFurnish } from "./grammar.js";
+import { MOST, granted, requirements, toFurnish } from "./grammar.js";
 import { Program } from "./program.js";
 import { nogood, terms } from "./star.js";
 import { atom, list, parseTerm, prologText, termText } from "./terms.js";
 
 const FAR = 1_000_000;
 const MOST_ROUNDS = 400;
+const MORE = 8;
 const NEAR = 4;
 
 /** The statements of a file: { text, file, line, column }, comments left out of the text. */
@@ -179,17 +180,22 @@ function rooms(grammar, request, unfurnishable) {
   return [relaxed, refuted];
 }
 
-/** The furniture of a room of a type, of any size. */
-function furniture(grammar, type) {
+/** The furniture of a room of a type, of any size, with what a request counts. */
+function furniture(grammar, type, request) {
   const size = `size(${type})`;
   const lengths = grammar.lengths[type].map(([fact, clause]) => [fact, fact.startsWith("extent(") ? [clause, size] : [clause]]);
-  const relaxed = new Relaxed(grammar, { this_room: type }, ["room", "capacity"], lengths);
+  const asked = grammar.counted(type, request);
+  const required = asked.map(([, piece, [least, most]]) => `has(${piece},${least},${most ?? MOST})`);
+  const more = asked.flatMap(([, piece, [least]]) => (least ? `more(${piece},${Math.min(least, MORE)})` : []));
+  const relaxed = new Relaxed(grammar, { this_room: type }, ["room", "capacity", ...required, ...more], lengths);
+  for (const [place, [name, , counts]] of asked.entries())
+    relaxed.choice({ text: `${name}: ${inWords(counts)}` }, [[granted(required[place]), true]]);
   return [relaxed, (layout, without) => grammar.prolog.ask("room_conflict", atom(type), terms(layout), without)];
 }
 
 /** Whether a room of this type can be furnished at some size. */
-export function isFurnishable(grammar, type) {
-  const [relaxed, refuted] = furniture(grammar, type);
+export function isFurnishable(grammar, type, request) {
+  const [relaxed, refuted] = furniture(grammar, type, request);
   return relaxed.conflict(refuted, relaxed.statements, true) === null;
 }
 
@@ -209,7 +215,7 @@ export function reasonsOf(grammar, request, unfurnishable) {
   });
   const reasons = needed.flatMap(({ reason }) => {
     if (!reason.bare) return [reason];
-    const [room, test] = furniture(grammar, reason.bare);
+    const [room, test] = furniture(grammar, reason.bare, request);
     return room.conflict(test).map((each) => each.reason);
   });
   const named = other === undefined ? [] : [{ text: `rooms: ${request.rooms}` }];

@@ -6,19 +6,22 @@
 
 import { luaText } from "./terms.js";
 
-/** A mistake in the rules, at its place. */
+/** Mistakes in the rules: `findings`, { severity, file, line, column, text } each. */
 export class RuleError extends Error {
-  constructor(message, file = "", line = 0, column = 0) {
-    super(message);
-    Object.assign(this, { file, line, column });
+  constructor(text, file = "", line = 1, column = 1) {
+    super(text);
+    this.findings = [{ severity: "error", file, line, column, text }];
   }
 }
 
+/** Exit codes of clasp: satisfiable, unsatisfiable or not solved, all of it searched or not. */
+const SOLVED = new Set([0, 1, 10, 20, 30, 11, 21, 31]);
+
 /** clingo, with the script that does a task. */
 export class Clingo {
-  constructor(factory, script) {
-    this.factory = factory;
-    this.script = script;
+  /** `script` is program.lua; `hints`: [pattern, text] of lines with syntax errors. */
+  constructor(factory, script, hints) {
+    Object.assign(this, { factory, script, hints });
   }
 
   /** Load the module; `run` then needs no waiting. */
@@ -41,14 +44,25 @@ export class Clingo {
     source += `#program base.\n#script (lua)\ntask = ${luaText(task)}\n${this.script}\n#end.\n`;
     const options = Object.entries(constants).map(([name, value]) => `-c ${name}=${value}`);
     const status = this.module.ccall("run", "number", ["string", "string"], [source, `--outf=0 ${options.join(" ")} 1`]);
-    const remarks = this.remarks.join("\n").split("\n\n").map((remark) => placed(remark.trim(), starts));
-    this.placed = remarks;
-    const error = remarks.find((remark) => remark.kind === "error");
-    if (error) throw new RuleError(error.text, error.file, error.line, error.column);
-    if (status & 33 && !this.lines.some((each) => each.startsWith("SATIS") || each.startsWith("UNSAT") || each[0] === "@"))
-      throw new RuleError(`clingo ended with status ${status}: ${this.remarks.join(" ").trim()}`);
+    this.placed = this.remarks.join("\n").split("\n\n").map((remark) => placed(remark.trim(), starts));
+    const errors = this.placed.filter(({ kind }) => kind === "error");
+    if (errors.length) {
+      const error = new RuleError(errors[0].text);
+      error.findings = errors.map(({ text, ...place }) => ({ ...place, severity: "error", text: hinted(text, place, files, this.hints) }));
+      throw error;
+    }
+    if (!SOLVED.has(status)) throw new RuleError(`clingo ended with status ${status}: ${this.remarks.join(" ").trim()}`);
     return this.lines.filter((each) => each[0] === "@").map((each) => each.slice(1).split("\t"));
   }
+}
+
+/** The text of a syntax error, with what is likely meant, and the line. */
+function hinted(text, { file, line }, files, hints) {
+  if (!/^(syntax|lexer) error/.test(text)) return text;
+  const written = files.find(({ name }) => name === file)?.text.split("\n")[line - 1] ?? "";
+  const [, hint] = hints.find(([pattern]) => new RegExp(pattern).test(written)) ?? [];
+  const otherwise = text.includes("EOF") ? "the last statement has no period at its end" : "is a comma missing before it, or a period after the statement above?";
+  return [text, hint ?? otherwise, written.trim()].filter(Boolean).join(": ");
 }
 
 /** A remark of clingo's, at its place in the files. */

@@ -15,13 +15,13 @@ const WALLS = {
   right: ["right_front", "right_back"],
 };
 
-/** A plan, { rooms, doors, windows, hub }, metres, as in a house file. `isFurnishable`: whether a room of a type can be. */
+/** A plan, { rooms, doors, windows, hub }, without a hub where there is not just one; metres, as in a house file. `isFurnishable`: whether a room of a type can be. */
 export function plan(grammar, request, rng, inferences, isFurnishable) {
   const nogoods = [], unfurnishable = new Set();
   for (let turn = 0; turn < MOST_TRIES; turn++) {
     const bare = barePlan(grammar, request, rng, inferences, nogoods, unfurnishable);
     inferences = bare.inferences;
-    const pieces = furnished(grammar, bare.plan, rng, inferences);
+    const pieces = furnished(grammar, bare.plan, request, rng, inferences);
     if (pieces.failed === undefined) return house(bare, pieces);
     const { type } = bare.plan.rooms[pieces.failed];
     if (!isFurnishable(type)) unfurnishable.add(type);
@@ -52,14 +52,14 @@ function house({ plan: { rooms, doors, windows }, layout }, pieces) {
     rooms: rooms.map((room, number) => ({ ...sides(room), name: name(number), type: room.type, children: pieces[number], storey: 0 })),
     doors: doors.map((door) => ({ ...sides(door), between: door.between.map(name) })),
     windows: windows.map((window) => ({ ...sides(window), room: name(window.room) })),
-    hub: hubs.length === 1 ? hubs[0] : "",
+    ...(hubs.length === 1 ? { hub: hubs[0] } : {}),
   };
 }
 
 const sides = ({ x, y, width, height }) => ({ x, y, width, height });
 
 /** The pieces of each room of a bare plan; { failed: number } of a room that can have none. */
-function furnished(grammar, bare, rng, inferences) {
+function furnished(grammar, bare, request, rng, inferences) {
   const frames = bare.rooms.map((room, number) => new Frame(bare, number));
   const pieces = bare.rooms.map(() => []), nogoods = bare.rooms.map(() => []);
   let waiting = [...bare.rooms.keys()].filter((number) => grammar.hasFurniture(bare.rooms[number].type));
@@ -68,7 +68,9 @@ function furnished(grammar, bare, rng, inferences) {
     for (const [place, number] of waiting.entries()) {
       const { type } = bare.rooms[number], frame = frames[number];
       const { holds, fails } = frame.given();
-      const furniture = grammar.givenRoom(type, frame.doorways()).sample(rng, holds, fails, nogoods[number]);
+      const required = grammar.requiredIn(type, request).map(granted);
+      const program = grammar.givenRoom(type, frame.doorways(), request);
+      const furniture = program.sample(rng, [...holds, ...required], fails, nogoods[number]);
       if (!furniture) return { failed: number };
       asked.push(frame.term(place, type, furniture, rng.seed()));
     }

@@ -20,8 +20,8 @@ export function star(grammar, request, rng, inferences) {
     const furnished = [...rooms];
     for (const number of numbers) {
       const { type } = rooms[number];
-      const program = grammar.room(type);
-      const furniture = program.sample(rng, [], [], of(program));
+      const program = grammar.room(type, request);
+      const furniture = program.sample(rng, grammar.requiredIn(type, request).map(granted), [], of(program));
       if (!furniture) {
         unfurnishable.add(type);
         return null;
@@ -52,7 +52,7 @@ export function star(grammar, request, rng, inferences) {
     inferences -= answer.inferences;
     if (inferences <= 0) throw new LimitReached("the house reached its limit of inferences");
     for (const [number, reasons] of answer.infeasible) {
-      of(grammar.room(found.rooms[number].type)).push(nogood(reasons));
+      of(grammar.room(found.rooms[number].type, request)).push(nogood(reasons));
       count++;
     }
     const rooms_ = furnish(found.rooms, answer.infeasible.map(([number]) => number));
