@@ -2,8 +2,9 @@
 
 import { element } from "./dom.js";
 
-const LIMIT = 60; // seconds for a house, or a proof that there is none
-const LATE = "The browser has worked on one house for";
+const LIMIT = 30; // seconds for a house, or a proof that there is none
+const LATE = `The solvers have worked on one answer for ${LIMIT} s and are ended: does a rule recur without end? Else take
+fewer rooms, another seed, or Vitruvius on your machine.`;
 
 let worker = null;
 let last = 0;
@@ -29,6 +30,7 @@ export const engine = {
       return onLost(`The rules cannot be read (${error.message}): serve this folder, as vitruvius playground does.`);
     }
     controls(onRules);
+    onLost("Loading the solvers, 7 MB.");
     take(new URLSearchParams(location.search).get("grammar") ?? "family", onRules);
   },
 
@@ -106,7 +108,7 @@ function started() {
     if (part) asked.onPart(part);
     if (done) stop();
     else if (error) stop(new Error(error));
-    else asked.timer = setTimeout(() => end(`${LATE} ${LIMIT} s: fewer rooms, another seed, or Vitruvius on your machine.`), 1000 * LIMIT);
+    else asked.timer = setTimeout(() => end(LATE), 1000 * LIMIT);
   };
   return begun;
 }

@@ -47,9 +47,9 @@ onmessage = async ({ data: { id, task, files, request } }) => {
     const houses = await ready;
     if (id === newest) postMessage({ id, ready: true });
     await pause();
-    if (task === "lint") postMessage({ id, part: houses.lint(files) });
+    if (task === "lint") postMessage({ id, part: await houses.lint(files) });
     else
-      for (const part of houses.sheet(files, request)) {
+      for await (const part of houses.sheet(files, request)) {
         postMessage({ id, part });
         await pause();
         if (id !== newest) break;

@@ -1,10 +1,11 @@
 /** A grammar: its rule files, what they state, and the programs of stage 1 that they make. As logic/grammar.py, loaded.py. */
 
 import { Program, RuleError } from "./program.js";
+import { closest, derivedNames, objection, statements } from "./statements.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
-const DIFFERENCES = "plans/differences.lp";
+const DIFFERENCES = "rules/plans/differences.lp";
 const NOTHING = { rooms: 1, types: {}, furniture: {} };
 /** clingo's greatest number: no bound. */
 export const MOST = 2 ** 31 - 1;
@@ -21,7 +22,7 @@ function withIncludes(rules, path) {
   const folder = path.includes("/") ? path.slice(0, path.lastIndexOf("/") + 1) : "";
   const included = [...rules[path].matchAll(/^#include "(.+?)"\./gm)].flatMap(([, name]) =>
     withIncludes(rules, name.startsWith("../") ? name.slice(3) : folder + name));
-  return [...included, { name: path, text: rules[path].replace(/^#include .*$/gm, "") }];
+  return [...included, { name: `rules/${path}`, text: rules[path].replace(/^#include .*$/gm, "") }];
 }
 
 /** The topology that a fact names: its name, and the shared files that come with it. */
@@ -66,11 +67,19 @@ export class Grammar {
     this.differences = this.topology.files.some(({ name }) => name === DIFFERENCES);
     this.asp = [...(this.differences ? [THEORY] : []), ...this.core, ...this.topology.files, ...this.own];
     this.programs = new Map();
+    this.audit();
     this.loadLengths(named(".pl"));
     this.loadTypes();
     this.loadExtremes();
     this.walls = this.sharesWalls ? this.wallFacts() : [];
     this.warnings = this.remarks();
+  }
+
+  /** What no grammar may state. */
+  audit() {
+    for (const file of this.own)
+      for (const { text, line, column } of statements(file))
+        if (objection(text)) throw new RuleError(`${objection(text)}: ${text}`, file.name, line, column);
   }
 
   /** Stage 2 reads the .pl files. */
@@ -106,18 +115,19 @@ export class Grammar {
     const wanted = Object.entries(this.furniture).map(([type, pieces]) =>
       compound("furniture", atom(type), pieces.map((piece) => compound("piece", atom(piece), this.turned.has(piece)))));
     const report = this.prolog.ask("grammar_lengths", list(wanted), list(this.bundle.lengths.map(atom)));
-    const used = (clause, value) => {
-      if (value === null) throw new RuleError(`${clause} has no clause: add one to a .pl file`, this.prologFile, 1, 1);
+    const used = (clause, value, fact) => {
+      const why = `${clause} has no clause: add one to a .pl file`;
+      if (value === null) throw fact ? this.at(parseTerm(fact), why) : new RuleError(why, this.prologFile);
       if (value.wrong) throw wrong(value.wrong);
       return value;
     };
     const lengths = report.lengths.map(([name, metres]) => [`length(${name},${Math.floor(1000 * used(`${name}/1`, metres))})`, `length(${name})`]);
     this.lengths = {};
     for (const [type, extremes, pieces] of report.types) {
-      const reach = [type, ...millimetres(used(`room_size(${type},..)`, extremes))];
+      const reach = [type, ...millimetres(used(`room_size/3 for ${type}`, extremes, `type(${type})`))];
       this.lengths[type] = [...lengths, [`reach(${reach})`, `size(${type})`]];
       for (const [piece, extent] of pieces) {
-        const fact = [piece, ...millimetres(used(`piece_size(${piece},..)`, extent))];
+        const fact = [piece, ...millimetres(used(`piece_size/4 for ${piece}`, extent, `may(${type},${piece})`))];
         this.lengths[type].push([`extent(${fact})`, `size(${type},${piece})`]);
       }
     }
@@ -188,28 +198,36 @@ export class Grammar {
     return this.furniture[type].length > 0;
   }
 
-  /** What clingo remarks on in the user's files; that an atom is in no head is no mistake of one stage alone. */
+  /** What clingo remarks on in the user's files. Throws RuleError for what nothing derives in any program. */
   remarks() {
-    const programs = [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))];
-    const each = programs.map((program) => {
-      program.atoms();
-      const own = this.clingo.placed.filter(({ kind, file }) => kind && this.files[file]);
-      return own.map((remark) => ({ ...remark, key: `${remark.file}:${remark.line}:${remark.column}` }));
-    });
-    const idle = (remark) => /^atom does not occur/.test(remark.text);
     const found = new Map();
-    for (const remark of each.flat())
-      if (!idle(remark) || each.every((some) => some.some(({ key }) => key === remark.key))) found.set(remark.key, remark);
-    return [...found.values()].map(({ text, file, line, column }) => ({ severity: "warning", text, file, line, column }));
+    for (const program of [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))]) {
+      program.atoms();
+      for (const remark of this.clingo.placed)
+        if (remark.kind && this.files[remark.file]) found.set(`${remark.file}:${remark.line}:${remark.column}`, remark);
+    }
+    const names = derivedNames(this.asp), warnings = [];
+    for (const { text, file, line, column } of found.values()) {
+      const [, name] = /^atom does not occur in any rule head: (?:not )?(\w+)/.exec(text) ?? [];
+      if (!name) warnings.push({ severity: "warning", file, line, column, text });
+      else if (!names.has(name)) {
+        const meant = closest(name, names);
+        throw new RuleError(`nothing derives ${name}${meant && `: did you mean ${meant}?`}`, file, line, column);
+      }
+    }
+    return warnings;
   }
 
   /** A mistake at the place of a fact in the files. */
   at(fact, why) {
-    const [name, first] = fact.name === "companions" ? [fact.args[0].name, fact.args[1]] : [fact.name, fact.args[0]];
-    for (const { name: file, text } of this.own) {
-      const lines = text.split("\n");
-      const line = lines.findIndex((each) => new RegExp(`^[^%]*\\b${name}\\(.*\\b${termText(first)}\\b`).test(each));
-      if (line >= 0) return new RuleError(why, file, line + 1, lines[line].indexOf(`${name}(`) + 1);
+    const { name, args } = fact.name === "companions" ? { name: fact.args[0].name, args: fact.args.slice(1) } : fact;
+    for (const some of [args, args.slice(0, 1)]) {
+      const pattern = new RegExp(`^[^%]*?\\b${name}\\(${some.map((each) => `.*\\b${termText(each)}\\b`).join("")}`);
+      for (const { name: file, text } of this.own) {
+        const lines = text.split("\n");
+        const line = lines.findIndex((each) => pattern.test(each));
+        if (line >= 0) return new RuleError(why, file, line + 1, lines[line].indexOf(`${name}(`) + 1);
+      }
     }
     return new RuleError(why, this.own[0].name, 1, 1);
   }

@@ -26,8 +26,9 @@ export class Houses {
   }
 
   /** The parts of a sheet, one by one; the caller may stop between them. */
-  *sheet(files, asked) {
+  async *sheet(files, asked) {
     try {
+      await this.clingo.load();
       this.load(files);
       const request = read(asked);
       const { furniture, mostRooms } = this.grammar;
@@ -66,7 +67,8 @@ export class Houses {
   }
 
   /** What sheet() does not say of the rules: what clingo remarks on. */
-  lint(files) {
+  async lint(files) {
+    await this.clingo.load();
     this.load(files);
     return this.grammar.warnings;
   }

@@ -24,8 +24,9 @@ export class Clingo {
     Object.assign(this, { factory, script, hints });
   }
 
-  /** Load the module; `run` then needs no waiting. */
+  /** Load the module, again where an error has ended it; `run` then needs no waiting. */
   async load() {
+    if (this.module) return;
     const lines = (this.lines = []), remarks = (this.remarks = []);
     this.module = await this.factory({ print: (line) => lines.push(line), printErr: (line) => remarks.push(line) });
   }
@@ -43,26 +44,50 @@ export class Clingo {
     }
     source += `#program base.\n#script (lua)\ntask = ${luaText(task)}\n${this.script}\n#end.\n`;
     const options = Object.entries(constants).map(([name, value]) => `-c ${name}=${value}`);
-    const status = this.module.ccall("run", "number", ["string", "string"], [source, `--outf=0 ${options.join(" ")} 1`]);
+    const failed = this.call(source, `--outf=0 --message-limit=1000 ${options.join(" ")} 1`);
     this.placed = this.remarks.join("\n").split("\n\n").map((remark) => placed(remark.trim(), starts));
     const errors = this.placed.filter(({ kind }) => kind === "error");
     if (errors.length) {
       const error = new RuleError(errors[0].text);
-      error.findings = errors.map(({ text, ...place }) => ({ ...place, severity: "error", text: hinted(text, place, files, this.hints) }));
+      error.findings = errors.map((each) => this.finding(each, files, starts));
       throw error;
     }
-    if (!SOLVED.has(status)) throw new RuleError(`clingo ended with status ${status}: ${this.remarks.join(" ").trim()}`);
+    if (failed) throw new RuleError(`clingo has failed: ${failed} ${this.remarks.join(" ")}`.trim());
     return this.lines.filter((each) => each[0] === "@").map((each) => each.slice(1).split("\t"));
   }
-}
 
-/** The text of a syntax error, with what is likely meant, and the line. */
-function hinted(text, { file, line }, files, hints) {
-  if (!/^(syntax|lexer) error/.test(text)) return text;
-  const written = files.find(({ name }) => name === file)?.text.split("\n")[line - 1] ?? "";
-  const [, hint] = hints.find(([pattern]) => new RegExp(pattern).test(written)) ?? [];
-  const otherwise = text.includes("EOF") ? "the last statement has no period at its end" : "is a comma missing before it, or a period after the statement above?";
-  return [text, hint ?? otherwise, written.trim()].filter(Boolean).join(": ");
+  /** An error of clingo's with what is likely meant, and what stands there. */
+  finding({ text, file, line, column }, files, starts) {
+    const lines = files.find(({ name }) => name === file)?.text.split("\n") ?? [];
+    const written = (number) => (lines[number - 1] ?? "").trim();
+    const unsafe = /(-:\d+:\d+\S*) note: '([^']+)' is unsafe/.exec(text);
+    const severity = "error";
+    if (unsafe) {
+      const place = placed(`${unsafe[1]} note: `, starts), name = unsafe[2].replace(/^#Anon.*/, "_");
+      const why = written(place.line).includes(":-")
+        ? `no literal without not gives it values, as in room(${name},_)`
+        : "a fact has no variables, and a name begins in lower case";
+      return { severity, file, line: place.line, column: place.column, text: `${name} is unsafe: ${why}: ${written(place.line)}` };
+    }
+    if (!/^(syntax|lexer) error/.test(text)) return { severity, file, line, column, text };
+    const [, hint] = this.hints.find(([pattern]) => new RegExp(pattern).test(written(line))) ?? [];
+    const otherwise = text.includes("EOF")
+      ? "the last statement has no period at its end"
+      : "is a comma missing before it, or a period after the statement above?";
+    return { severity, file, line, column, text: [text, hint ?? otherwise, written(line)].filter(Boolean).join(": ") };
+  }
+
+  /** Have clingo read and solve a program; what went wrong, if anything did. */
+  call(source, options) {
+    try {
+      const status = this.module.ccall("run", "number", ["string", "string"], [source, options]);
+      const said = this.lines.find((line) => line.startsWith("@failed"));
+      return said?.slice(8) ?? (SOLVED.has(status) ? "" : `status ${status}.`);
+    } catch (error) {
+      this.module = null;
+      return `${error.message}.`;
+    }
+  }
 }
 
 /** A remark of clingo's, at its place in the files. */

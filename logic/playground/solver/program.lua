@@ -207,7 +207,7 @@ function tasks.conflict(prg)
   say("conflict", table.unpack(needed))
 end
 
-function main(prg)
+local function work(prg)
   if task.differences then prg:register_propagator(setmetatable({}, Differences)) end
   local parts = { { "base", {} } }
   for _, text in ipairs(task.parts) do
@@ -217,4 +217,10 @@ function main(prg)
   parts[#parts + 1] = { "pick", {} }
   prg:ground(parts)
   tasks[task.what](prg)
+end
+
+-- An error that left main would end the module.
+function main(prg)
+  local done, why = pcall(work, prg)
+  if not done then say("failed", (tostring(why):gsub("%s+", " "))) end
 end

@@ -9,38 +9,13 @@ import { LimitReached } from "./answers.js";
 import { MOST, granted, requirements, toFurnish } from "./grammar.js";
 import { Program } from "./program.js";
 import { nogood, terms } from "./star.js";
+import { rule, statements } from "./statements.js";
 import { atom, list, parseTerm, prologText, termText } from "./terms.js";
 
 const FAR = 1_000_000;
 const MOST_ROUNDS = 400;
 const MORE = 8;
 const NEAR = 4;
-
-/** The statements of a file: { text, file, line, column }, comments left out of the text. */
-export function* statements({ name: file, text }) {
-  const token = /%\*[^]*?\*%|%[^\n]*|"(?:[^"\\]|\\.)*"|\.\.|\.|\s+|[^]/g;
-  let begin = -1, source = "";
-  for (const found of text.matchAll(token)) {
-    const [part] = found;
-    const blank = part[0] === "%" || /^\s/.test(part);
-    if (begin < 0 && blank) continue;
-    if (begin < 0) begin = found.index;
-    source += blank ? " " : part;
-    if (part === ".") {
-      const before = text.slice(0, begin).split("\n");
-      yield { text: source.replace(/ +/g, " "), file, line: before.length, column: before.at(-1).length + 1 };
-      begin = -1;
-      source = "";
-    }
-  }
-}
-
-/** Head and body of a rule, without the full stop; null for a directive. */
-function rule(text) {
-  if (text[0] === "#" && !/^#(count|sum|min|max|true|false)\b/.test(text)) return null;
-  const parts = /^((?:"(?:[^"\\]|\\.)*"|[^"])*?)(?::-([^]*))?\.$/.exec(text);
-  return { head: parts[1].trim(), body: (parts[2] ?? "").trim() };
-}
 
 const written = ({ head, body }, ...more) => `${head} :- ${[body, ...more].filter(Boolean).join("; ")}.`;
 
