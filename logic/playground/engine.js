@@ -46,7 +46,7 @@ export const engine = {
 
   async sheet(wanted, request, onPart) {
     houses.length = 0;
-    await ask({ task: "sheet", files, request }, (part) => {
+    await ask({ task: "sheet", grammar, files, request }, (part) => {
       if (part.house) houses[part.index] = part.house;
       onPart(part);
     });
@@ -54,7 +54,7 @@ export const engine = {
 
   async lint() {
     let found = [];
-    await ask({ task: "lint", files }, (part) => (found = part));
+    await ask({ task: "lint", grammar, files }, (part) => (found = part));
     return found;
   },
 };

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -38,8 +39,8 @@ SECONDS = 600
 def write(folder: Path) -> None:
     """Write the playground into a folder, which appears whole or not at all.
 
-    Raises ``RequestError`` where something is in the folder, ``MissingProgram`` where npm is needed and missing,
-    ``VitruviusError`` where it cannot fetch the packages.
+    Raises ``RequestError`` where something is in the folder, ``MissingProgram`` where npm is needed and
+    missing, ``VitruviusError`` where it cannot fetch the packages.
     """
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise RequestError(f"--out {folder}: is there already and not empty: name a new folder")
@@ -81,7 +82,9 @@ def _rules() -> dict[str, object]:
     return {
         "version": version("vitruvius"),
         "rules": {file.relative_to(RULES).as_posix(): _text(file) for file in _rule_files(RULES)},
-        "grammars": {name: {file.name: _text(file) for file in _rule_files(SHIPPED / name)} for name in names},
+        "grammars": {
+            name: {file.name: _text(file) for file in _rule_files(SHIPPED / name)} for name in names
+        },
         "lengths": LENGTHS,
         "hints": list(SYNTAX.items()),
         "looks": json.loads(_text(LOOKS)),
@@ -97,7 +100,7 @@ def _text(file: Path) -> str:
 
 
 def solvers() -> Path:
-    """The folder ``node_modules`` with the packages of the lock; npm fetches them once and checks their hashes.
+    """The folder ``node_modules`` with the packages of the lock: npm fetches them once, and checks hashes.
 
     Raises as ``write``.
     """
@@ -107,8 +110,8 @@ def solvers() -> Path:
         npm = shutil.which("npm")
         if npm is None:
             raise MissingProgram(
-                "npm, which fetches the solvers for browsers, is missing: install it (sudo apt-get install npm, brew "
-                "install node), then run this again"
+                "npm, which fetches the solvers for browsers, is missing: install it (sudo apt-get install "
+                "npm, brew install node), then run this again"
             )
         try:
             _cache().mkdir(parents=True, exist_ok=True)
@@ -127,15 +130,18 @@ def solvers() -> Path:
 
 def _install(npm: str, folder: Path) -> None:
     """Install what the lock says; scripts of packages are not run."""
-    options = ["--ignore-scripts", "--omit=dev", "--no-audit", "--no-fund", "--loglevel=error"]
+    command = [npm, "ci", "--ignore-scripts", "--omit=dev", "--no-audit", "--no-fund", "--loglevel=error"]
     try:
-        done = subprocess.run([npm, "ci", *options], cwd=folder, capture_output=True, text=True, timeout=SECONDS)
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
+        )
     except subprocess.TimeoutExpired:
-        raise VitruviusError(f"npm has not fetched the solvers for browsers in {SECONDS} s: try again") from None
+        late = f"npm has not fetched the solvers for browsers in {SECONDS} s: try again"
+        raise VitruviusError(late) from None
     if done.returncode:
         said = [line for line in done.stderr.splitlines() if line.startswith(("npm error", "npm ERR!"))]
-        why = said[0].partition(" ")[2] if said else f"exit code {done.returncode}"
-        raise VitruviusError(f"npm cannot fetch the solvers for browsers: {why}. Is there a network? Try again.")
+        why = re.sub(r"^npm (error|ERR!) ", "", said[0]) if said else f"exit code {done.returncode}"
+        raise VitruviusError(f"npm cannot fetch the solvers for browsers: {why}: is there a network?")
 
 
 def _cache() -> Path:

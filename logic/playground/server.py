@@ -17,8 +17,9 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
-"""``wasm-unsafe-eval`` allows WebAssembly and nothing else. The solvers have one thread each, so they need no shared
-memory, and the page no cross-origin isolation (COOP, COEP): any web server will do."""
+"""``wasm-unsafe-eval`` allows WebAssembly and nothing else. The solvers have one thread each, so they need no
+shared memory, and the page no cross-origin isolation (COOP, COEP): any web server will do.
+"""
 
 
 class Handler(SimpleHTTPRequestHandler):

@@ -1,7 +1,7 @@
 /** A grammar: its rule files, what they state, and the programs of stage 1 that they make. As logic/grammar.py, loaded.py. */
 
 import { Program, RuleError } from "./program.js";
-import { closest, derivedNames, objection, statements } from "./statements.js";
+import { closest, derivedNames, objection, statements, usedNames } from "./statements.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
@@ -198,24 +198,23 @@ export class Grammar {
     return this.furniture[type].length > 0;
   }
 
-  /** What clingo remarks on in the user's files. Throws RuleError for what nothing derives in any program. */
+  /** What clingo remarks on in the user's files, and what nothing derives in any program: warnings. */
   remarks() {
-    const found = new Map();
+    const found = new Map(this.underived().map((each) => [`${each.file}:${each.line}:${each.column}`, each]));
     for (const program of [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))]) {
       program.atoms();
-      for (const remark of this.clingo.placed)
-        if (remark.kind && this.files[remark.file]) found.set(`${remark.file}:${remark.line}:${remark.column}`, remark);
+      for (const { kind, text, file, line, column } of this.clingo.placed)
+        if (kind && this.files[file]) found.set(`${file}:${line}:${column}`, { severity: "warning", file, line, column, text });
     }
-    const names = derivedNames(this.asp), warnings = [];
-    for (const { text, file, line, column } of found.values()) {
-      const [, name] = /^atom does not occur in any rule head: (?:not )?(\w+)/.exec(text) ?? [];
-      if (!name) warnings.push({ severity: "warning", file, line, column, text });
-      else if (!names.has(name)) {
-        const meant = closest(name, names);
-        throw new RuleError(`nothing derives ${name}${meant && `: did you mean ${meant}?`}`, file, line, column);
-      }
-    }
-    return warnings;
+    return [...found.values()];
+  }
+
+  underived() {
+    const names = derivedNames(this.asp);
+    return this.own.flatMap((file) => usedNames(file).filter(({ name }) => !names.has(name)).map(({ name, ...place }) => {
+      const meant = closest(name, names);
+      return { severity: "warning", ...place, text: `nothing derives ${name}${meant && `: did you mean ${meant}?`}` };
+    }));
   }
 
   /** A mistake at the place of a fact in the files. */

@@ -16,27 +16,53 @@ export class Houses {
     Object.assign(this, { bundle, clingo, prolog });
   }
 
-  /** Load a grammar's files by name, unless they are loaded. */
-  load(files) {
-    const key = JSON.stringify(files);
+  /** Load a grammar's files by name, unless they are loaded. `name`: that of the shipped grammar that they come from. */
+  async load(files, name) {
+    await this.clingo.load();
+    const key = JSON.stringify([name, files]);
     if (key === this.loaded) return;
     this.loaded = null;
     this.grammar = new Grammar(files, this.bundle, this.clingo, this.prolog);
+    this.source = await this.sourceOf(files, name);
     this.loaded = key;
   }
 
+  /** What a house file says of its rules; null where the page's address is no secure one, as browsers have no hashes there. */
+  async sourceOf(files, name) {
+    if (!globalThis.crypto?.subtle) return null;
+    const own = [".lp", ".pl"].flatMap((ending) => Object.keys(files).filter((each) => each.endsWith(ending)).sort());
+    const all = [...own.map((each) => [each, files[each]]), ...Object.entries(this.bundle.rules)];
+    const content = new TextEncoder();
+    const parts = all.flatMap(([path, text]) => {
+      const bytes = content.encode(text);
+      return [content.encode(`${path.split("/").at(-1)} ${bytes.length}\n`), bytes];
+    });
+    const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", await new Blob(parts).arrayBuffer()));
+    const shipped = this.bundle.grammars[name] ?? {};
+    const edited = own.length !== Object.keys(shipped).length || own.some((each) => files[each] !== shipped[each]);
+    const number = this.prolog.ask("solver_version");
+    return {
+      grammar: edited ? `${name}-edited` : name,
+      grammar_hash: [...digest].map((byte) => byte.toString(16).padStart(2, "0")).join(""),
+      versions: {
+        vitruvius: this.bundle.version,
+        clingo: this.clingo.version,
+        "swi-prolog": [number / 10000, (number / 100) % 100, number % 100].map(Math.trunc).join("."),
+      },
+    };
+  }
+
   /** The parts of a sheet, one by one; the caller may stop between them. */
-  async *sheet(files, asked) {
+  async *sheet(files, name, asked) {
     try {
-      await this.clingo.load();
-      this.load(files);
+      await this.load(files, name);
       const request = read(asked);
       const { furniture, mostRooms } = this.grammar;
       yield { kinds: { types: furniture, most_rooms: mostRooms } };
       if (request.rooms > mostRooms)
         throw new LimitReached(`a house of this grammar has at most ${mostRooms} rooms, by its topology`);
       for (let index = 0; index < asked.count; index++) {
-        const house = this.house(request, asked.seed, index);
+        const house = { ...this.house(request, asked.seed, index), ...this.provenance(asked, index) };
         yield { index, house, svg: planSvg(house, this.bundle.looks) };
       }
     } catch (error) {
@@ -50,11 +76,15 @@ export class Houses {
   /** A house, as in a house file without its provenance: a function of the rules, the request, the seed and the index. */
   house(request, seed, index) {
     const { grammar } = this, rng = new Generator([seed, index]);
-    if (grammar.sharesWalls) {
-      const { hub, ...made } = plan(grammar, request, rng, INFERENCES, (type) => isFurnishable(grammar, type, request));
-      return { format: "vitruvius-2", unit: "m", ...made, ...(hub && { hub }), topology: grammar.topology.name };
-    }
-    return ofStar(star(grammar, request, rng, INFERENCES));
+    if (!grammar.sharesWalls) return ofStar(star(grammar, request, rng, INFERENCES));
+    const made = plan(grammar, request, rng, INFERENCES, (type) => isFurnishable(grammar, type, request));
+    return { format: "vitruvius-2", unit: "m", ...made, topology: grammar.topology.name };
+  }
+
+  provenance({ rooms, types, furniture, seed }, index) {
+    if (!this.source) return {};
+    const request = { rooms, types, ...(Object.keys(furniture).length && { furniture }) };
+    return { provenance: { ...this.source, request, seed, index } };
   }
 
   /** A problem of kind Unsatisfiable, with a minimal conflict. */
@@ -67,9 +97,8 @@ export class Houses {
   }
 
   /** What sheet() does not say of the rules: what clingo remarks on. */
-  async lint(files) {
-    await this.clingo.load();
-    this.load(files);
+  async lint(files, name) {
+    await this.load(files, name);
     return this.grammar.warnings;
   }
 }

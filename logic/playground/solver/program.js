@@ -14,8 +14,8 @@ export class RuleError extends Error {
   }
 }
 
-/** Exit codes of clasp: satisfiable, unsatisfiable or not solved, all of it searched or not. */
-const SOLVED = new Set([0, 1, 10, 20, 30, 11, 21, 31]);
+/** Exit codes of clasp: not solved, satisfiable, unsatisfiable, all models found. */
+const SOLVED = new Set([0, 10, 20, 30]);
 
 /** clingo, with the script that does a task. */
 export class Clingo {
@@ -29,6 +29,8 @@ export class Clingo {
     if (this.module) return;
     const lines = (this.lines = []), remarks = (this.remarks = []);
     this.module = await this.factory({ print: (line) => lines.push(line), printErr: (line) => remarks.push(line) });
+    this.call("", "--outf=0");
+    this.version = lines[0].replace("clingo version ", "");
   }
 
   /** Run a task on files, [{ name, text }]. Answers its lines, without the @: [tag, ...fields]. */
@@ -44,7 +46,7 @@ export class Clingo {
     }
     source += `#program base.\n#script (lua)\ntask = ${luaText(task)}\n${this.script}\n#end.\n`;
     const options = Object.entries(constants).map(([name, value]) => `-c ${name}=${value}`);
-    const failed = this.call(source, `--outf=0 --message-limit=1000 ${options.join(" ")} 1`);
+    const failed = this.call(source, `--outf=0 -Wno-atom-undefined ${options.join(" ")} 1`);
     this.placed = this.remarks.join("\n").split("\n\n").map((remark) => placed(remark.trim(), starts));
     const errors = this.placed.filter(({ kind }) => kind === "error");
     if (errors.length) {

@@ -52,9 +52,28 @@ export function derivedNames(files) {
   return found;
 }
 
-/** The name that is meant by a misspelt one: at most a third of its letters are other ones. */
+/** The names of atoms in the bodies of a file's rules, { name, file, line, column } each: words before a bracket that are no
+ * terms, since they begin a literal. */
+export function usedNames(file) {
+  const lines = file.text.split("\n");
+  return [...statements(file)].flatMap(({ text, line }) => {
+    const body = (rule(text)?.body ?? "").replace(/"(?:[^"\\]|\\.)*"/g, "");
+    const found = [];
+    let depth = 0;
+    for (const part of body.matchAll(/[()]|(?<=(?:^|[,;:{]|\bnot)\s*)[a-z_]\w*(?=\()/g))
+      if (part[0] === "(") depth++;
+      else if (part[0] === ")") depth--;
+      else if (depth === 0) found.push(part[0]);
+    return found.map((name) => {
+      const row = lines.findIndex((each, index) => index >= line - 1 && new RegExp(`\\b${name}\\(`).test(each));
+      return { name, file: file.name, line: row + 1, column: lines[row].search(new RegExp(`\\b${name}\\(`)) + 1 };
+    });
+  });
+}
+
+/** The name that is meant by a misspelt one: at most a third of its letters are other ones. Of two as near, the one that begins alike. */
 export function closest(name, names) {
-  const distances = [...names].map((other) => [distance(name, other), other]).sort(([a], [b]) => a - b);
+  const distances = [...names].map((other) => [distance(name, other) + (name[0] === other[0] ? 0 : 0.5), other]).sort(([a], [b]) => a - b);
   const [[least, meant] = [Infinity, ""]] = distances;
   return least <= Math.max(1, name.length / 3) ? meant : "";
 }
