@@ -32,6 +32,7 @@ COMMANDS = {
         "logic.commands.rules:Lint",
         "Find the mistakes in rule files that clingo and Prolog pass over.",
     ),
+    "watch": ("logic.watch.commands:Watch", "Draw what a grammar makes in a browser, at each save."),
     "check": (
         "logic.commands.houses:Check",
         "Check houses by plain geometry, apart from the rules that made them.",
@@ -58,6 +59,7 @@ EXTRAS = {
     "keras": ("h5py",),
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
+    "web": ("starlette", "uvicorn", "watchfiles"),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -129,7 +131,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play"} else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

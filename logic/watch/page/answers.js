@@ -56,8 +56,8 @@ function derivation({ atom, rule, means, options, body = [] }) {
     [source, below] = [option?.rule, option?.body ?? []];
     said.push(element("span", { className: "pick" }, ` picked out of ${options.join(", ")}`));
   }
+  said.push(" ", source ? reason(source) : "see above");
   if (means) said.push(element("p", { className: "means" }, means));
-  said.push(source ? reason(source) : element("span", {}, " see above"));
   const stated = below.filter((each) => !each.rule || each.body || !isCore(each.rule.file));
   return element("li", {}, ...said, ...stated.length ? [element("ul", {}, ...stated.map(derivation))] : []);
 }

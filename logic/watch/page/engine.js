@@ -22,22 +22,27 @@ export const engine = {
       if (done) return;
       const lines = (rest + value).split("\n");
       rest = lines.pop();
-      lines.forEach((line) => onPart(JSON.parse(line)));
+      lines.forEach((line) => onPart(answered(JSON.parse(line))));
     }
   },
 
   async lint(version, signal) {
-    return (await post("lint", { version }, signal)).json();
+    return answered(await (await post("lint", { version }, signal)).json());
   },
 
   async why(version, house, part, signal) {
-    return (await post("why", { version, house, part }, signal)).json();
+    return answered(await (await post("why", { version, house, part }, signal)).json());
   },
 };
 
-/** The answer to a question; an Error with the server's line where there is none. */
 async function post(path, question, signal) {
   const response = await fetch(path, { method: "POST", body: JSON.stringify(question), signal });
   if (!response.ok) throw new Error(await response.text());
   return response;
+}
+
+/** An answer; an Error where it says why there is none. */
+function answered(answer) {
+  if (answer.error) throw new Error(answer.error);
+  return answer;
 }

@@ -23,8 +23,9 @@
 //             a count is exact, or the least and the greatest number, null for no bound
 //   part    = {kinds: {types: {bedroom: ["bed", ...]}, most_rooms}}   comes first, where the rules are right
 //           | {findings: Finding[]}                                 the rules are wrong: the whole answer
-//           | {index, house, svg}      house `index`, from 0: as in a house file, and its plan, whose groups
-//                                      have data-part="R3.bed": the name by which why() is asked
+//           | {index, house, types, svg}   house `index`, from 0: what why() takes, its rooms' types by their
+//                                      names ({R0: "bedroom"}), and its plan, whose groups have
+//                                      data-part="R3.bed": the name by which why() is asked
 //           | {index, problem}         why there is no house `index`
 //   problem = {kind, message, reasons?, advice?}    kind Unsatisfiable: proved, so there is no house at all,
 //             by reasons: [{text, file?, line?, column?}]; LimitReached; RequestError; ...
@@ -41,14 +42,19 @@ import { command, initRequest, readRequest, showKinds } from "./request.js";
 import { showFindings, showRules } from "./rules.js";
 import { initSheet, keepFirst, mark, setOutdated, showHouse, showProblem } from "./sheet.js";
 
+/** Milliseconds after which it is said that an answer is on its way. */
+const PATIENCE = 500;
+
 let rules = null;
 let linted = 0;
+let linting = new AbortController();
 let drawing = new AbortController();
 let asking = new AbortController();
 
 /** Other rules: what is shown of the old ones is out of date at once. */
 function receive(newRules) {
   rules = newRules;
+  linting.abort();
   byId("grammar").textContent = rules.grammar;
   showRules(rules.files, engine.editable ? engine.write : null);
   redraw(rules.saved);
@@ -65,26 +71,27 @@ async function redraw(since) {
   byId("command").firstChild.textContent = command(grammar);
   setOutdated();
   closeAnswer();
+  const late = setTimeout(() => signal.aborted || say("Drawing."), PATIENCE);
+  let right = true;
   try {
-    let right = true;
     await engine.sheet(version, request, (part) => {
-      if (signal.aborted) return;
-      right = receivePart(part, request) && right;
+      if (!signal.aborted) right = receivePart(part, request) && right;
     }, signal);
-    if (signal.aborted) return;
-    if (right) {
-      keepFirst(request.count);
-      say(`${request.count} houses, drawn in ${((Date.now() - since) / 1000).toFixed(2)} s.`);
-      await lint(version, signal);
-    }
-    document.body.dataset.drawn = version;
   } catch (error) {
+    right = false;
     if (!signal.aborted) say(error.message);
   }
+  clearTimeout(late);
+  if (signal.aborted) return;
+  byId("sheet").dataset.version = version;
+  if (!right) return;
+  keepFirst(request.count);
+  say(`${request.count} houses, drawn in ${((Date.now() - since) / 1000).toFixed(2)} s.`);
+  lint(version);
 }
 
 /** Show a part of the answer; whether it is one of a sheet without mistakes and proofs. */
-function receivePart({ kinds, findings, index, house, svg, problem }, request) {
+function receivePart({ kinds, findings, index, house, types, svg, problem }, request) {
   if (findings) {
     linted = 0;
     showFindings(findings);
@@ -95,24 +102,30 @@ function receivePart({ kinds, findings, index, house, svg, problem }, request) {
     showKinds(kinds);
     if (linted !== rules.version) showFindings([]);
   } else if (house) {
-    showHouse(index, house, svg);
-  } else if (problem.kind === "Unsatisfiable") {
-    showProof(problem);
+    showHouse(index, house, types, svg);
+  } else if (problem.kind === "LimitReached") {
+    showProblem(index, problem.message);
+  } else {
+    if (problem.reasons) showProof(problem);
+    else showAnswer("No house", element("p", {}, problem.message));
     say("There is no such house.");
     return false;
-  } else {
-    showProblem(index, problem.message);
   }
   return true;
 }
 
 /** Once for each version of the rules: what is wrong with them that houses do not show. */
-async function lint(version, signal) {
+async function lint(version) {
   if (linted === version) return;
-  const findings = await engine.lint(version, signal);
-  if (signal.aborted) return;
   linted = version;
-  showFindings(findings);
+  linting = new AbortController();
+  const { signal } = linting;
+  try {
+    const findings = await engine.lint(version, signal);
+    if (!signal.aborted) showFindings(findings);
+  } catch (error) {
+    if (!signal.aborted) say(error.message);
+  }
 }
 
 /** Ask why a part of a house is as it is. */
@@ -140,7 +153,7 @@ function say(text) {
   byId("status").textContent = text;
 }
 
-initRequest(() => redraw(Date.now()));
+initRequest(redraw);
 initSheet(ask);
 initAnswer(closeAnswer);
 engine.open(receive, say);

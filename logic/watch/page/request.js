@@ -2,20 +2,23 @@
 
 import { byId, element } from "./dom.js";
 
+/** Milliseconds: a slider that moves on sooner asks for nothing in between. */
+const PAUSE = 60;
 const COUNT = /^(\d{1,3})?(\.\.(\d{1,3})?)?$/;
 let kinds = null;
 
-/** Read the page's address; `onChange` is called after each change that asks for other houses. */
+/** Read the page's address; `onChange(when)` is called after each change that asks for other houses. */
 export function initRequest(onChange) {
   const form = byId("request");
   for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
     const field = form.elements[name];
     if (field) field.value = value;
   }
+  let pause = 0;
   form.addEventListener("input", (event) => {
     label();
-    if (event.target.name === "size") return;
-    if (form.checkValidity()) onChange();
+    clearTimeout(pause);
+    if (event.target.name !== "size" && form.checkValidity()) pause = setTimeout(onChange, PAUSE, Date.now());
   });
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("keydown", step);

@@ -7,12 +7,27 @@ let findings = [];
 let shown = "";
 let write = null;
 
-/** Show these files; where they may be changed, `onWrite(name, text)` is called for each change. */
+/**
+ * Show these files. Where they may be changed, `onWrite(name, text)` is called for each change; else the one
+ * that has changed comes to the front.
+ */
 export function showRules(newFiles, onWrite) {
+  const changed = files.length ? newFiles.find(({ name, text }) => text !== textOf(name)) : undefined;
+  const before = changed ? textOf(changed.name) : "";
   files = newFiles;
   write = onWrite;
   if (!files.some((file) => file.name === shown)) shown = files[0]?.name ?? "";
   draw();
+  if (changed && !write) goTo(changed.name, firstDifference(before, changed.text));
+}
+
+const textOf = (name) => files.find((file) => file.name === name)?.text ?? "";
+
+/** The number of the first line of a text that is not that of the text before it. */
+function firstDifference(before, after) {
+  const [old, now] = [before.split("\n"), after.split("\n")];
+  const at = now.findIndex((line, index) => line !== old[index]);
+  return (at < 0 ? now.length - 1 : at) + 1;
 }
 
 /** Show these mistakes at their lines; the first file with an error comes to the front. */
@@ -91,10 +106,11 @@ function select(name) {
   draw();
 }
 
-/** All mistakes in a list, each with its place, which leads to its line. */
+/** Mistakes that do not stand at their lines below, each with its place, which leads to its line. */
 function drawList() {
-  byId("findings").replaceChildren(...findings.map((each) => element("li", { className: each.severity },
-    place(each.file, each.line, each.column), ` ${each.severity}: ${each.text}`)));
+  const listed = findings.filter((each) => write || each.file !== shown);
+  byId("findings").replaceChildren(...listed.map((each) => element("li", { className: each.severity },
+    place(each.file, each.line, each.column), `: ${each.severity}: ${each.text}`)));
 }
 
 /** The lines of a file, each with what is said of it. */
@@ -108,7 +124,7 @@ function lines({ name, text }) {
       element("span", { className: "number", aria: { hidden: "true" } }, number),
       element("code", {}, ...written(line, said[0]?.column)));
     const notes = said.map((each) => element("p", { className: `note ${each.severity}` },
-      `${each.line}:${each.column} ${each.severity}: ${each.text}`));
+      `${name}:${each.line}:${each.column}: ${each.severity}: ${each.text}`));
     return [row, notes];
   });
 }

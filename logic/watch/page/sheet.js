@@ -26,12 +26,11 @@ export function initSheet(onAsk) {
   });
 }
 
-/** House `index` has this plan from now on. */
-export function showHouse(index, house, svg) {
+/** House `index` has this plan from now on; `types` are those of its rooms. */
+export function showHouse(index, house, types, svg) {
   const plan = document.importNode(new DOMParser().parseFromString(svg, "image/svg+xml").documentElement, true);
   plan.setAttribute("role", "group");
   plan.setAttribute("aria-label", `House ${index}: arrow keys go through its parts, Enter asks why`);
-  const types = Object.fromEntries(house.rooms.map((room) => [room.name, room.type]));
   const parts = [...plan.querySelectorAll("[data-part]")];
   parts.forEach((part, turn) => {
     const [room] = part.dataset.part.split(".");
