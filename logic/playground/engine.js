@@ -15,6 +15,7 @@ let files = {};
 let version = 0;
 let tell = () => {};
 const houses = [];
+let warnings = [];
 
 export const engine = {
   editable: true,
@@ -46,16 +47,15 @@ export const engine = {
 
   async sheet(wanted, request, onPart) {
     houses.length = 0;
-    await ask({ task: "sheet", grammar, files, request }, (part) => {
+    await ask({ grammar, files, request }, (part) => {
       if (part.house) houses[part.index] = part.house;
+      warnings = part.warnings ?? warnings;
       onPart(part);
     });
   },
 
   async lint() {
-    let found = [];
-    await ask({ task: "lint", grammar, files }, (part) => (found = part));
-    return found;
+    return warnings;
   },
 };
 

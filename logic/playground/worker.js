@@ -1,7 +1,7 @@
 // Both solvers, in a worker: the page stays quick, and ends them by ending it. Not a module, as swipl-web.js is none.
 //
-// Asked { id, task: "sheet", grammar, files, request } or { id, task: "lint", grammar, files }; answers { id, part } each, then { id, done }
-// or { id, error }. A newer question ends an older one between two houses.
+// Asked { id, grammar, files, request }, it answers { id, part } for each part of the sheet, then { id, done } or
+// { id, error }. A newer question ends an older one between two houses.
 
 importScripts("swipl/swipl-web.js");
 
@@ -41,19 +41,17 @@ const pause = () => new Promise((go) => {
   channel.port2.postMessage(0);
 });
 
-onmessage = async ({ data: { id, task, grammar, files, request } }) => {
+onmessage = async ({ data: { id, grammar, files, request } }) => {
   newest = id;
   try {
     const houses = await ready;
     if (id === newest) postMessage({ id, ready: true });
     await pause();
-    if (task === "lint") postMessage({ id, part: await houses.lint(files, grammar) });
-    else
-      for await (const part of houses.sheet(files, grammar, request)) {
-        postMessage({ id, part });
-        await pause();
-        if (id !== newest) break;
-      }
+    for await (const part of houses.sheet(files, grammar, request)) {
+      postMessage({ id, part });
+      await pause();
+      if (id !== newest) break;
+    }
     postMessage({ id, done: true });
   } catch (error) {
     postMessage({ id, error: error.message });

@@ -34,7 +34,7 @@ PARTS = """([grammar, files, request]) => new Promise((resolve, reject) => {
         if (done) resolve(parts);
         if (error) reject(new Error(error));
     };
-    solvers.postMessage({ id: performance.now(), task: "sheet", grammar, files, request });
+    solvers.postMessage({ id: performance.now(), grammar, files, request });
 })"""
 """What the worker answers, without the page around it."""
 

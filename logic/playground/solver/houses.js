@@ -57,13 +57,14 @@ export class Houses {
     try {
       await this.load(files, name);
       const request = read(asked);
-      const { furniture, mostRooms } = this.grammar;
-      yield { kinds: { types: furniture, most_rooms: mostRooms } };
+      const { furniture, mostRooms, warnings } = this.grammar;
+      yield { kinds: { types: furniture, most_rooms: mostRooms }, warnings };
       if (request.rooms > mostRooms)
         throw new LimitReached(`a house of this grammar has at most ${mostRooms} rooms, by its topology`);
       for (let index = 0; index < asked.count; index++) {
         const house = { ...this.house(request, asked.seed, index), ...this.provenance(asked, index) };
-        yield { index, house, svg: planSvg(house, this.bundle.looks) };
+        const types = Object.fromEntries(house.rooms.map(({ name, type }) => [name, type]));
+        yield { index, house, types, svg: planSvg(house, this.bundle.looks) };
       }
     } catch (error) {
       if (error instanceof RuleError) yield { findings: error.findings };
@@ -94,12 +95,6 @@ export class Houses {
     const since = found.unfurnishable.map((type) => `, since no ${type} can be furnished`).join("");
     const only = found.reasons.length === 1 ? "this forbids it" : "these conflict, so one of them must go";
     return { kind: "Unsatisfiable", message: `No house has ${request.rooms} rooms${types}${since}: ${only}.`, ...found };
-  }
-
-  /** What sheet() does not say of the rules: what clingo remarks on. */
-  async lint(files, name) {
-    await this.load(files, name);
-    return this.grammar.warnings;
   }
 }
 
