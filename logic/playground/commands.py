@@ -11,7 +11,7 @@ from logic.errors import RequestError
 class Playground:
     """Serve a page that makes houses in the browser, without a solver on this machine. Ctrl-C ends it.
 
-    With --out write it as a folder to publish with any web server. npm fetches its solvers once, 11 MB.
+    With --out write it as a folder to publish with any web server. npm fetches its solvers once, 7 MB.
     """
 
     out: Path | None = None
