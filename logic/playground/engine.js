@@ -59,16 +59,26 @@ export const engine = {
   },
 };
 
-/** Begin with the rules of a shipped grammar. */
+/** Begin with the rules of a shipped grammar, as they were last changed in this browser. */
 function take(name, onRules) {
   grammar = bundle.grammars[name] ? name : "family";
-  files = { ...bundle.grammars[grammar] };
+  files = { ...bundle.grammars[grammar], ...JSON.parse(localStorage.getItem(kept()) ?? "{}") };
   document.getElementById("shipped").value = grammar;
-  engine.changed = (saved) => onRules({
-    version: ++version, saved, grammar, files: Object.entries(files).map(([file, text]) => ({ name: file, text })),
-  });
+  engine.changed = (saved) => {
+    const changes = Object.entries(files).filter(([file, text]) => text !== bundle.grammars[grammar][file]);
+    if (changes.length) localStorage.setItem(kept(), JSON.stringify(Object.fromEntries(changes)));
+    else localStorage.removeItem(kept());
+    document.getElementById("undo").disabled = !changes.length;
+    onRules({
+      version: ++version, saved, grammar: changes.length ? `${grammar}-edited` : grammar,
+      files: Object.entries(files).map(([file, text]) => ({ name: file, text })),
+    });
+  };
   engine.changed(Date.now());
 }
+
+/** Where the browser keeps what is changed of a grammar. */
+const kept = () => `vitruvius ${grammar} ${bundle.version}`;
 
 /** A question to the worker; a newer one ends it. */
 function ask(question, onPart) {
@@ -117,9 +127,14 @@ function started() {
 function controls(onRules) {
   const shipped = element("select", { id: "shipped", onchange: () => take(shipped.value, onRules) },
     ...Object.keys(bundle.grammars).map((name) => element("option", { value: name }, name)));
+  const undo = element("button", { type: "button", id: "undo", onclick: () => {
+    localStorage.removeItem(kept());
+    take(grammar, onRules);
+  } }, "As shipped");
   const halt = element("button", { type: "button", id: "stop", disabled: true, onclick: () => end("Stopped.") }, "Stop");
   const keep = element("button", { type: "button", id: "keep", onclick: download }, "Houses as a file");
-  document.getElementById("grammar").before(element("label", {}, "Rules of ", shipped), halt, keep);
+  document.getElementById("grammar").before(element("label", {}, "Rules of ", shipped), undo, halt, keep);
+  document.getElementById("grammar").hidden = true;
 }
 
 /** The houses of the sheet, as `vitruvius check` and `load` read them. */

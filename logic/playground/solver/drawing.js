@@ -4,6 +4,9 @@
  */
 
 const PAPER = "#fbfaf6", WALL = "#333a45", INK = "#3d4450", FAINT = "#9aa1ab", WOOD = "#ffffff", EDGE = "#6f7783", MARK = "#d9734e";
+/** Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first. */
+const STEPS = [-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1];
+const SPOTS = STEPS.flatMap((u) => STEPS.map((v) => [u, v])).sort(([a, b], [c, d]) => Math.hypot(a, b) - Math.hypot(c, d));
 const SIDE = 360, MARGIN = 14, FOOT = 24;
 
 /** The plan of a house of today's format, as the text of an SVG file. `looks`: colours and symbols by type. */
@@ -87,10 +90,19 @@ class Pen {
     return `${paper}<polyline points="${path}" fill="none" stroke="${MARK}" stroke-width="2"/>`;
   }
 
+  /** A room's name, as near to its middle as it hides no furniture. */
   name(room, words) {
-    const [x, y] = this.at(room.x + room.width / 2, room.y + room.height / 2);
     const size = Math.min(12, (1.6 * room.width * this.scale) / words.length);
-    return size < 6 ? "" : text(x, y, words, size, INK, "middle", colour(room.type, this.looks));
+    if (size < 6) return "";
+    const half = (0.3 * size * words.length) / this.scale, high = (0.6 * size) / this.scale;
+    const [wide, tall] = [room.width / 2 - half, room.height / 2 - high].map((each) => Math.max(0, each - 0.1));
+    const middle = [room.x + room.width / 2, room.y + room.height / 2];
+    const places = SPOTS.map(([u, v]) => [middle[0] + u * wide, middle[1] + v * tall]);
+    const hidden = ([x, y]) => room.children.flatMap((piece) => [piece, ...piece.children]).reduce((sum, piece) => sum
+      + Math.max(0, Math.min(x + half, piece.x + piece.width) - Math.max(x - half, piece.x))
+      * Math.max(0, Math.min(y + high, piece.y + piece.height) - Math.max(y - high, piece.y)), 0);
+    const best = places.reduce((one, other) => (hidden(other) < hidden(one) - 1e-6 ? other : one));
+    return text(...this.at(...best), words, size, INK, "middle", colour(room.type, this.looks));
   }
 
   /** The word for the main room, where the rooms around it leave most free. */

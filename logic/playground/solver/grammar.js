@@ -202,7 +202,7 @@ export class Grammar {
   remarks() {
     const found = new Map(this.underived().map((each) => [`${each.file}:${each.line}:${each.column}`, each]));
     for (const program of [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))]) {
-      program.atoms();
+      program.options; // grounds it
       for (const { kind, text, file, line, column } of this.clingo.placed)
         if (kind && this.files[file]) found.set(`${file}:${line}:${column}`, { severity: "warning", file, line, column, text });
     }
