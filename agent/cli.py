@@ -37,6 +37,8 @@ COMMANDS = {
         "Find the mistakes in rule files that clingo and Prolog pass over.",
     ),
     "rules": ("logic.reference:Rules", "Print the reference of the rule language, with recipes."),
+    "watch": ("logic.watch.commands:Watch", "Draw what a grammar makes in a browser, at each save."),
+    "playground": ("logic.playground.commands:Playground", "A page that makes houses in the browser."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
@@ -71,6 +73,7 @@ EXTRAS = {
     "keras": ("h5py",),
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
+    "web": ("starlette", "uvicorn", "watchfiles"),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -166,7 +169,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play"} else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

@@ -1,6 +1,6 @@
 """A drawing is a list of shapes in CSS pixels; here it becomes SVG text or a Pillow image."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from html import escape
@@ -67,7 +67,24 @@ class Text:
     halo: str = ""
 
 
-Shape = Block | Oval | Line | Text
+@dataclass(frozen=True)
+class Part:
+    """The shapes of a part of a house, by the name that ``explain --why`` takes: ``data-part`` in SVG."""
+
+    name: str
+    shapes: tuple["Shape", ...]
+
+
+Shape = Block | Oval | Line | Text | Part
+
+
+def flat(shapes: Iterable[Shape]) -> Iterator[Block | Oval | Line | Text]:
+    """All shapes, those of parts among them, the lowest first."""
+    for shape in shapes:
+        if isinstance(shape, Part):
+            yield from flat(shape.shapes)
+        else:
+            yield shape
 
 
 @dataclass(frozen=True)
@@ -98,7 +115,7 @@ def png(cells: Iterable[tuple[Point, Drawing]], width: int, height: int) -> Imag
     for (x, y), drawing in cells:
         large = Image.new("RGB", (drawing.width * scale, drawing.height * scale), "#ffffff")
         pen = ImageDraw.Draw(large)
-        for shape in drawing.shapes:
+        for shape in flat(drawing.shapes):
             _ink(pen, shape, scale)
         sheet.paste(large.reduce(SMOOTHING), (round(x * DENSITY), round(y * DENSITY)))
     return sheet
@@ -112,6 +129,8 @@ def text_width(text: str, size: float) -> float:
 def _element(shape: Shape) -> str:
     """The SVG element of a shape."""
     match shape:
+        case Part(name, shapes):
+            return f'<g data-part="{escape(printable(name))}">{"".join(map(_element, shapes))}</g>'
         case Block((left, top, right, bottom), fill, stroke, width, radius):
             size = f'width="{right - left:.1f}" height="{bottom - top:.1f}" rx="{radius:.1f}"'
             return f'<rect x="{left:.1f}" y="{top:.1f}" {size} {_paint(fill, stroke, width)}/>'
@@ -125,10 +144,11 @@ def _element(shape: Shape) -> str:
         case Text((x, y), text, size, fill, anchor, halo):
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
+            place += ' pointer-events="none"'  # A click on a room's name is one on the room.
             return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{escape(printable(text))}</text>"
 
 
-def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
+def _ink(pen: ImageDraw.ImageDraw, shape: Block | Oval | Line | Text, scale: int) -> None:
     """Draw a shape with Pillow, ``scale`` image pixels to a CSS pixel."""
 
     def length(value: float) -> int:

@@ -9,9 +9,10 @@ from typing import Literal
 import msgspec
 
 from logic.boxes import walls_touched
-from logic.canvas import Block, Box, Line, Oval, Point, Shape, Text, text_width
+from logic.canvas import Block, Box, Line, Oval, Part, Point, Shape, Text, text_width
 from logic.house import House
 from logic.parts import ORIGINAL, Piece, Rect
+from logic.targets import doors_by_name, part_names, windows_by_name
 
 PAPER, WALL, INK, FAINT = "#fbfaf6", "#333a45", "#3d4450", "#9aa1ab"
 """Colours of the main room, of walls, of words and of what stands back."""
@@ -68,24 +69,29 @@ def house_shapes(house: House, frame: Frame) -> list[Shape]:
     """Draw all of a house but words about it: floors first, then furniture and walls, openings last."""
     wall = _stroke(0.09 * frame.scale, 1.5, 4.0)
     # The rooms' floors hide a star's main room's walls within them, and walls lie over the furniture.
-    shapes: list[Shape] = [Block(frame.box(house.main), PAPER, WALL, wall)] if house.is_star else []
-    shapes += [Block(frame.box(room), room_colour(room.type)) for room in house.counted]
+    shapes: list[Shape] = []
+    if house.is_star:
+        shapes.append(Part(house.hub, (Block(frame.box(house.main), PAPER, WALL, wall),)))
+    shapes += [Part(room.name, (Block(frame.box(room), room_colour(room.type)),)) for room in house.counted]
     for room in house.counted:
-        for piece in room.pieces:
-            shapes += _piece(piece, frame.box(piece), _front(house, room, piece), frame.scale)
+        names = part_names([piece.type for piece in room.pieces])
+        for name, piece in zip(names, room.pieces, strict=True):
+            drawn = _piece(piece, frame.box(piece), _front(house, room, piece), frame.scale)
             if has_mark(house, piece):
-                shapes.append(_front_mark(frame.box(piece), piece.orientation, frame.scale))
+                drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale))
+            shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
     if house.is_star:
         shapes += [Block(frame.box(room), "", WALL, wall) for room in house.counted]
     else:
         shapes += _walls(house, frame, wall)
-    for door in house.doors:
-        shapes.append(_opening(frame.box(door), wall))
+    for name, door in doors_by_name(house).items():
+        drawn: list[Shape] = [_opening(frame.box(door), wall)]
         if door.is_entrance:
             (room,) = (room for room in house.rooms if room.name in door.between)
-            shapes.append(_entrance(door, room, frame))
-    for window in house.windows:
-        shapes += _window(frame.box(window), wall)
+            drawn.append(_entrance(door, room, frame))
+        shapes.append(Part(name, tuple(drawn)))
+    for name, window in windows_by_name(house).items():
+        shapes.append(Part(name, tuple(_window(frame.box(window), wall))))
     return shapes
 
 

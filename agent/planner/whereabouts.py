@@ -54,7 +54,9 @@ def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
         states: Wholes, counts: Bytes,
     ):  # fmt: skip
         memory = ti.static(
-            Memory(cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior)
+            Memory(
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior
+            )
         )
         for e in range(states.shape[0] // ti.static(SIZE)):
             base, state = e * occupancy.area, loaded(states, e)

@@ -14,11 +14,12 @@ from PIL import Image, ImageColor
 
 from logic import House, Rect
 from logic.boxes import excess, overlap
-from logic.canvas import DENSITY, Block, Drawing, Line, Text, png, text_width
+from logic.canvas import DENSITY, Block, Drawing, Line, Text, flat, png, text_width
 from logic.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
 from logic.labels import LEAST, abbreviations
 from logic.parts import ORIGINAL, Provenance
 from logic.plan import MARK, PAPER, WALL, WOOD, room_colour
+from logic.targets import target_in
 from tests.logic.handmade import Sketch, built, sketches, turned_house
 from tests.plans import PLANS
 from tests.sample_houses import changed_star
@@ -34,7 +35,7 @@ class Picture:
     def __init__(self, house: House) -> None:
         self.image = plan_png(house)
         drawing = plan(house, self.image.width // DENSITY, self.image.height // DENSITY)
-        floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+        floor = next(shape for shape in flat(drawing.shapes) if isinstance(shape, Block))
         left, top, right, _ = floor.box
         first = house.main if house.is_star else house.rooms[0]
         self.scale = (right - left) / first.width
@@ -48,12 +49,12 @@ class Picture:
 
 def words(drawing: Drawing) -> dict[str, Text]:
     """What is written on a drawing."""
-    return {shape.text: shape for shape in drawing.shapes if isinstance(shape, Text)}
+    return {shape.text: shape for shape in flat(drawing.shapes) if isinstance(shape, Text)}
 
 
 def metre(drawing: Drawing, house: House) -> float:
     """CSS pixels to a metre: the main room's floor is drawn first."""
-    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+    floor = next(shape for shape in flat(drawing.shapes) if isinstance(shape, Block))
     return (floor.box[2] - floor.box[0]) / house.star.floor.width
 
 
@@ -95,7 +96,7 @@ def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -
         assert picture.shows(PAPER, x, y)
         assert picture.shows(WALL, x - beyond[0], y - beyond[1])
         assert picture.shows(WALL, x + beyond[0], y + beyond[1])
-    blocks = [shape for shape in plan(house, 600).shapes if isinstance(shape, Block)]
+    blocks = [shape for shape in flat(plan(house, 600).shapes) if isinstance(shape, Block)]
     walls = [shape.box for shape in blocks if shape.fill == WALL]
     assert len(walls) == len(set(walls)) == sum(map(len, house.walls))
     panes = [shape for shape in blocks[-len(house.windows) :] if shape.fill == WOOD and shape.stroke == WALL]
@@ -105,9 +106,11 @@ def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -
 
 def test_an_arrow_leads_in_at_an_entrance_and_the_legend_says_so() -> None:
     drawing, house = plan(PLANS["chain"], 600), PLANS["chain"]
-    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
+    floor = next(shape for shape in flat(drawing.shapes) if isinstance(shape, Block))
     scale = (floor.box[2] - floor.box[0]) / house.rooms[0].width
-    arrow, key, tip = (shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK)
+    arrow, key, tip = (
+        shape for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke == MARK
+    )
     (foot_x, foot_y), (tip_x, tip_y), *_ = arrow.points
     assert foot_x == tip_x
     assert 0.3 < (tip_y - foot_y) / scale < 0.45  # south, into the hall, where no furniture may stand
@@ -135,7 +138,7 @@ def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
     picture = Picture(house)
     assert picture.shows(WALL, -3.1, 3.0)
     assert picture.shows(room_colour("bedroom"), 0.9, -3.1)
-    shapes = plan(house, 300, 300).shapes
+    shapes = [*flat(plan(house, 300, 300).shapes)]
     assert not [shape for shape in shapes if isinstance(shape, Line) and shape.stroke == MARK]
     assert "front of furniture" not in words(plan(house, 300, 300))
 
@@ -144,8 +147,8 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
     drawing = plan(HOUSE, 300, 300)
     labels = words(drawing)
     assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
-    furniture = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.radius]
-    floors = [shape for shape in drawing.shapes if isinstance(shape, Block) and not shape.radius][1:]
+    furniture = [shape.box for shape in flat(drawing.shapes) if isinstance(shape, Block) and shape.radius]
+    floors = [shape for shape in flat(drawing.shapes) if isinstance(shape, Block) and not shape.radius][1:]
     for text in ("bedroom", "bathroom", "kitchen", "hall", "main room"):
         (x, y), size = labels[text].at, labels[text].size
         half = text_width(text, size) / 2
@@ -160,7 +163,9 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
 def test_the_scale_bar_is_as_long_as_it_says_and_long_enough_to_be_seen(size: int, metres: int) -> None:
     drawing = plan(HOUSE, size, size)
     end, y = words(drawing)[f"{metres} m"].at
-    lines = [shape.points for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke != MARK]
+    lines = [
+        shape.points for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke != MARK
+    ]
     (bar,) = [(a, b) for a, b, *_ in lines if a[1] == b[1] == y]
     assert bar[1][0] - bar[0][0] == pytest.approx(metres * metre(drawing, HOUSE))
     assert 18 <= bar[1][0] - bar[0][0] < end
@@ -169,7 +174,7 @@ def test_the_scale_bar_is_as_long_as_it_says_and_long_enough_to_be_seen(size: in
 def test_a_legend_says_what_the_marks_are() -> None:
     drawing = plan(HOUSE, 300, 300)
     x, y = words(drawing)["front of furniture"].at
-    marks = [shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK]
+    marks = [shape for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke == MARK]
     assert marks[-1].points[0][1] == y
     assert 0 < x - marks[-1].points[1][0] < 10
 
@@ -189,17 +194,21 @@ def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_bet
     ET.fromstring(contact_sheet_svg([house], cell=cell))
     drawing = plan(house, cell, cell)
     short = abbreviations(room.type for room in house.star.rooms)
-    floors = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.fill in FLOORS]
-    for word in (shape for shape in drawing.shapes if isinstance(shape, Text)):
+    floors = [
+        shape.box for shape in flat(drawing.shapes) if isinstance(shape, Block) and shape.fill in FLOORS
+    ]
+    for word in (shape for shape in flat(drawing.shapes) if isinstance(shape, Text)):
         if word.text in {*short, *short.values()} and word.anchor == "middle":
             half = text_width(word.text, word.size) / 2
             box = word.at[0] - half, word.at[1] - word.size / 2, word.at[0] + half, word.at[1] + word.size / 2
             assert word.size >= LEAST
             assert any(excess(box, floor) <= 0 for floor in floors)
-    named = {word.text for word in drawing.shapes if isinstance(word, Text) and word.anchor == "middle"}
+    named = {word.text for word in flat(drawing.shapes) if isinstance(word, Text) and word.anchor == "middle"}
     if not {room.type for room in house.star.rooms} <= named:
         keyed = {
-            shape.text for shape in drawing.shapes if isinstance(shape, Text) and shape.anchor == "start"
+            shape.text
+            for shape in flat(drawing.shapes)
+            if isinstance(shape, Text) and shape.anchor == "start"
         }
         assert {room.type for room in house.star.rooms} <= keyed
 
@@ -226,12 +235,12 @@ def test_one_scale_makes_a_metre_as_long_in_all_plans(tmp_path: Path) -> None:
     for apart in (False, True):
         root = ET.fromstring(contact_sheet_svg(houses, one_scale=apart))
         metres = [
-            float(cell[0].attrib["width"]) / house.star.floor.width
+            float(cell[0][0].attrib["width"]) / house.star.floor.width
             for cell, house in zip(root.findall(f"{NAMESPACE}g"), houses, strict=True)
         ]
         assert (max(metres) - min(metres) < 0.05) == apart
     plans = [ET.parse(path).getroot() for path in draw(houses, tmp_path, one_scale=True)[:-1]]
-    widths = [float(root.findall(f"{NAMESPACE}g")[0][0].attrib["width"]) for root in plans]
+    widths = [float(root.findall(f"{NAMESPACE}g")[0][0][0].attrib["width"]) for root in plans]
     metres = [width / house.star.floor.width for width, house in zip(widths, houses, strict=True)]
     assert max(metres) - min(metres) < 0.05
 
@@ -260,12 +269,26 @@ def test_svg_and_png_have_the_same_shapes_and_size() -> None:
     assert len(drawn) == len(shapes)
 
 
+@pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
+def test_each_part_of_an_svg_has_the_name_by_which_explain_takes_it(house: House) -> None:
+    named = [
+        each.attrib["data-part"]
+        for each in ET.fromstring(plan_svg(house)).iter()
+        if "data-part" in each.attrib
+    ]
+    assert len(named) == len(set(named))
+    pieces = sum(len(room.pieces) for room in house.rooms)
+    assert len(named) == len(house.rooms) + pieces + len(house.doors) + len(house.windows)
+    for name in named:
+        target_in(house, name)
+
+
 def test_the_title_says_where_the_house_comes_from_as_far_as_it_fits() -> None:
     made = replace(HOUSE, provenance=Provenance("grammars/family", "", {}, 7, 12, {}))
     words = "family · seed 7 · house 12 · 4 rooms · 66 m²"
 
     def titles(width: int) -> set[str]:
-        return {shape.text for shape in plan(made, width, 300).shapes if isinstance(shape, Text)}
+        return {shape.text for shape in flat(plan(made, width, 300).shapes) if isinstance(shape, Text)}
 
     assert words in titles(300)
     assert "house 12 · 4 rooms · 66 m²" in titles(200)
