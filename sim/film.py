@@ -14,7 +14,8 @@ from logic import House
 from logic.canvas import DENSITY, Drawing, png
 from logic.files import write_whole
 from logic.labels import room_names
-from logic.plan import INK, Frame, house_shapes
+from logic.palettes import Inks, style
+from logic.plan import OUTER, Frame, grown, house_shapes
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -111,7 +112,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     targets = "1 target" if scene.found == 1 else f"{scene.found} targets"
     text = f"step {scene.step} of {scene.config.steps}    {targets}"
     below = SHARP * MARGIN, image.height - SHARP * (MARGIN + CAPTION) // 2
-    draw.text(below, text, INK, ImageFont.load_default(SHARP * 16), anchor="lm")
+    draw.text(below, text, Inks().ink, ImageFont.load_default(SHARP * 16), anchor="lm")
     return image.reduce(SHARP)
 
 
@@ -149,10 +150,13 @@ def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
 
 
 def plan(house: House, size: int) -> Image.Image:
-    """Draw a house as plans show it, ``SHARP`` times larger than it will be shown."""
+    """Draw a house as plans show it, ``SHARP`` times larger than it will be shown; without the leaves of
+    doors.
+    """
     view = View(geometry(house), size)
-    names = room_names(house, view.frame, {}, LEAST_NAME)
-    shapes = (*house_shapes(house, view.frame), *(name for name in names if name is not None))
+    look = style([house])
+    names = room_names(house, view.frame, look, {}, LEAST_NAME)
+    shapes = (*house_shapes(house, view.frame, look), *(word for name in names for word in name))
     width, height = view.shown
     return png([((0, 0), Drawing(width, height, shapes))], width, height)
 
@@ -187,7 +191,7 @@ class View:
 
     def __init__(self, shape: Geometry, size: int) -> None:
         """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
-        west, north, east, south = shape.bounds
+        west, north, east, south = grown(shape.bounds, OUTER)
         width, height = east - west, south - north
         scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
         self.frame = Frame(scale, MARGIN - scale * west, MARGIN - scale * north)

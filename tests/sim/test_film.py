@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from PIL import Image, ImageColor, ImageSequence
 
-from logic.plan import PAPER, WALL, room_colour
+from logic.looks import DEFAULT as LOOKS
+from logic.palettes import Inks
 from sim import DEFAULT, HouseVectorEnv
 from sim.film import BODY, TARGET, Camera, View, film
 from sim.geometry import geometry
 from tests import sample_houses
 
+INKS = Inks()
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
 
 
@@ -35,16 +37,16 @@ def test_a_picture_shows_body_target_walls_and_floor_in_their_places(envs):
     assert max(image.size) == 600
     assert colour_at(image, 4.9, 1.4) == BODY
     assert colour_at(image, 7.0, 0.6) == TARGET
-    assert colour_at(image, 0.0, 0.5) == ImageColor.getrgb(WALL)
-    assert colour_at(image, 4.3, 2.8) == ImageColor.getrgb(PAPER)
+    assert colour_at(image, -0.1, 0.5) == ImageColor.getrgb(INKS.wall)
+    assert colour_at(image, 4.3, 2.8) == ImageColor.getrgb(INKS.paper)
 
 
 def test_rooms_and_doors_have_the_colours_of_plans(envs):
     image = Camera(envs, 0, width=600).shoot()
     (room,) = HOUSE.star.rooms
-    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(room_colour(room.type))
+    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(LOOKS.colour(room.type))
     door = room.door.x + room.door.width / 2, room.door.y + room.door.height / 2
-    assert colour_at(image, *door) == ImageColor.getrgb(PAPER)
+    assert colour_at(image, *door) == ImageColor.getrgb(INKS.paper)
 
 
 def test_every_environment_is_rendered_alone(envs):
