@@ -219,7 +219,7 @@ def _sheet(
         raise ValueError("no house for the sheet")
     look = look or style(houses, palette)
     columns = columns or min(len(houses), max(1, math.isqrt(len(houses) * 3 // 2)))
-    scale = min(_least_scale(house, cell) for house in houses) if one_scale else None
+    scale = min(least_scale(house, cell, cell) for house in houses) if one_scale else None
     cells = [
         ((index % columns * cell, index // columns * cell), plan(house, cell, cell, scale, look))
         for index, house in enumerate(houses)
@@ -227,7 +227,7 @@ def _sheet(
     return [*cells], min(columns, len(houses)) * cell, -(-len(houses) // columns) * cell
 
 
-def _least_scale(house: House, cell: int) -> float:
-    """CSS pixels to a metre in a square, above the key that the house may need."""
-    rows = key_rows({room.type: "" for room in house.counted}, cell - 2 * MARGIN)
-    return _scale(house, cell, cell - TITLE - MARGIN - FOOT - SWATCH * len(rows))
+def least_scale(house: House, width: float, height: float) -> float:
+    """CSS pixels to a metre that surely fit in a picture, above the key that the house may need."""
+    rows = key_rows({room.type: "" for room in house.counted}, width - 2 * MARGIN)
+    return _scale(house, width, height - TITLE - MARGIN - FOOT - SWATCH * len(rows))

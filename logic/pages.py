@@ -2,7 +2,7 @@
 
 import re
 
-from logic.draw import MARGIN, MILLIMETRE, Page, plan
+from logic.draw import MILLIMETRE, Page, least_scale, plan
 from logic.errors import RequestError
 from logic.house import House
 from logic.palettes import Style
@@ -24,7 +24,8 @@ def scale_of(text: str) -> int:
 
 
 def page(house: House, look: Style, ratio: int, size: str | None = None, name: str = "the house") -> Page:
-    """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest of
+    """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest
+    of
     ``SIZES`` that holds it.
 
     Raises ``RequestError`` where the page, or the largest one, is too small; ``name`` is the house's in it.
@@ -34,8 +35,8 @@ def page(house: House, look: Style, ratio: int, size: str | None = None, name: s
         short, long = SIZES[each]
         for wide, high in ((short, long), (long, short)):
             width, height = ((side - 2 * BORDER) / MILLIMETRE for side in (wide, high))
-            drawing = plan(house, width, height, scale, look, f"1:{ratio} on {each}")
-            if _fits(house, scale, width, drawing.free):
+            if scale <= least_scale(house, width, height):
+                drawing = plan(house, width, height, scale, look, f"1:{ratio} on {each}")
                 at = BORDER / MILLIMETRE, BORDER / MILLIMETRE
                 return [(at, drawing)], wide / MILLIMETRE, high / MILLIMETRE
     west, north, east, south = drawn_extent(house)

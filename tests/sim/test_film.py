@@ -1,5 +1,6 @@
 """Pictures show what is there; films hold every frame."""
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image, ImageColor, ImageSequence
@@ -82,8 +83,24 @@ def test_a_film_has_all_frames_in_order(envs, tmp_path):
         gif.seek(3)
         last = np.asarray(gif.convert("RGB"), int)
     assert np.abs(last - np.asarray(frames[3], int)).mean() < 3
-    with pytest.raises(ValueError, match=r"film.mp4: films are written as .gif alone: use .*film.gif"):
-        film(frames, tmp_path / "films" / "film.mp4")
+    with pytest.raises(ValueError, match=r"film.avi: films are written as .gif or .mp4: use .*film.gif"):
+        film(frames, tmp_path / "films" / "film.avi")
     with pytest.raises(ValueError, match="no frame"):
         film([], tmp_path / "none.gif")
     assert [path.name for path in (tmp_path / "films").iterdir()] == ["film.gif"]
+
+
+def test_an_mp4_has_all_frames_in_order_and_the_last_for_a_second(tmp_path):
+    colours = [(200, 40, 40), (40, 200, 40), (40, 40, 200)]
+    frames = (Image.new("RGB", (61, 35), colour) for colour in colours)  # H.264 needs even sides
+    path = film(frames, tmp_path / "film.mp4", fps=10)
+    assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (12, pytest.approx(1.2, abs=0.01))
+    reader = imageio_ffmpeg.read_frames(str(path))
+    about = next(reader)
+    assert (about["size"], about["fps"], about["codec"]) == ((62, 36), 10, "h264")
+    shown = [np.frombuffer(frame, np.uint8).reshape(36, 62, 3)[17, 30].astype(int) for frame in reader]
+    for found, colour in zip(shown, [*colours, *colours[2:] * 9], strict=True):
+        assert np.abs(found - colour).max() < 20
+    assert [each.name for each in tmp_path.iterdir()] == ["film.mp4"]
+    with pytest.raises(ValueError, match="no frame"):
+        film([], tmp_path / "none.mp4")
