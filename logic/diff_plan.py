@@ -13,9 +13,9 @@ from logic.labels import legend, room_names, title
 from logic.palettes import Fill, Style, style
 from logic.plan import Frame, drawn_extent, grown, house_shapes
 
-COLOURS = {"came": "#0072b2", "went": "#d55e00", "moved": "#7a3b8f"}
-"""Of the marks, which differ in their lines too: whole, dashed, and both with an arrow between them. The
-first two are Okabe and Ito's for the colour-blind.
+COLOURS = {"came": "#0072b2", "went": "#d55e00", "moved": "#cc79a7"}
+"""Of the marks, which differ in their lines too: whole, dashed, and both with an arrow between them. Okabe
+and Ito's, for the colour-blind.
 """
 FLOOR = "#f5f5f3"
 """All floors: what is coloured has changed."""

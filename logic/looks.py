@@ -210,12 +210,11 @@ def _wrong(key: str, name: str, value: Any, symbols: set[str]) -> Iterator[Fault
         why = f"there is no symbol {shown}{_meant(str(value), symbols)}"
     elif key == "heights" and not (_is_number(value) and 0 < value <= 10):
         why = f"{shown} is no height: metres, more than 0 and at most 10"
-    elif key == "symbols" and not isinstance(value, list):
-        why = 'a list of forms is expected, as [["line", [0, 0.5, 1, 0.5]]]'
+    elif key == "symbols" and isinstance(value, list):
+        wrong = ((index, _wrong_form(form)) for index, form in enumerate(value))
+        yield from (((name, index), words) for index, words in wrong if words)
     elif key == "symbols":
-        yield from (
-            ((name, index), wrong) for index, form in enumerate(value) if (wrong := _wrong_form(form))
-        )
+        why = 'a list of forms is expected, as [["line", [0, 0.5, 1, 0.5]]]'
     if why:
         yield (name,), why
 

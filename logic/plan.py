@@ -171,8 +171,10 @@ def _hatch(box: Box, pattern: str) -> Iterator[tuple[Point, Point]]:
         for c in steps(left - bottom, right - top, 1.4 * HATCH):
             yield (max(left, c + top), max(top, left - c)), (min(right, c + bottom), min(bottom, right - c))
     if pattern == ".":
-        for row, y in enumerate(steps(top, bottom, HATCH)):
-            yield from (((x, y), (x + 1, y)) for x in steps(left - row % 2 * HATCH, right - HATCH, 2 * HATCH))
+        for y in steps(top, bottom, HATCH):
+            shift = round(y / HATCH) % 2 * HATCH
+            dots = (x + shift for x in steps(left - shift, right - shift - 1, 2 * HATCH))
+            yield from (((x, y), (x + 1, y)) for x in dots)
 
 
 def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks) -> Iterator[Shape]:

@@ -208,9 +208,9 @@ def _mp4(frames: Iterator[Image.Image], fps: int) -> bytes:
     size = first.width + first.width % 2, first.height + first.height % 2  # H.264 halves its colours
     with TemporaryDirectory() as folder:
         file = Path(folder) / "film.mp4"
-        options = ["-crf", "20", "-movflags", "+faststart", "-fflags", "+bitexact"]
+        options = ["-movflags", "+faststart", "-fflags", "+bitexact"]
         writer = write_frames(
-            str(file), size, fps=fps, codec="libx264", quality=None, macro_block_size=2, output_params=options
+            str(file), size, fps=fps, codec="libx264", quality=6, macro_block_size=2, output_params=options
         )
         writer.send(None)
         content = b""

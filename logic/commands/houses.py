@@ -141,9 +141,8 @@ class Draw:
         ratio, look = scale_of(scale), style(houses, self.palette, self.grammar)
         pages = [page(house, look, ratio, self.paper, f"house {n}") for n, house in enumerate(houses)]
         written = write_pages(pages, self.out, self.format, unit="mm")
-        say(
-            f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}: {len(pages)} pages at 1:{ratio}"
-        )
+        names = f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}"
+        say(f"{names}: {len(pages)} pages at 1:{ratio}")
         return 0
 
     def _changes(self, after: Path) -> int:
