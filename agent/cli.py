@@ -74,6 +74,7 @@ EXTRAS = {
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
     "web": ("starlette", "uvicorn", "watchfiles"),
+    "film": ("imageio_ffmpeg",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -169,7 +170,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web"} else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

@@ -2,31 +2,30 @@
 beside it the agent's map; another writes its trace (``agent.report.recorder``).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
 import torch
 from PIL import Image
 from torch import Tensor
 
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
+from agent.evaluation.commands import WIDTH
 from agent.evaluation.episodes import reset
 from agent.evaluation.map_picture import MapPicture, beside
-from agent.policies import QPolicy
+from agent.policies import Policy, QPolicy
 from agent.progress import Report
 from agent.simulator import sensor
 from agent.world import make_envs
 from logic import House
 from sim import HouseVectorEnv
-from sim.film import Camera, film
+from sim.film import Camera, film, largest, mosaic
 
 STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
-
-WIDTH = 480
-"""Pixels of the house's longer side, and of the map's."""
 
 
 class Watcher(Protocol):
@@ -140,3 +139,65 @@ def record(
     filming = Filming(stride, width)
     watch(agent, house, [filming, *others], targets=targets, seed=seed, steps=steps, report=report)
     return film(filming.frames, path)
+
+
+def record_mosaic(
+    agent: Checkpoint,
+    houses: Sequence[House],
+    path: Path,
+    columns: int,
+    rows: int,
+    *,
+    targets: str = "main",
+    seed: int = 0,
+    steps: int | None = None,
+    stride: int = STRIDE,
+    width: int = WIDTH,
+    report: Report = lambda done, words: None,
+) -> Path:
+    """Write one film of an episode in each of many environments, side by side in rows; its path.
+
+    Environment i is in house i, from the first again where there are fewer, with starts and targets of
+    ``seed`` + i. ``width``: pixels of each. Where an episode ends before the others, its last picture stays.
+    """
+    count = columns * rows
+    several = [houses[index % len(houses)] for index in range(count)]
+    envs = make_envs(several, count, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    frame = largest(several, width)
+    cameras = [Camera(envs, index, width, frame) for index in range(count)]
+    shots: list[np.ndarray] = [np.empty(0)] * count
+
+    def frames() -> Iterator[np.ndarray]:
+        over = np.zeros(count, bool)
+        for step, ended in _played(envs, policy, seed, steps, report):
+            due = step % stride == 0 or bool(ended.all())
+            for index in np.flatnonzero(~over & (due | ended)):
+                shots[index] = np.asarray(cameras[index].shoot())
+            over = ended
+            if due:
+                yield mosaic(shots, columns)
+
+    return film(frames(), path)
+
+
+def _played(
+    envs: HouseVectorEnv, policy: Policy, seed: int, steps: int | None, report: Report
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Play an episode in each environment: before each step and after the last one, yields its number, and
+    which episodes have ended, (E,) bool.
+    """
+    observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)
+    policy.begin(envs.num_envs)
+    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
+    ended = np.zeros(envs.num_envs, bool)
+    for step in range(length):
+        actions = policy(observation, blocked)
+        yield step, ended
+        observation, _, terminated, truncated, info = envs.step_torch(actions)
+        blocked = info["blocked"]
+        ended = ended | (terminated | truncated).numpy()
+        report((step + 1) / length, f"step {step + 1}")
+        if ended.all():
+            break
+    yield length, np.ones(envs.num_envs, bool)
