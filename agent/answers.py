@@ -12,7 +12,7 @@ from logic.answers import FORMAT, Failure
 ANSWERS = {
     "generate": "logic.answers:Generated",
     "check": "logic.answers:Checked",
-    "draw": "logic.answers:Written",
+    "draw": "logic.answers:Drawn",
     "convert": "logic.answers:Written",
     "lint": "logic.answers:Linted",
     "explain": "logic.answers:Explained",

@@ -37,12 +37,15 @@ COMMANDS = {
         "Find the mistakes in rule files that clingo and Prolog pass over.",
     ),
     "rules": ("logic.reference:Rules", "Print the reference of the rule language, with recipes."),
+    "watch": ("logic.watch.commands:Watch", "Draw what a grammar makes in a browser, at each save."),
+    "playground": ("logic.playground.commands:Playground", "A page that makes houses in the browser."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
     "import-keras": ("agent.commands:ImportKeras", "Take the weights of the paper's original program."),
     "play": ("agent.play.commands:Play", "Drive the robot by the keyboard, and race an agent."),
     "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
+    "report": ("agent.report.commands:Report", "Write a run as one HTML file, with episodes to play."),
     "demo": ("agent.evaluation.commands:Demo", "Houses, an agent that learns in them, a report: in minutes."),
     "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
     "schema": ("agent.answers:Schema", "Print the JSON Schema of a house, or of what --json prints."),
@@ -70,6 +73,8 @@ EXTRAS = {
     "keras": ("h5py",),
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
+    "web": ("starlette", "uvicorn", "watchfiles"),
+    "film": ("imageio_ffmpeg",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -165,7 +170,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play"} else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

@@ -39,7 +39,8 @@ class Train(Generic[Kind]):
     for preset paper the paper's house, paper-house."""
 
     out: Path = Path("runs/train")
-    """Folder for agent.safetensors, config.json, metrics.jsonl, learning-curve.png and tensorboard/."""
+    """Folder for agent.safetensors, config.json, metrics.jsonl, report.html, learning-curve.png and
+    tensorboard/."""
 
     resume: bool = False
     """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
@@ -93,6 +94,7 @@ class Train(Generic[Kind]):
         from agent.answers import Trained
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
+        from agent.report.folder import write_report
         from agent.runs import run
         from logic.files import require_folder, write_whole
         from sim.arguments import BANK, house_list
@@ -114,6 +116,7 @@ class Train(Generic[Kind]):
             return 0
         agent, last = self.out / "agent.safetensors", history[-1]
         write_whole(self.out / "learning-curve.png", learning_curve(history))
+        write_report(self.out)
         if self.json:
             speeds = last.simulator, last.learner
             print_answer("train", Trained(str(agent), made.steps, last.seconds, last.targets, *speeds))

@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from logic.diff import Change
 from logic.errors import Finding, Reason, VitruviusError, to_record
 from logic.why import Why
 
@@ -93,8 +94,22 @@ class Generated(msgspec.Struct, frozen=True):
     """With ``--count-layouts``, in place of houses."""
 
 
+class Differences(msgspec.Struct, frozen=True):
+    """What changed in a house, by its index in both files."""
+
+    house: int
+    changes: list[Change]
+
+
+class Drawn(msgspec.Struct, frozen=True):
+    """Of ``draw``: the files, and with ``--diff`` what changed."""
+
+    files: list[str]
+    differences: list[Differences] = []
+
+
 class Written(msgspec.Struct, frozen=True):
-    """Of ``draw``, ``convert``, ``record``, ``export`` and ``import-keras``: the files, as they are named."""
+    """Of ``convert``, ``record``, ``export`` and ``import-keras``: the files, as they are named."""
 
     files: list[str]
 

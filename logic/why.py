@@ -152,8 +152,13 @@ def explain_house(
 
 def place(reason: Reason) -> str:
     """As in ``rooms.lp:9``; of the core ``rules/room.lp:9``."""
-    file = Path(reason.file or "")
-    return f"{f'rules/{file.relative_to(RULES)}' if RULES in file.parents else file.name}:{reason.line}"
+    return f"{file_name(reason.file or '')}:{reason.line}"
+
+
+def file_name(file: str | Path) -> str:
+    """A rule file in short: ``rooms.lp``, or ``rules/room.lp`` of the core."""
+    file = Path(file)
+    return f"rules/{file.relative_to(RULES)}" if RULES in file.parents else file.name
 
 
 def _stated(reason: Reason) -> str:
