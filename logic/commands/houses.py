@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import tyro
 
@@ -61,9 +61,16 @@ class Check:
 @dataclass(frozen=True)
 class Draw:
     """Draw plans of houses and a contact sheet; to a scale on paper (--scale), or what differs between two
-    files
-    of houses (--diff).
+    files of houses (--diff).
     """
+
+    groups: ClassVar = {
+        "out": "Pictures",
+        "palette": "Looks",
+        "scale": "Pages to scale",
+        "diff": "Differences",
+        "json": "For programs",
+    }
 
     file: tyro.conf.Positional[Path]
     """House file."""
