@@ -58,6 +58,7 @@ EXTRAS = {
     "keras": ("h5py",),
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
+    "film": ("imageio_ffmpeg",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
@@ -129,7 +130,7 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play"} else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "film"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 

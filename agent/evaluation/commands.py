@@ -3,6 +3,7 @@
 Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -163,6 +164,13 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
     return agents
 
 
+MOST_CELLS = 64
+"""Environments in a mosaic at most."""
+
+WIDTH = 480
+"""Pixels of the longer side of a house in a film of one."""
+
+
 @dataclass(frozen=True)
 class Record:
     """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one. Or write a
@@ -179,7 +187,11 @@ class Record:
     """Which house of the file, from 0."""
 
     out: Path = Path("episode.gif")
-    """The film, a GIF; or a trace, NAME.trace.json."""
+    """The film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
+
+    mosaic: str | None = None
+    """Film many environments side by side, as in 4x3: columns and rows. The first is in the house of --house,
+    the others in those after it, from the file's first again where there are fewer; without maps."""
 
     steps: int = 1500
     """How many steps of the episode to film."""
@@ -193,8 +205,10 @@ class Record:
     stride: int = 4
     """Steps between frames."""
 
-    width: int = 480
-    """Pixels of the house's longer side, and of the map's."""
+    width: int | None = None
+    """Pixels of the house's longer side, and of the map's: 480; in a mosaic, of each house: 960 by its
+    columns, at
+    least 120."""
 
     def run(self) -> int:
         """Write the film."""
@@ -204,36 +218,64 @@ class Record:
         require_task(self.targets)
         banks.require_places(self.targets, self.houses)
         from agent import checkpoint
-        from agent.evaluation.film import record, watch
+        from agent.evaluation.film import record, record_mosaic, watch
         from agent.progress import progress
         from agent.report import trace
         from agent.report.recorder import Recorder
         from logic.files import require_file
-        from sim.film import require_gif
+        from sim.film import FILMS, require_film
 
-        is_trace = self.out.name.endswith(trace.ENDING)
+        shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
+        if shape and is_trace:
+            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment")
         try:
             if not is_trace:
-                require_gif(self.out)
+                require_film(self.out)
         except ValueError as error:
             raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
         require_file(self.out, [self.out.suffix])
+        if self.out.suffix.lower() == FILMS[1]:
+            import imageio_ffmpeg  # noqa: F401  Not to film first what cannot be written.
         agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
-        for name, least in (("steps", 1), ("stride", 1), ("width", 100)):
-            if getattr(self, name) < least:
-                raise RequestError(f"--{name} must be {least} or more, not {getattr(self, name)}")
-        house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
+        width = self.width if self.width is not None else max(120, 960 // shape[0]) if shape else WIDTH
+        for name, value, least in (
+            ("steps", self.steps, 1),
+            ("stride", self.stride, 1),
+            ("width", width, 100),
+        ):
+            if value < least:
+                raise RequestError(f"--{name} must be {least} or more, not {value}")
+        how = {"targets": self.targets, "seed": self.seed, "steps": self.steps}
         with progress("filming") as report:
             if is_trace:
                 recorder = Recorder(agent.name, self.targets, self.seed)
-                watch(agent, house, [recorder], report=report, **how)
+                watch(agent, houses[self.house], [recorder], report=report, **how)
                 trace.save(recorder.trace, self.out)
+            elif shape:
+                rest = [*houses[self.house :], *houses[: self.house]]
+                record_mosaic(
+                    agent, rest, self.out, *shape, width=width, stride=self.stride, report=report, **how
+                )
             else:
-                record(agent, house, self.out, stride=self.stride, width=self.width, report=report, **how)
+                record(
+                    agent, houses[self.house], self.out, width=width, stride=self.stride, report=report, **how
+                )
         print(self.out)
         return 0
+
+    def _mosaic(self) -> tuple[int, int] | None:
+        """Columns and rows of a mosaic, if one is asked for."""
+        if self.mosaic is None:
+            return None
+        found = re.fullmatch(r"(\d{1,2})x(\d{1,2})", self.mosaic.strip())
+        columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
+        if not 1 <= columns * rows <= MOST_CELLS:
+            raise RequestError(
+                f"--mosaic {self.mosaic}: write columns and rows as 4x3, of {MOST_CELLS} environments at most"
+            )
+        return columns, rows
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from agent.planner.occupancy import BITS
 from agent.planner.state import NONE, TARGET
 from logic import House
 from logic.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
-from logic.plan import INK, WALL
+from logic.palettes import Inks
 from sim.film import BODY, MARGIN, SHARP, View
 from sim.film import TARGET as FOUND
 from sim.geometry import geometry
@@ -95,8 +95,8 @@ def beside(house: Image.Image, map_: Image.Image) -> Image.Image:
         if x > MARGIN and x + needed > width:
             x, y = float(MARGIN), y + ROW
         box, fill = (x, y - 5.5, x + 11, y + 5.5), "#{:02x}{:02x}{:02x}".format(*colour)
-        shapes.append(Oval(box, fill) if colour in (VIEWPOINT, FOUND) else Block(box, fill, WALL, 0.8))
-        shapes.append(Text((x + 16, y), words, 11, INK, "start"))
+        shapes.append(Oval(box, fill) if colour in (VIEWPOINT, FOUND) else Block(box, fill, Inks().wall, 0.8))
+        shapes.append(Text((x + 16, y), words, 11, Inks().ink, "start"))
         x += needed
     high = round(y + ROW / 2 + 4)
     key = png([((0, 0), Drawing(width, high, tuple(shapes)))], width, high).reduce(SHARP)

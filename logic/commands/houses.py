@@ -3,12 +3,15 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from logic.commands import Repeated, progress, say
 from logic.spelling import printable
+
+if TYPE_CHECKING:
+    from logic.house import House
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,10 @@ class Check:
 
 @dataclass(frozen=True)
 class Draw:
-    """Draw plans of houses and a contact sheet."""
+    """Draw plans of houses and a contact sheet; to a scale on paper (--scale), or what differs between two
+    files
+    of houses (--diff).
+    """
 
     file: tyro.conf.Positional[Path]
     """House file."""
@@ -62,11 +68,34 @@ class Draw:
     out: Path = Path("plans")
     """Folder for the pictures."""
 
-    format: Literal["svg", "png"] = "svg"
-    """What the plans are written as."""
+    format: Literal["svg", "png", "pdf"] = "svg"
+    """What the plans are written as; a PDF is one file, with a page for each."""
 
     one_scale: bool = False
     """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
+
+    palette: Literal["colour", "distinct", "grey"] = "colour"
+    """colour: each room type has its own, always the same; distinct: colours that the colour-blind tell
+    apart;
+    grey: for print, types differ in their grey or their pattern."""
+
+    grammar: str | None = None
+    """A shipped grammar's name, or a directory of rules: its looks.json says which colours and symbols types
+    have. By default the houses' own, where it is a shipped one."""
+
+    scale: str | None = None
+    """Draw each house on a page of true millimetres, to this scale, as in 1:50."""
+
+    paper: Literal["A4", "A3", "A2", "A1", "A0"] | None = None
+    """With --scale: the size of the pages; by default for each house the smallest that holds it."""
+
+    diff: Path | None = None
+    """Another house file: draw what came, went and moved from each house of the first to the one at its place
+    in
+    this one."""
+
+    json: bool = False
+    """With --diff: print what changed as a line of JSON for each pair of houses."""
 
     def run(self) -> int:
         """Write a picture of each house, numbered from 0 as in the file, and one of all."""
@@ -74,9 +103,78 @@ class Draw:
         from logic.draw import draw
         from logic.files import require_folder
 
+        self._require()
         require_folder(self.out)
-        pictures = draw(load(self.file), self.out, format=self.format, one_scale=self.one_scale)
-        say(f"{pictures[-1]} and {len(pictures) - 1} plans beside it")
+        if self.diff is not None:
+            return self._changes(self.diff)
+        houses = load(self.file)
+        if self.scale is not None:
+            return self._pages(houses, self.scale)
+        pictures = draw(houses, self.out, self.format, self.one_scale, self.palette, self.grammar)
+        beside = (
+            f" and {len(pictures) - 1} plans beside it" if len(pictures) > 1 else f": {len(houses)} plans"
+        )
+        say(f"{pictures[-1]}{beside}")
+        return 0
+
+    def _require(self) -> None:
+        """Refuse options that say nothing together."""
+        from logic.errors import RequestError
+
+        if self.paper and not self.scale:
+            raise RequestError(f"--paper {self.paper}: say by --scale how large, as --scale 1:50")
+        if self.scale and (self.one_scale or self.diff):
+            other = "--one-scale" if self.one_scale else "--diff"
+            raise RequestError(f"--scale and {other}: leave out one of them")
+        if self.diff and (self.format == "pdf" or self.one_scale):
+            other = "--format pdf" if self.format == "pdf" else "--one-scale"
+            raise RequestError(f"--diff and {other}: leave out one of them")
+        if self.json and not self.diff:
+            raise RequestError("--json prints what changed: say by --diff against which houses")
+
+    def _pages(self, houses: "list[House]", scale: str) -> int:
+        """Write a page for each house."""
+        from logic.draw import write_pages
+        from logic.pages import page, scale_of
+        from logic.palettes import style
+
+        ratio, look = scale_of(scale), style(houses, self.palette, self.grammar)
+        pages = [page(house, look, ratio, self.paper, f"house {n}") for n, house in enumerate(houses)]
+        written = write_pages(pages, self.out, self.format, unit="mm")
+        names = f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}"
+        say(f"{names}: {len(pages)} pages at 1:{ratio}")
+        return 0
+
+    def _changes(self, after: Path) -> int:
+        """Write a picture of what changed for each pair of houses, and print the changes."""
+        from msgspec import to_builtins
+
+        from logic import load
+        from logic.diff import changes
+        from logic.diff_plan import diff_drawing
+        from logic.draw import encoded
+        from logic.errors import RequestError
+        from logic.files import write_whole
+
+        pairs = load(self.file), load(after)
+        if len(pairs[0]) != len(pairs[1]):
+            counts = f"{self.file} has {len(pairs[0])} houses, {after} {len(pairs[1])}"
+            raise RequestError(
+                f"--diff: {counts}: each is compared with the one at its place, so give as many"
+            )
+        digits = len(str(len(pairs[0]) - 1))
+        for index, (old, new) in enumerate(zip(*pairs, strict=True)):
+            found = changes(old, new)
+            drawing = diff_drawing(old, new, found)
+            page = [((0.0, 0.0), drawing)], drawing.width, drawing.height
+            path = self.out / f"diff-{index:0{digits}}.{self.format}"
+            write_whole(path, encoded(page, "png" if self.format == "png" else "svg"))
+            if self.json:
+                print(json.dumps({"house": index, "changes": to_builtins(found)}))
+            else:
+                for change in found:
+                    print(printable(f"house {index}: {change}"))
+            say(f"{path}: {len(found) or 'no'} changes")
         return 0
 
 
