@@ -103,7 +103,7 @@ class Worker:
         if "lint" in request:
             yield {"findings": msgspec.to_builtins(findings(grammar))}
             return
-        loaded = LoadedGrammar(grammar, request["cell"])
+        loaded = LoadedGrammar(grammar, request["cell"], remarks=not request.get("hasty"))
         if loaded.errors and "errors" in request:
             yield {"findings": msgspec.to_builtins(all_as("error", loaded.errors, grammar))}
             return

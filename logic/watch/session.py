@@ -91,22 +91,12 @@ class Session:
     async def sheet(self, version: int, sheet: Sheet) -> AsyncIterator[dict[str, Any]]:
         """The parts of an answer, as ``page/page.js`` lists them."""
         team = self._team_of(version)
-        try:
-            opened = await team.opened()
-        except GrammarError as error:
-            where = str(error.file or self._directory)
-            opened = {
-                "findings": [Finding("error", where, error.line or 1, error.column or 1, error.message)]
-            }
-        except VitruviusError as error:
-            yield {"index": 0, "problem": problem(error)}
-            return
-        if "findings" in opened:
-            yield {"findings": _named(opened["findings"])}
-            return
-        yield {"kinds": opened["kinds"]}
         houses = [asyncio.ensure_future(self._house(team, sheet, index)) for index in range(sheet.count)]
         try:
+            said = await self._verdict(team)
+            yield said
+            if "kinds" not in said:
+                return
             for house in asyncio.as_completed(houses):
                 part = await house
                 yield part
@@ -116,6 +106,18 @@ class Session:
             for house in houses:
                 house.cancel()
             self._spares.refill()
+
+    async def _verdict(self, team: Team) -> dict[str, Any]:
+        """The part of an answer that says whether the rules are right."""
+        try:
+            said = await team.verdict()
+        except GrammarError as error:
+            where = str(error.file or self._directory)
+            finding = Finding("error", where, error.line or 1, error.column or 1, error.message)
+            return {"findings": _named([finding])}
+        except VitruviusError as error:
+            return {"index": 0, "problem": problem(error)}
+        return {"findings": _named(said["findings"])} if "findings" in said else {"kinds": said["kinds"]}
 
     async def lint(self, version: int) -> list[dict[str, Any]]:
         """Findings in rules without errors."""
