@@ -11,11 +11,13 @@ import msgspec
 from msgspec import Meta
 from watchfiles import awatch
 
+from logic import looks
 from logic.canvas import svg
 from logic.draw import plan
 from logic.errors import Finding, GrammarError, RequestError, VitruviusError, to_record
 from logic.grammar import MOST_BYTES
 from logic.house import House
+from logic.palettes import style
 from logic.request import MOST_ROOMS, Request
 from logic.watch.team import Spares, Stale, Team
 from logic.why import INFERENCES, file_name
@@ -150,10 +152,11 @@ class Session:
             request = Request.read(msgspec.to_builtins(sheet)).to_dict()
             question = {"request": request, "seed": sheet.seed, "inferences": INFERENCES, "index": index}
             house = House.from_dict((await team.ask(question, self._seconds, late))["house"])
+            drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
             return {"index": index, "problem": problem(error)}
         types = {room.name: room.type for room in house.counted}
-        drawn = svg([((0, 0), plan(house, PLAN, PLAN))], PLAN, PLAN)
+        drawn = svg([((0, 0), drawing)], PLAN, PLAN)
         return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
 
     async def _watch(self) -> None:
@@ -188,7 +191,7 @@ class Session:
         self._changed.clear()
 
     def _read(self, version: int) -> Rules:
-        """The rule files, ``.lp`` before ``.pl``, and when the last of them was saved."""
+        """The rule files, ``.lp`` before ``.pl``, then the looks, and when the last of them was saved."""
         now, files, saved = time.time(), [], 0.0
         for file in _rule_files(self._directory):
             try:
@@ -208,8 +211,8 @@ def problem(error: VitruviusError) -> dict[str, Any]:
 def _rule_files(directory: Path) -> list[Path]:
     """Files whose text may be shown: ``grammar.find`` refuses others, and says so."""
     found = []
-    for suffix in (".lp", ".pl"):
-        for file in sorted(directory.glob(f"*{suffix}")):
+    for pattern in ("*.lp", "*.pl", looks.NAME):
+        for file in sorted(directory.glob(pattern)):
             inside = Path(os.path.realpath(file)).parent == directory
             if (
                 inside

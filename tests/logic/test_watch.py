@@ -46,6 +46,7 @@ class Watched:
 
     def restore(self) -> None:
         """All files as they are shipped."""
+        (self.folder / "looks.json").unlink(missing_ok=True)
         for file in (SHIPPED / "family").iterdir():
             if (self.folder / file.name).read_text() != file.read_text():
                 self.save(file.name, file.read_text())
@@ -134,6 +135,18 @@ def test_what_lint_warns_of_stands_at_its_line(watched: Watched, page: Page) -> 
     rules = (watched.folder / "rooms.lp").read_text()
     watched.save("rooms.lp", f"{rules}\n:- rooms < 0.\n")
     expect(page.locator("#code .note.warning")).to_contain_text("this rule never binds")
+    drawn(page, 4)
+
+
+def test_a_colour_of_the_looks_is_saved_and_seen(watched: Watched, page: Page) -> None:
+    floor = page.locator('#sheet [data-part][aria-label$=", kitchen"] > [fill]').first
+    before = floor.get_attribute("fill")
+    watched.save("looks.json", '{"rooms": {"kitchen": "#ffe0b0"}}')
+    expect(floor).to_have_attribute("fill", "#ffe0b0")
+    watched.save("looks.json", '{"rooms": {"kitchen": "blue"}}')
+    expect(page.locator("#code .note.error")).to_contain_text("looks.json:1:")
+    (watched.folder / "looks.json").unlink()
+    expect(floor).to_have_attribute("fill", before or "")
     drawn(page, 4)
 
 
