@@ -75,7 +75,9 @@ class Relaxed:
         )
         self._instances = Instances(most)
         self._control.register_observer(self._instances)
-        self._differences = Differences(self._control, files, lambda _: None)
+        parts = tuple(parts)
+        self._differences = Differences(self._control, files, parts, lambda _: None)
+        files = self._differences.files
         if not laws:
             self._control.load(str(CORE))
         found: list[tuple[Reason, Symbol | None]] = []

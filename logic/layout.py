@@ -96,7 +96,7 @@ class Program:
         )
         if most:
             self._control.register_observer(Instances(most))
-        self._differences = Differences(self._control, (CORE, *self.files), self.remarks.append)
+        self._differences = Differences(self._control, (CORE, *self.files), self.parts, self.remarks.append)
         try:
             self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
@@ -107,7 +107,7 @@ class Program:
         self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
-        self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
+        self._known: dict[Symbol, int | None] = {}
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._brancher = Brancher(self._choices)
         self._control.register_propagator(self._brancher)
@@ -130,7 +130,7 @@ class Program:
                 raise GrammarError(f"{symbol}: a weight must be a positive integer")
             options.setdefault(variable, {})[value] = weight.number
         picks = [
-            (self._literal[Function("pick", [variable, value])], weight)
+            (self._literal(Function("pick", [variable, value])), weight)
             for variable, values in sorted(options.items())
             for value, weight in sorted(values.items())
         ]
@@ -245,12 +245,26 @@ class Program:
         yield number, True
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
-        return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
+        return [self._literal(atom) for atom in assumed] + [-self._literal(atom) for atom in without]
+
+    def _literal(self, atom: Symbol) -> int:
+        """The literal of an atom that may hold."""
+        literal = self._found(atom)
+        if literal is None:
+            raise KeyError(atom)
+        return literal
+
+    def _found(self, atom: Symbol) -> int | None:
+        """The literal of an atom, or None where it can never hold. Few of a program's are asked for."""
+        if atom not in self._known:
+            found = self._control.symbolic_atoms[atom]
+            self._known[atom] = found.literal if found else None
+        return self._known[atom]
 
     def _excluded(self, nogood: Nogood) -> list[int]:
         """The literals of a nogood, one of which must fail. An atom that can never hold fails anyway."""
         return [
             literal if holds else -literal
             for atom, holds in nogood.items()
-            if (literal := self._literal.get(atom)) is not None
+            if (literal := self._found(atom)) is not None
         ]
