@@ -278,7 +278,7 @@ def children(process: int) -> list[int]:
 
 
 def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) -> None:
-    """To start one takes half a second. After any edit of the rules there is another, and none after a request
+    """To start one takes half a second. After an edit of the rules there is another, not after a request
     that has no house or makes no sense.
     """
     folder = edited("sizes.pl", "passage(0.42).", "passage(0.43).")
