@@ -4,7 +4,7 @@ import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import tyro
 
@@ -24,6 +24,8 @@ class Play:
 
     Arrow keys or W, A, D; the first key starts the clock. Enter: the next house. Esc: the end.
     """
+
+    groups: ClassVar = {"house": "The game", "player": "Results"}
 
     houses: tyro.conf.Positional[Path] = Path(banks.NAME)
     """House file, or a frozen bank: test-v1, home-test-v1; or the paper's house, paper-house."""
