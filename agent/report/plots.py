@@ -95,7 +95,7 @@ class _Scale:
 
 
 def line_plot(title: str, x: Axis, y: Axis, series: Sequence[Series], note: str = "") -> str:
-    """A figure: lines with shaded intervals, what they are, and the numbers in a table: of long lines some."""
+    """A figure: lines with shaded intervals, what they are, and numbers in a table: of long lines some."""
     across = _Scale(x, (v for each in series for v in each.x), LEFT, WIDTH - RIGHT)
     values = (v for each in series for v in (*each.y, *each.low, *each.high))
     up = _Scale(y, values, HEIGHT - BOTTOM, TOP)
