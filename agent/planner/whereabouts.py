@@ -6,19 +6,16 @@ from typing import Any
 import numpy as np
 
 from agent.planner import Planner
-from agent.planner.arrays import Bytes, Memory, Shorts, Wholes, Words
+from agent.planner.arrays import Bytes, Floats, Memory, Shorts, Wholes, Words
 from agent.planner.belief import Belief
+from agent.planner.body import Body
 from agent.planner.candidates import Candidates
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import BITS, FLAGS, Occupancy
+from agent.planner.occupancy import FLAGS, Occupancy, number_type
 from agent.planner.reachability import SIDE, UNKNOWN
 from agent.planner.state import SIZE, loaded
-from agent.planner.step import Body
 from agent.planner.viewpoints import TRIED
 from sim.runtime import Array, Launch, start, ti
-
-HALF = 1 << BITS - 1
-"""Blocks of two by two cells along each side of a map."""
 
 
 class Whereabouts:
@@ -26,35 +23,40 @@ class Whereabouts:
 
     def __init__(self, planner: Planner) -> None:
         """Of this planner."""
-        self.counts = Array(ti.u8, len(planner.advice) * HALF * HALF)
+        self.side = 1 << planner.config.map_bits - 1  # blocks of two by two cells
+        self.counts = Array(ti.u8, len(planner.advice) * self.side**2)
         kernel = _kernel(start(), planner.config, planner.body)
         self._launch = Launch(kernel, planner.arrays | {"counts": self.counts})
 
     def read(self, environment: int = 0) -> np.ndarray:
-        """What a target in each block of two by two cells counts (128, 128) uint8, from 0 to ``CERTAIN``,
+        """What a target in each block of two by two cells counts (S / 2, S / 2) uint8, from 0 to ``CERTAIN``,
         south by east with the start in the middle: floor that it saw before the last pick-up, and what it
         never saw by how surely that is free floor; less in the room, or outside the room, where the pick-ups
         so far say that targets are rare. Nothing where a view has shown that no target is there.
         """
         self._launch()
-        blocks = self.counts.view().reshape(-1, HALF, HALF)[environment]
-        return np.roll(blocks, (HALF // 2, HALF // 2), axis=(0, 1))
+        blocks = self.counts.view().reshape(-1, self.side, self.side)[environment]
+        return np.roll(blocks, (self.side // 2, self.side // 2), axis=(0, 1))
 
 
 @cache
 def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
-    occupancy = Occupancy(config, body.step, body.touching, BITS)
+    occupancy = Occupancy(config, body.step, body.touching, body.errs)
     belief = Belief(config, occupancy, body.prior)
     parts = Candidates(config, occupancy, belief)
+    Numbers = ti.types.ndarray(number_type(config), 1)
 
     @ti.kernel
     def whereabouts(
-        cells: Shorts, distance: Shorts, queue: Shorts, dirty: Bytes, reached: Wholes, tiles: Words,
-        odds: Bytes, candidates: Bytes, gains: Shorts, prior: Bytes, states: Wholes, counts: Bytes,
+        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
+        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Bytes,
+        states: Wholes, counts: Bytes,
     ):  # fmt: skip
         memory = ti.static(
-            Memory(cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, prior)
+            Memory(
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior
+            )
         )
         for e in range(states.shape[0] // ti.static(SIZE)):
             base, state = e * occupancy.area, loaded(states, e)

@@ -7,7 +7,6 @@ import numpy as np
 
 from agent.evaluation.film import Moment
 from agent.planner import FREE, TAKEN, Planner
-from agent.planner.occupancy import BITS
 from agent.planner.whereabouts import Whereabouts
 from agent.policies import QPolicy
 from agent.report.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
@@ -20,9 +19,6 @@ ACTIONS = "turn left", "turn right", "forward"
 
 EVERY = 5
 """Steps between two pictures of the map: 20 a second of the paper's 15 s."""
-
-SIDE = 1 << BITS
-"""Cells along each side of a map, whose middle is where the episode began."""
 
 
 class Recorder:
@@ -128,7 +124,7 @@ class _MapNotes:
         if step % EVERY == 0:
             self.ground.append(self._laid(_ground(planner)))
             known = bool(planner.read("known")[0])  # then it is there, and nowhere else
-            belief = np.zeros((SIDE // 2, SIDE // 2), np.uint8) if known else self.whereabouts.read()
+            belief = self.whereabouts.read() * np.uint8(not known)
             self.belief.append(self._laid(belief.repeat(2, axis=0).repeat(2, axis=1)))
 
     def _begin(self, pose: np.ndarray) -> None:
@@ -143,10 +139,10 @@ class _MapNotes:
         self.belief = [np.zeros_like(each) for each in self.belief]
 
     def _laid(self, cells: np.ndarray) -> np.ndarray:
-        """A map (256, 256) as the house lies, cut to it."""
+        """A map (S, S), in whose middle the episode began, as the house lies, cut to it."""
         turned = np.rot90(cells, self.quarters)
         rows, columns = (
-            np.arange(first, first + size) + SIDE // 2
+            np.arange(first, first + size) + len(cells) // 2
             for first, size in zip(self.first[::-1], self.shape, strict=True)
         )
         return turned.take(rows, axis=0, mode="wrap").take(columns, axis=1, mode="wrap")
