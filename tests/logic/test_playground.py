@@ -149,6 +149,8 @@ def test_a_proof_names_the_rules_that_conflict(page, at):
     expect(answer).to_contain_text(":- rooms >= 3, basic(T), not room(_,T).", timeout=SECONDS)
     for reason in ("rooms: 3", "bathroom: 2", "basic(bedroom; bathroom; kitchen)."):
         expect(answer).to_contain_text(reason)
+    advice = "There is a house with 4 rooms, or without bathroom: 2."
+    expect(answer).to_contain_text(advice, timeout=SECONDS)
     page.locator("[name='type.bathroom']").fill("")
     expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
     edit(page, "sizes.pl", "D >= 1.9,  D =< 2.1", "D >= 4.9, D =< 5")
