@@ -42,7 +42,7 @@ function unbound(fact) {
 /** A program in which each statement of the user's can be left out. */
 class Relaxed {
   /** `lengths`: [fact, clauses] in pairs. */
-  constructor(grammar, constants, parts, lengths) {
+  constructor(grammar, constants, parts, lengths, differences = false) {
     this.grammar = grammar;
     this.statements = [];
     this.nogoods = [];
@@ -50,7 +50,7 @@ class Relaxed {
     const shared = grammar.asp.filter(({ name }) => !grammar.own.some((file) => file.name === name));
     const facts = this.conditionalLengths(lengths);
     const free = this.statements.map((_, number) => `{ stated(${number}) }.`);
-    this.program = new Program(grammar.clingo, [...shared, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts);
+    this.program = new Program(grammar.clingo, [...shared, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts, differences);
   }
 
   stated(reason, clause) {
@@ -115,7 +115,7 @@ class Relaxed {
    * `refuted(layout, without)`: reasons of stage 2. */
   solve(refuted, some = this.statements, once = false) {
     for (let round = 0; round < MOST_ROUNDS; round++) {
-      const lines = this.program.run({ what: "conflict", once, nogoods: this.nogoods, statements: some.map(({ literals }) => literals) });
+      const lines = this.program.run({ what: "conflict", differences: this.program.differences, once, nogoods: this.nogoods, statements: some.map(({ literals }) => literals) });
       const layouts = [];
       let conflict = [];
       for (const [tag, ...fields] of lines)
@@ -145,7 +145,7 @@ class Relaxed {
 /** The rooms of a request, without rooms of the types that cannot be furnished; and how stage 2 refutes a layout. */
 function rooms(grammar, request, unfurnishable) {
   const required = requirements(request);
-  const relaxed = new Relaxed(grammar, { rooms: request.rooms }, ["house", ...required], grammar.walls);
+  const relaxed = new Relaxed(grammar, { rooms: request.rooms }, ["house", ...required], grammar.walls, grammar.differences);
   for (const [number, type] of Object.keys(request.types).sort().entries())
     relaxed.choice({ text: `${type}: ${inWords(request.types[type])}` }, [[granted(required[number]), true]]);
   for (const type of unfurnishable)
@@ -203,24 +203,32 @@ export function* proofs(grammar, request, unfurnishable) {
   if (!conflict) throw new Error("the request was proved infeasible, and has a layout");
   const needed = new Set(conflict.map(({ reason }) => key(reason)));
   const bare = conflict.flatMap(({ reason }) => reason.bare ?? []);
-  const others = [...otherNumbers(grammar, request)].filter((rooms_) => {
-    const [other, test] = rooms(grammar, { ...request, rooms: rooms_ }, unfurnishable);
-    return other.solve(test, other.statements.filter(({ reason }) => needed.has(key(reason))), true).layout;
-  });
+  const others = numbersWithout(needed, grammar, request, unfurnishable);
+  const first = others.next().value;
   const stated = conflict.filter(({ reason }) => !reason.bare).map(({ reason }) => reason);
   const inRooms = bare.flatMap((type) => {
     const [room, test] = furniture(grammar, type, request);
     return room.solve(test).conflict.map(({ reason }) => reason);
   });
-  const named = others.length ? [{ text: `rooms: ${request.rooms}` }] : [];
+  const named = first ? [{ text: `rooms: ${request.rooms}` }] : [];
   const reasons = [...new Map([...named, ...stated, ...inRooms].map((reason) => [key(reason), reason])).values()];
   yield { reasons, unfurnishable: bare };
 
-  const number = others.find((rooms_) => hasHouse(grammar, { ...request, rooms: rooms_ }));
+  let number = first;
+  while (number && !hasHouse(grammar, { ...request, rooms: number })) number = others.next().value;
   const ways = number ? [`with ${number} rooms`] : [];
   for (const [text, fewer] of withoutEach(request))
     if (reasons.some((reason) => reason.text === text) && hasHouse(grammar, fewer)) ways.push(`without ${text}`);
   if (ways.length) yield { reasons, unfurnishable: bare, advice: `There is a house ${ways.join(", or ")}.` };
+}
+
+/** Other numbers of rooms that end a conflict of these reasons. */
+function* numbersWithout(needed, grammar, request, unfurnishable) {
+  for (const number of otherNumbers(grammar, request)) {
+    const [relaxed, refuted] = rooms(grammar, { ...request, rooms: number }, unfurnishable);
+    const some = relaxed.statements.filter(({ reason }) => needed.has(key(reason)));
+    if (relaxed.solve(refuted, some, true).layout) yield number;
+  }
 }
 
 /** Other numbers of rooms, the nearest first: near this one, and near the sum of types. */
