@@ -121,7 +121,7 @@ class Relaxed {
       for (const [tag, ...fields] of lines)
         if (tag === "keeps") layouts.push({ kept: new Set(fields.map((number) => some[number - 1])), atoms: [] });
         else if (tag === "atom") layouts.at(-1).atoms.push(fields[0]);
-        else conflict = fields.map((number) => some[number - 1]);
+        else if (tag === "conflict") conflict = fields.map((number) => some[number - 1]);
       const learnt = layouts.map((layout) => this.refute(layout, refuted)).filter(Boolean);
       this.nogoods.push(...learnt);
       const whole = layouts.find(({ kept }) => kept.size === some.length);
