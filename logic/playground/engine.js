@@ -2,50 +2,52 @@
 
 import { element } from "./dom.js";
 
-const LIMIT = 30; // seconds for a house, or a proof that there is none
-const LATE = `The solvers have worked on one answer for ${LIMIT} s and are ended: does a rule recur without end? Else take
-fewer rooms, another seed, or Vitruvius on your machine.`;
+const TYPING = 300; // milliseconds without a key, after which the rules are read
+const GRACE = 3000; // milliseconds that the solvers have to leave an older question
+const LIMIT = 30_000; // milliseconds for a house, or for a proof that there is none
+const LATE = `The solvers have worked on one answer for ${LIMIT / 1000} s and are ended: does a rule recur without end? Else take `
+  + "fewer rooms, another seed, or Vitruvius on your machine.";
 
-let worker = null;
-let last = 0;
-let asked = null; // { id, onPart, resolve, reject, timer }, the open question
-let bundle = null;
-let grammar = "";
+let bundle = null; // rules.json
+let grammar = ""; // the shipped one that the rules come from
 let files = {};
 let version = 0;
-let tell = () => {};
-const houses = [];
+let changes = () => {}; // where the page takes rules
+let tell = () => {}; // where it takes a line
+let typing = 0;
+
+let worker = null;
+let asked = null; // { id, question, onPart, resolve, reject, timer }, the open question
+let last = 0;
 let warnings = [];
+const houses = [];
 
 export const engine = {
   editable: true,
   why: null,
 
   async open(onRules, onLost) {
+    [changes, tell] = [onRules, onLost];
     if (typeof WebAssembly !== "object" || typeof Worker !== "function")
-      return onLost("This browser has no WebAssembly, in which the solvers run: take a newer one, or install Vitruvius.");
-    tell = onLost;
+      return tell("This browser has no WebAssembly, in which the solvers run: take a newer one, or install Vitruvius.");
     try {
       bundle = await (await fetch("rules.json")).json();
     } catch (error) {
-      return onLost(`The rules cannot be read (${error.message}): serve this folder, as vitruvius playground does.`);
+      return tell(`The rules cannot be read (${error.message}): serve this folder, as vitruvius playground does.`);
     }
-    controls(onRules);
-    onLost("Loading the solvers, 7 MB.");
-    take(new URLSearchParams(location.search).get("grammar") ?? "family", onRules);
+    controls();
+    tell("Loading the solvers, 7 MB.");
+    take(new URLSearchParams(location.search).get("grammar") ?? "family");
   },
 
-  write: (() => {
-    let waiting = 0;
-    return (name, text) => {
-      files[name] = text;
-      const saved = Date.now();
-      clearTimeout(waiting);
-      waiting = setTimeout(() => engine.changed(saved), 300);
-    };
-  })(),
+  write(name, text) {
+    files[name] = text;
+    const saved = Date.now();
+    clearTimeout(typing);
+    typing = setTimeout(() => changed(saved), TYPING);
+  },
 
-  async sheet(wanted, request, onPart) {
+  async sheet(_, request, onPart) {
     houses.length = 0;
     await ask({ grammar, files, request }, (part) => {
       if (part.house) houses[part.index] = part.house;
@@ -60,38 +62,51 @@ export const engine = {
 };
 
 /** Begin with the rules of a shipped grammar, as they were last changed in this browser. */
-function take(name, onRules) {
+function take(name) {
+  clearTimeout(typing);
   grammar = bundle.grammars[name] ? name : "family";
   files = { ...bundle.grammars[grammar], ...JSON.parse(localStorage.getItem(kept()) ?? "{}") };
   document.getElementById("shipped").value = grammar;
-  engine.changed = (saved) => {
-    const changes = Object.entries(files).filter(([file, text]) => text !== bundle.grammars[grammar][file]);
-    if (changes.length) localStorage.setItem(kept(), JSON.stringify(Object.fromEntries(changes)));
-    else localStorage.removeItem(kept());
-    document.getElementById("undo").disabled = !changes.length;
-    onRules({
-      version: ++version, saved, grammar: changes.length ? `${grammar}-edited` : grammar,
-      files: Object.entries(files).map(([file, text]) => ({ name: file, text })),
-    });
-  };
-  engine.changed(Date.now());
+  changed(Date.now());
 }
 
 /** Where the browser keeps what is changed of a grammar. */
-const kept = () => `vitruvius ${grammar} ${bundle.version}`;
+const kept = () => `vitruvius ${bundle.version} ${grammar}`;
 
-/** A question to the worker; a newer one ends it. */
-function ask(question, onPart) {
-  stop();
-  worker ??= started();
-  return new Promise((resolve, reject) => {
-    asked = { id: ++last, onPart, resolve, reject, timer: 0 };
-    document.getElementById("stop").disabled = false;
-    worker.postMessage({ id: last, ...question });
+/** Keep what is changed, and tell the page. */
+function changed(saved) {
+  const edited = Object.entries(files).filter(([file, text]) => text !== bundle.grammars[grammar][file]);
+  if (edited.length) localStorage.setItem(kept(), JSON.stringify(Object.fromEntries(edited)));
+  else localStorage.removeItem(kept());
+  document.getElementById("undo").disabled = !edited.length;
+  changes({
+    version: ++version,
+    saved,
+    grammar: edited.length ? `${grammar}-edited` : grammar,
+    files: Object.entries(files).map(([name, text]) => ({ name, text })),
   });
 }
 
-/** Nobody waits for the open question any more; the worker sees a newer one, or ends. */
+/** A question to the worker; a newer one ends it. Where the worker does not leave an older one, another takes its place. */
+function ask(question, onPart) {
+  const busy = asked !== null;
+  stop();
+  return new Promise((resolve, reject) => {
+    asked = { id: ++last, question, onPart, resolve, reject, timer: 0 };
+    if (busy) asked.timer = setTimeout(begin, GRACE, true);
+    document.getElementById("stop").disabled = false;
+    begin(false);
+  });
+}
+
+/** Put the open question to the worker, or to a new one. */
+function begin(anew) {
+  if (anew) worker.terminate();
+  if (anew || !worker) worker = started();
+  worker.postMessage({ id: asked.id, ...asked.question });
+}
+
+/** Nobody waits for the open question any more. */
 function stop(error) {
   if (!asked) return;
   const { resolve, reject, timer } = asked;
@@ -118,23 +133,24 @@ function started() {
     if (part) asked.onPart(part);
     if (done) stop();
     else if (error) stop(new Error(error));
-    else asked.timer = setTimeout(() => end(LATE), 1000 * LIMIT);
+    else asked.timer = setTimeout(end, LIMIT, LATE);
   };
   return begun;
 }
 
 /** What this page has beside that of a folder of rules: whose rules to begin with, a way to stop, the houses as a file. */
-function controls(onRules) {
-  const shipped = element("select", { id: "shipped", onchange: () => take(shipped.value, onRules) },
+function controls() {
+  const button = (id, text, onclick) => element("button", { type: "button", id, onclick }, text);
+  const shipped = element("select", { id: "shipped", onchange: () => take(shipped.value) },
     ...Object.keys(bundle.grammars).map((name) => element("option", { value: name }, name)));
-  const undo = element("button", { type: "button", id: "undo", onclick: () => {
+  const undo = button("undo", "As shipped", () => {
     localStorage.removeItem(kept());
-    take(grammar, onRules);
-  } }, "As shipped");
-  const halt = element("button", { type: "button", id: "stop", disabled: true, onclick: () => end("Stopped.") }, "Stop");
-  const keep = element("button", { type: "button", id: "keep", onclick: download }, "Houses as a file");
-  document.getElementById("grammar").before(element("label", {}, "Rules of ", shipped), undo, halt, keep);
+    take(grammar);
+  });
+  const halt = button("stop", "Stop", () => end("Stopped."));
   document.getElementById("grammar").hidden = true;
+  document.getElementById("grammar").before(
+    element("label", {}, "Rules of ", shipped), undo, halt, button("keep", "Houses as a file", download));
 }
 
 /** The houses of the sheet, as `vitruvius check` and `load` read them. */

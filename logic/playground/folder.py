@@ -8,17 +8,18 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
 from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.grammar import RULES, SHIPPED, find, shipped
+from logic.looks import folder_looks
 from logic.messages import SYNTAX
 from logic.vocabulary import LENGTHS
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "watch" / "page"
-LOOKS = HERE.parent / "looks.json"
 
 LOCK = ("package.json", "package-lock.json")
 """What npm installs, by their hashes."""
@@ -87,7 +88,7 @@ def _rules() -> dict[str, object]:
         },
         "lengths": LENGTHS,
         "hints": list(SYNTAX.items()),
-        "looks": json.loads(_text(LOOKS)),
+        "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
     }
 
 

@@ -1,7 +1,7 @@
 // Both solvers, in a worker: the page stays quick, and ends them by ending it. Not a module, as swipl-web.js is none.
 //
-// Asked { id, grammar, files, request }, it answers { id, part } for each part of the sheet, then { id, done } or
-// { id, error }. A newer question ends an older one between two houses.
+// Asked { id, grammar, files, request }, it answers { id, begun }, { id, part } for each part of the sheet, then { id, done }
+// or { id, error }. A newer question ends an older one between two houses.
 
 importScripts("swipl/swipl-web.js");
 
@@ -45,12 +45,13 @@ onmessage = async ({ data: { id, grammar, files, request } }) => {
   newest = id;
   try {
     const houses = await ready;
-    if (id === newest) postMessage({ id, ready: true });
     await pause();
+    if (id !== newest) return;
+    postMessage({ id, begun: true });
     for await (const part of houses.sheet(files, grammar, request)) {
       postMessage({ id, part });
       await pause();
-      if (id !== newest) break;
+      if (id !== newest) return;
     }
     postMessage({ id, done: true });
   } catch (error) {

@@ -9,7 +9,7 @@ const STEPS = [-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1];
 const SPOTS = STEPS.flatMap((u) => STEPS.map((v) => [u, v])).sort(([a, b], [c, d]) => Math.hypot(a, b) - Math.hypot(c, d));
 const SIDE = 360, MARGIN = 14, FOOT = 24;
 
-/** The plan of a house of today's format, as the text of an SVG file. `looks`: colours and symbols by type. */
+/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/looks.py has them. */
 export function planSvg(house, looks) {
   const boxes = house.rooms.map(box);
   const west = Math.min(...boxes.map(([x]) => x)), north = Math.min(...boxes.map(([, y]) => y));
@@ -55,21 +55,10 @@ class Pen {
     const corners = [...this.at(piece.x, piece.y), ...this.at(piece.x + piece.width, piece.y + piece.height)];
     const place = (across, forth) => inFrame(corners, piece.orientation, across, forth);
     const shapes = [block(corners, WOOD, EDGE, 0.8, 0.05 * this.scale)];
-    const symbols = this.looks.pieces[piece.type];
-    for (const [form, [a, b, c, d]] of symbols ?? []) {
-      const [x0, y0] = place(a, b);
-      if (form === "ring") {
-        const radius = c * Math.min(corners[2] - corners[0], corners[3] - corners[1]);
-        shapes.push(oval([x0 - radius, y0 - radius, x0 + radius, y0 + radius]));
-        continue;
-      }
-      const [x1, y1] = place(c, d);
-      const around = [Math.min(x0, x1), Math.min(y0, y1), Math.max(x0, x1), Math.max(y0, y1)];
-      if (form === "line") shapes.push(line([x0, y0, x1, y1], FAINT, 0.8));
-      else shapes.push(form === "oval" ? oval(around) : block(around, "none", FAINT, 0.8));
-    }
+    const forms = this.looks.symbols[this.looks.pieces[piece.type]];
+    for (const [form, numbers] of forms ?? []) shapes.push(symbol(form, numbers, corners, place));
     const size = Math.min(10, (1.6 * (corners[2] - corners[0])) / piece.type.length, corners[3] - corners[1]);
-    if (!symbols && size >= 6) shapes.push(text((corners[0] + corners[2]) / 2, (corners[1] + corners[3]) / 2, piece.type, size, EDGE));
+    if (!forms && size >= 6) shapes.push(text((corners[0] + corners[2]) / 2, (corners[1] + corners[3]) / 2, piece.type, size, EDGE));
     if (piece.orientation) {
       const half = Math.min(0.3, 0.3 / (/[NS]/.test(piece.orientation) ? piece.width : piece.height));
       shapes.push(line([...place(0.5 - half, 1), ...place(0.5 + half, 1)], MARK, 2));
@@ -119,6 +108,20 @@ class Pen {
   }
 }
 
+/** A form of a symbol (logic/looks.py), `place` by place. */
+function symbol(form, numbers, corners, place) {
+  const points = Array.from({ length: numbers.length >> 1 }, (_, index) => place(numbers[2 * index], numbers[2 * index + 1]).map(round));
+  const [[x0, y0], [x1, y1] = []] = points;
+  const around = [Math.min(x0, x1), Math.min(y0, y1), Math.max(x0, x1), Math.max(y0, y1)];
+  if (form === "box") return block(around, "none", FAINT, 0.8);
+  if (form === "oval") return oval(around);
+  if (form === "ring") {
+    const radius = numbers[2] * Math.min(corners[2] - corners[0], corners[3] - corners[1]);
+    return oval([x0 - radius, y0 - radius, x0 + radius, y0 + radius]);
+  }
+  return `<path d="M${points[0]}${form === "curve" ? "C" : "L"}${points.slice(1).join(" ")}" fill="none"${stroked(FAINT, 0.8)}/>`;
+}
+
 /** A point of a piece's own frame: across, and from its back to its front. */
 function inFrame([left, top, right, bottom], front, across, forth) {
   const turns = { N: [1 - across, 1 - forth], E: [forth, 1 - across], W: [1 - forth, across] };
@@ -152,7 +155,7 @@ function windowsByName({ windows = [] }) {
   return numbered(windows.map(({ room }) => `${room}.window`)).map((name, place) => [name, windows[place]]);
 }
 
-/** The colour of a floor: of a type that looks.json does not know one by its name. */
+/** The colour of a floor: of a type that has none one by its name. */
 function colour(type, looks) {
   const hash = [...type].reduce((sum, letter) => (sum * 31 + letter.codePointAt(0)) % 360, 0);
   return looks.rooms[type] ?? `hsl(${hash} 45% 89%)`;

@@ -67,6 +67,7 @@ export class Grammar {
     this.differences = this.topology.files.some(({ name }) => name === DIFFERENCES);
     this.asp = [...(this.differences ? [THEORY] : []), ...this.core, ...this.topology.files, ...this.own];
     this.programs = new Map();
+    this.furnishable = new Map(); // by type and what is asked of it: see proof.js
     this.audit();
     this.loadLengths(named(".pl"));
     this.loadTypes();

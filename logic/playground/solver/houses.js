@@ -5,7 +5,7 @@ import { planSvg } from "./drawing.js";
 import { Grammar } from "./grammar.js";
 import { plan } from "./plans.js";
 import { RuleError } from "./program.js";
-import { inWords, isFurnishable, reasonsOf } from "./proof.js";
+import { inWords, isFurnishable, proofs } from "./proof.js";
 import { Generator } from "./random.js";
 import { star } from "./star.js";
 
@@ -64,11 +64,11 @@ export class Houses {
       for (let index = 0; index < asked.count; index++) {
         const house = { ...this.house(request, asked.seed, index), ...this.provenance(asked, index) };
         const types = Object.fromEntries(house.rooms.map(({ name, type }) => [name, type]));
-        yield { index, house, types, svg: planSvg(house, this.bundle.looks) };
+        yield { index, house, types, svg: planSvg(house, this.bundle.looks[name]) };
       }
     } catch (error) {
       if (error instanceof RuleError) yield { findings: error.findings };
-      else if (error instanceof Unsatisfiable) yield { index: 0, problem: this.proof(read(asked), error) };
+      else if (error instanceof Unsatisfiable) yield* this.proofs(read(asked), error);
       else if (error instanceof LimitReached) yield { index: 0, problem: { kind: "LimitReached", message: error.message } };
       else throw error;
     }
@@ -88,13 +88,15 @@ export class Houses {
     return { provenance: { ...this.source, request, seed, index } };
   }
 
-  /** A problem of kind Unsatisfiable, with a minimal conflict. */
-  proof(request, { unfurnishable }) {
-    const found = reasonsOf(this.grammar, request, unfurnishable);
+  /** A problem of kind Unsatisfiable, with a minimal conflict; then with advice, if there is any. */
+  *proofs(request, { unfurnishable }) {
     const types = Object.entries(request.types).map(([type, counts]) => `, ${inWords(counts)} of type ${type}`).join("");
-    const since = found.unfurnishable.map((type) => `, since no ${type} can be furnished`).join("");
-    const only = found.reasons.length === 1 ? "this forbids it" : "these conflict, so one of them must go";
-    return { kind: "Unsatisfiable", message: `No house has ${request.rooms} rooms${types}${since}: ${only}.`, ...found };
+    for (const found of proofs(this.grammar, request, unfurnishable)) {
+      const since = found.unfurnishable.map((type) => `, since no ${type} can be furnished`).join("");
+      const only = found.reasons.length === 1 ? "this forbids it" : "these conflict, so one of them must go";
+      const count = `${request.rooms} room${request.rooms === 1 ? "" : "s"}`;
+      yield { index: 0, problem: { kind: "Unsatisfiable", message: `No house has ${count}${types}${since}: ${only}.`, ...found } };
+    }
   }
 }
 

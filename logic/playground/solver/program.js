@@ -14,9 +14,6 @@ export class RuleError extends Error {
   }
 }
 
-/** Exit codes of clasp: not solved, satisfiable, unsatisfiable, all models found. */
-const SOLVED = new Set([0, 10, 20, 30]);
-
 /** clingo, with the script that does a task. */
 export class Clingo {
   /** `script` is program.lua; `hints`: [pattern, text] of lines with syntax errors. */
@@ -84,7 +81,7 @@ export class Clingo {
     try {
       const status = this.module.ccall("run", "number", ["string", "string"], [source, options]);
       const said = this.lines.find((line) => line.startsWith("@failed"));
-      return said?.slice(8) ?? (SOLVED.has(status) ? "" : `status ${status}.`);
+      return said?.slice(8) ?? (this.lines.includes("@done") ? "" : `status ${status}.`);
     } catch (error) {
       this.module = null;
       return `${error.message}.`;

@@ -1,7 +1,7 @@
 -- One program of stage 1 in clingo: ground it, and do what `task` says. Answers are lines that begin with @.
 local clingo = require("clingo")
 
-local function say(tag, ...) print("@" .. tag .. "\t" .. table.concat({...}, "\t")) end
+local function say(...) print("@" .. table.concat({...}, "\t")) end
 
 -- All symbols of a signature, in clingo's order.
 local function symbols(prg, name, arity)
@@ -180,29 +180,51 @@ end
 function tasks.conflict(prg)
   local backend = prg:backend()
   for _, nogood in ipairs(task.nogoods) do exclude(prg, backend, nogood) end
-  local function possible(kept)
-    local assumed = {}
+
+  -- Some of these statements that have no layout by themselves; nil, and the layout told, where all have one.
+  local function core(kept)
+    local assumed, statement_of = {}, {}
     for _, number in ipairs(kept) do
       for _, each in ipairs(task.statements[number]) do
         local known = literal(prg, each[1])
-        if known then assumed[#assumed + 1] = { clingo.parse_term(each[1]), each[2] }
-        elseif each[2] then return false end
+        if known then
+          assumed[#assumed + 1] = { clingo.parse_term(each[1]), each[2] }
+          statement_of[each[2] and known or -known] = number
+        elseif each[2] then
+          return { number }
+        end
       end
     end
-    local found = model(prg, assumed)
+    local handle, found, needed = prg:solve{ assumptions = assumed, yield = true }, nil, {}
+    for model in handle:iter() do
+      found = model:symbols{ shown = true }
+      break
+    end
+    if not found then
+      handle:get()
+      for _, each in ipairs(handle:core()) do needed[statement_of[math.tointeger(each)]] = true end
+    end
+    handle:close()
     if found then
+      table.sort(found)
       say("keeps", table.unpack(kept))
       for _, symbol in ipairs(found) do say("atom", tostring(symbol)) end
+      return nil
     end
-    return found
+    local some = {}
+    for _, number in ipairs(kept) do if needed[number] then some[#some + 1] = number end end
+    return some
   end
+
   local needed = {}
   for number = 1, #task.statements do needed[number] = number end
-  if possible(needed) or task.once then return end
-  for place = #needed, 1, -1 do
-    local fewer = { table.unpack(needed) }
-    table.remove(fewer, place)
-    if not possible(fewer) then needed = fewer end
+  needed = core(needed)
+  if not needed or task.once then return end
+  -- A rule is more readily left out than the facts above it, which it may stand in for.
+  for number = #task.statements, 1, -1 do
+    local fewer = {}
+    for _, each in ipairs(needed) do if each ~= number then fewer[#fewer + 1] = each end end
+    if #fewer < #needed then needed = core(fewer) or needed end
   end
   say("conflict", table.unpack(needed))
 end
@@ -217,6 +239,7 @@ local function work(prg)
   parts[#parts + 1] = { "pick", {} }
   prg:ground(parts)
   tasks[task.what](prg)
+  say("done")
 end
 
 -- An error that left main would end the module.

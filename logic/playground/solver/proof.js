@@ -42,7 +42,7 @@ function unbound(fact) {
 /** A program in which each statement of the user's can be left out. */
 class Relaxed {
   /** `lengths`: [fact, clauses] in pairs. */
-  constructor(grammar, constants, parts, lengths) {
+  constructor(grammar, constants, parts, lengths, differences = false) {
     this.grammar = grammar;
     this.statements = [];
     this.nogoods = [];
@@ -50,7 +50,7 @@ class Relaxed {
     const shared = grammar.asp.filter(({ name }) => !grammar.own.some((file) => file.name === name));
     const facts = this.conditionalLengths(lengths);
     const free = this.statements.map((_, number) => `{ stated(${number}) }.`);
-    this.program = new Program(grammar.clingo, [...shared, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts);
+    this.program = new Program(grammar.clingo, [...shared, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts, differences);
   }
 
   stated(reason, clause) {
@@ -111,21 +111,22 @@ class Relaxed {
     this.statements.push({ reason, literals });
   }
 
-  /** The reasons of a minimal conflict, or null where there is a layout. `refuted(layout, without)`: reasons of stage 2. */
-  conflict(refuted, some = this.statements, once = false) {
+  /** { layout } under these statements, or { conflict }: a minimal set of them, only proved to be there with `once`.
+   * `refuted(layout, without)`: reasons of stage 2. */
+  solve(refuted, some = this.statements, once = false) {
     for (let round = 0; round < MOST_ROUNDS; round++) {
-      const lines = this.program.run({ what: "conflict", once, nogoods: this.nogoods, statements: some.map(({ literals }) => literals) });
+      const lines = this.program.run({ what: "conflict", differences: this.program.differences, once, nogoods: this.nogoods, statements: some.map(({ literals }) => literals) });
       const layouts = [];
       let conflict = [];
       for (const [tag, ...fields] of lines)
         if (tag === "keeps") layouts.push({ kept: new Set(fields.map((number) => some[number - 1])), atoms: [] });
         else if (tag === "atom") layouts.at(-1).atoms.push(fields[0]);
-        else conflict = fields.map((number) => some[number - 1]);
+        else if (tag === "conflict") conflict = fields.map((number) => some[number - 1]);
       const learnt = layouts.map((layout) => this.refute(layout, refuted)).filter(Boolean);
       this.nogoods.push(...learnt);
-      const whole = layouts.some(({ kept }) => kept.size === some.length);
-      if (whole && !learnt.length) return null;
-      if (!learnt.length) return conflict;
+      const whole = layouts.find(({ kept }) => kept.size === some.length);
+      if (whole && !learnt.length) return { layout: whole.atoms };
+      if (!learnt.length) return { conflict };
     }
     throw new LimitReached("the proof takes too long in the browser: vitruvius explain finds it");
   }
@@ -144,7 +145,7 @@ class Relaxed {
 /** The rooms of a request, without rooms of the types that cannot be furnished; and how stage 2 refutes a layout. */
 function rooms(grammar, request, unfurnishable) {
   const required = requirements(request);
-  const relaxed = new Relaxed(grammar, { rooms: request.rooms }, ["house", ...required], grammar.walls);
+  const relaxed = new Relaxed(grammar, { rooms: request.rooms }, ["house", ...required], grammar.walls, grammar.differences);
   for (const [number, type] of Object.keys(request.types).sort().entries())
     relaxed.choice({ text: `${type}: ${inWords(request.types[type])}` }, [[granted(required[number]), true]]);
   for (const type of unfurnishable)
@@ -170,32 +171,81 @@ function furniture(grammar, type, request) {
 
 /** Whether a room of this type can be furnished at some size. */
 export function isFurnishable(grammar, type, request) {
-  const [relaxed, refuted] = furniture(grammar, type, request);
-  return relaxed.conflict(refuted, relaxed.statements, true) === null;
+  const key = JSON.stringify([type, grammar.requiredIn(type, request)]);
+  if (!grammar.furnishable.has(key)) {
+    const [relaxed, refuted] = furniture(grammar, type, request);
+    grammar.furnishable.set(key, Boolean(relaxed.solve(refuted, relaxed.statements, true).layout));
+  }
+  return grammar.furnishable.get(key);
 }
 
-/** The reasons why a request has no house, { text, file, line, column } each, a choice of the request's without a place. */
-export function reasonsOf(grammar, request, unfurnishable) {
+/** Whether a request has a house: rooms, each of which can be furnished. */
+function hasHouse(grammar, request) {
+  const unfurnishable = new Set();
+  for (;;) {
+    const [relaxed, refuted] = rooms(grammar, request, unfurnishable);
+    const { layout } = relaxed.solve(refuted, relaxed.statements, true);
+    if (!layout) return false;
+    const types = new Set(layout.map(parseTerm).filter(({ name }) => name === "room").map(({ args: [, type] }) => type.name));
+    const bare = [...types].filter((type) => !isFurnishable(grammar, type, request));
+    if (!bare.length) return true;
+    bare.forEach((type) => unfurnishable.add(type));
+  }
+}
+
+const key = (reason) => JSON.stringify(reason);
+
+/** Why a request has no house: `reasons`, { text, file, line, column } each, a choice of the request's without a place, and
+ * the types of room that are `unfurnishable`; then, which takes longer, the same with `advice`. */
+export function* proofs(grammar, request, unfurnishable) {
   const [relaxed, refuted] = rooms(grammar, request, unfurnishable);
-  const needed = relaxed.conflict(refuted);
-  if (!needed) throw new Error("the request was proved infeasible, and has a layout");
-  const keys = new Set(needed.map(({ reason }) => JSON.stringify(reason)));
-  const wanted = Object.values(request.types).reduce((sum, [least]) => sum + least, 0);
-  const near = Array.from({ length: 2 * NEAR }, (_, place) => request.rooms + (place % 2 ? 1 : -1) * (1 + (place >> 1)));
-  const others = [...near, wanted, wanted + 1].filter((number) => number !== request.rooms);
-  const other = others.find((number) => {
-    if (number < 1 || number > grammar.mostRooms) return false;
-    const [fewer, test] = rooms(grammar, { ...request, rooms: number }, unfurnishable);
-    return fewer.conflict(test, fewer.statements.filter(({ reason }) => keys.has(JSON.stringify(reason))), true) === null;
+  const { conflict } = relaxed.solve(refuted);
+  if (!conflict) throw new Error("the request was proved infeasible, and has a layout");
+  const needed = new Set(conflict.map(({ reason }) => key(reason)));
+  const bare = conflict.flatMap(({ reason }) => reason.bare ?? []);
+  const others = numbersWithout(needed, grammar, request, unfurnishable);
+  const first = others.next().value;
+  const stated = conflict.filter(({ reason }) => !reason.bare).map(({ reason }) => reason);
+  const inRooms = bare.flatMap((type) => {
+    const [room, test] = furniture(grammar, type, request);
+    return room.solve(test).conflict.map(({ reason }) => reason);
   });
-  const reasons = needed.flatMap(({ reason }) => {
-    if (!reason.bare) return [reason];
-    const [room, test] = furniture(grammar, reason.bare, request);
-    return room.conflict(test).map((each) => each.reason);
-  });
-  const named = other === undefined ? [] : [{ text: `rooms: ${request.rooms}` }];
-  const unique = new Map([...named, ...reasons].map((reason) => [JSON.stringify(reason), reason]));
-  return { reasons: [...unique.values()], unfurnishable: needed.flatMap(({ reason }) => reason.bare ?? []) };
+  const named = first ? [{ text: `rooms: ${request.rooms}` }] : [];
+  const reasons = [...new Map([...named, ...stated, ...inRooms].map((reason) => [key(reason), reason])).values()];
+  yield { reasons, unfurnishable: bare };
+
+  let number = first;
+  while (number && !hasHouse(grammar, { ...request, rooms: number })) number = others.next().value;
+  const ways = number ? [`with ${number} rooms`] : [];
+  for (const [text, fewer] of withoutEach(request))
+    if (reasons.some((reason) => reason.text === text) && hasHouse(grammar, fewer)) ways.push(`without ${text}`);
+  if (ways.length) yield { reasons, unfurnishable: bare, advice: `There is a house ${ways.join(", or ")}.` };
+}
+
+/** Other numbers of rooms that end a conflict of these reasons. */
+function* numbersWithout(needed, grammar, request, unfurnishable) {
+  for (const number of otherNumbers(grammar, request)) {
+    const [relaxed, refuted] = rooms(grammar, { ...request, rooms: number }, unfurnishable);
+    const some = relaxed.statements.filter(({ reason }) => needed.has(key(reason)));
+    if (relaxed.solve(refuted, some, true).layout) yield number;
+  }
+}
+
+/** Other numbers of rooms, the nearest first: near this one, and near the sum of types. */
+function* otherNumbers(grammar, { rooms: number, types }) {
+  const wanted = Object.values(types).reduce((sum, [least]) => sum + least, 0);
+  const near = Array.from({ length: 2 * NEAR }, (_, place) => number + (place % 2 ? -1 : 1) * (1 + (place >> 1)));
+  for (const other of new Set([...near, wanted, wanted + 1]))
+    if (other >= 1 && other <= grammar.mostRooms && other !== number) yield other;
+}
+
+/** Each choice of the request's in words, and the request without it. */
+function* withoutEach(request) {
+  for (const kind of ["types", "furniture"])
+    for (const [name, counts] of Object.entries(request[kind])) {
+      const { [name]: _, ...fewer } = request[kind];
+      yield [`${name}: ${inWords(counts)}`, { ...request, [kind]: fewer }];
+    }
 }
 
 /** A count in words: 2, 1 to 3, at least 1. */
