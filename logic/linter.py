@@ -23,16 +23,15 @@ Ground = tuple[dict[str, Any], str]
 
 
 def findings(grammar: Grammar) -> list[Finding]:
-    """All that is wrong with a grammar: errors, for which ``generate`` refuses it, and ``draw`` its looks;
-    else
-    warnings.
+    """All that is wrong with a grammar: errors, for which ``generate`` refuses it and ``draw`` its looks, or
+    else warnings.
     """
     loaded = LoadedGrammar(grammar)
     looks = grammar.directory / NAME
     wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
     if loaded.errors or wrong:
-        return _findings("error", [*loaded.errors, *wrong], grammar)
-    return warnings(grammar, loaded) + _findings("warning", _unseen(looks, loaded), grammar)
+        return all_as("error", [*loaded.errors, *wrong], grammar)
+    return warnings(grammar, loaded) + all_as("warning", _unseen(looks, loaded), grammar)
 
 
 def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
@@ -47,10 +46,11 @@ def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     programs: list[Ground] = [({"rooms": rooms}, UNITS) for rooms in BUILDINGS if loaded.depths]
     programs += [({"rooms": rooms}, "house") for rooms in SIZES]
     furnished: list[Ground] = [({"this_room": str(type_)}, "room") for type_ in loaded.types]
-    return _findings("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
+    return all_as("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
 
 
-def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
+def all_as(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
+    """Findings of one severity; what has no place is of the grammar's directory."""
     return [
         Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)
         for each in found
