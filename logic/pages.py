@@ -25,8 +25,7 @@ def scale_of(text: str) -> int:
 
 def page(house: House, look: Style, ratio: int, size: str | None = None, name: str = "the house") -> Page:
     """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest
-    of
-    ``SIZES`` that holds it.
+    of ``SIZES`` that holds it.
 
     Raises ``RequestError`` where the page, or the largest one, is too small; ``name`` is the house's in it.
     """

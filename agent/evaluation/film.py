@@ -16,7 +16,7 @@ from agent.checkpoint import Checkpoint
 from agent.evaluation.commands import WIDTH
 from agent.evaluation.episodes import reset
 from agent.evaluation.map_picture import MapPicture, beside
-from agent.policies import Policy, QPolicy
+from agent.policies import QPolicy
 from agent.progress import Report
 from agent.simulator import sensor
 from agent.world import make_envs
@@ -62,25 +62,15 @@ def watch(
 
     With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
-    length = min(steps or envs.config.steps, envs.config.steps)
-    observation = reset(envs, seed)
-    policy = policy_of(agent.network, agent.config, envs, seed)
-    policy.begin(1)
-    blocked = torch.zeros(1, dtype=torch.bool)
+    envs, policy, observation = _begun(agent, [house], targets, seed)
     for watcher in watchers:
         watcher.begin(envs, policy)
-    for step in range(length):
-        actions: Tensor = policy(observation, blocked)
+    for step, actions, blocked, _ in _played(envs, policy, observation, steps, report):
         for watcher in watchers:
-            watcher.chose(step, int(actions[0]))
-        observation, _, terminated, truncated, info = envs.step_torch(actions)
-        blocked = info["blocked"]
-        for watcher in watchers:
-            watcher.moved(bool(blocked[0]))
-        report((step + 1) / length, f"step {step + 1}")
-        if terminated | truncated:
-            break
+            if actions is None:
+                watcher.moved(bool(blocked[0]))
+            else:
+                watcher.chose(step, int(actions[0]))
     for watcher in watchers:
         watcher.end()
 
@@ -101,9 +91,8 @@ class Filming:
         """See ``Watcher``."""
         tracker = self.policy.tracker
         if tracker and tracker.planner.read("time")[0] == 1:
-            self.map.begin(
-                self.envs.scene(0).pose
-            )  # again where only the first wall shows how the body stands
+            # Again where only the first wall shows how the body stands.
+            self.map.begin(self.envs.scene(0).pose)
         if step % self.stride == 0:
             self.shoot()
 
@@ -133,7 +122,7 @@ def record(
     report: Report = lambda done, words: None,
     others: Sequence[Watcher] = (),
 ) -> Path:
-    """Write a GIF of the agent's episode in the house, as ``watch`` plays it, before ``others`` beside the
+    """Write a film of the agent's episode in the house, as ``watch`` plays it, before ``others`` beside the
     camera; its path.
     """
     filming = Filming(stride, width)
@@ -162,42 +151,59 @@ def record_mosaic(
     """
     count = columns * rows
     several = [houses[index % len(houses)] for index in range(count)]
-    envs = make_envs(several, count, targets, preset=sensor(agent.config))
-    policy = policy_of(agent.network, agent.config, envs, seed)
+    envs, policy, observation = _begun(agent, several, targets, seed)
     frame = largest(several, width)
     cameras = [Camera(envs, index, width, frame) for index in range(count)]
     shots: list[np.ndarray] = [np.empty(0)] * count
 
+    def shoot(which: np.ndarray) -> None:
+        for index in np.flatnonzero(which):
+            shots[index] = np.asarray(cameras[index].shoot())
+
     def frames() -> Iterator[np.ndarray]:
         over = np.zeros(count, bool)
-        for step, ended in _played(envs, policy, seed, steps, report):
-            due = step % stride == 0 or bool(ended.all())
-            for index in np.flatnonzero(~over & (due | ended)):
-                shots[index] = np.asarray(cameras[index].shoot())
+        for step, actions, _, ended in _played(envs, policy, observation, steps, report):
+            due = actions is not None and step % stride == 0
+            # An episode's end is drawn at once: the next step begins another.
+            shoot(~over & (ended | due))
             over = ended
             if due:
                 yield mosaic(shots, columns)
+        shoot(~over)
+        yield mosaic(shots, columns)
 
     return film(frames(), path)
 
 
+def _begun(
+    agent: Checkpoint, houses: Sequence[House], targets: str, seed: int
+) -> tuple[HouseVectorEnv, QPolicy, Tensor]:
+    """An environment in each house, where an episode begins, the agent's policy in them, and what it sees."""
+    envs = make_envs(houses, len(houses), targets, preset=sensor(agent.config))
+    observation = reset(envs, seed)
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    policy.begin(len(houses))
+    return envs, policy, observation
+
+
 def _played(
-    envs: HouseVectorEnv, policy: Policy, seed: int, steps: int | None, report: Report
-) -> Iterator[tuple[int, np.ndarray]]:
-    """Play an episode in each environment: before each step and after the last one, yields its number, and
-    which episodes have ended, (E,) bool.
+    envs: HouseVectorEnv, policy: QPolicy, observation: Tensor, steps: int | None, report: Report
+) -> Iterator[tuple[int, Tensor | None, Tensor, np.ndarray]]:
+    """Play the episodes that have begun to their ends, or their first ``steps``.
+
+    Yields twice in each step, when actions are chosen and when they are made: the step's number, the actions
+    (E,) or then ``None``, which moves were blocked before, or then now, and which episodes have ended: both
+    (E,) bool.
     """
-    observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)
-    policy.begin(envs.num_envs)
-    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
-    ended = np.zeros(envs.num_envs, bool)
+    length = min(steps or envs.config.steps, envs.config.steps)
+    blocked, ended = torch.zeros(envs.num_envs, dtype=torch.bool), np.zeros(envs.num_envs, bool)
     for step in range(length):
-        actions = policy(observation, blocked)
-        yield step, ended
+        actions: Tensor = policy(observation, blocked)
+        yield step, actions, blocked, ended
         observation, _, terminated, truncated, info = envs.step_torch(actions)
         blocked = info["blocked"]
         ended = ended | (terminated | truncated).numpy()
+        yield step, None, blocked, ended
         report((step + 1) / length, f"step {step + 1}")
         if ended.all():
             break
-    yield length, np.ones(envs.num_envs, bool)

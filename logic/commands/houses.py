@@ -61,8 +61,7 @@ class Check:
 @dataclass(frozen=True)
 class Draw:
     """Draw plans of houses and a contact sheet; to a scale on paper (--scale), or what differs between two
-    files
-    of houses (--diff).
+    files of houses (--diff).
     """
 
     file: tyro.conf.Positional[Path]
