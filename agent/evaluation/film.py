@@ -1,10 +1,11 @@
-"""Play an agent's episode before watchers: one films it, the body, its rays and its trail in the house and
-beside it the agent's map; another writes its trace (``agent.report.recorder``).
+"""Film an agent's episode: the body, its rays and its trail in the house; beside it the agent's map.
+
+Others may look on: what writes an episode's trace, for one (``agent.report.recorder``).
 """
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -28,23 +29,27 @@ STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
 
 
+class Moment(NamedTuple):
+    """What a watcher is told of E environments, before each step and after the last one."""
+
+    step: int
+    ended: np.ndarray
+    """(E,) bool: which episodes have ended."""
+    actions: Tensor | None
+    """(E,) int64: what the policy has chosen to do, None after the last step."""
+    blocked: Tensor
+    """(E,) bool: whether the actions before came to nothing."""
+
+
 class Watcher(Protocol):
     """What looks on while an episode is played in one environment."""
 
     def begin(self, envs: HouseVectorEnv, policy: QPolicy) -> None:
-        """An episode begins."""
+        """An episode is to begin."""
         ...
 
-    def chose(self, step: int, action: int) -> None:
-        """The policy has chosen; its action is not made yet."""
-        ...
-
-    def moved(self, blocked: bool) -> None:
-        """The action is made."""
-        ...
-
-    def end(self) -> None:
-        """The episode is over, or watched for as long as it should be."""
+    def note(self, moment: Moment) -> None:
+        """Look at the environment and the policy, as they are now."""
         ...
 
 
@@ -58,55 +63,14 @@ def watch(
     steps: int | None = None,
     report: Report = lambda done, words: None,
 ) -> None:
-    """Play the agent's episode in the house, whole or its first ``steps``.
-
-    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
-    """
-    envs, policy, observation = _begun(agent, [house], targets, seed)
+    """Play the agent's episode in the house, whole or its first ``steps``: see ``record``."""
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
     for watcher in watchers:
         watcher.begin(envs, policy)
-    for step, actions, blocked, _ in _played(envs, policy, observation, steps, report):
+    for moment in _played(envs, policy, seed, steps, report):
         for watcher in watchers:
-            if actions is None:
-                watcher.moved(bool(blocked[0]))
-            else:
-                watcher.chose(step, int(actions[0]))
-    for watcher in watchers:
-        watcher.end()
-
-
-class Filming:
-    """Draws every ``stride``-th step, and the last state."""
-
-    def __init__(self, stride: int = STRIDE, width: int = WIDTH) -> None:
-        """Draw pictures of this width, in pixels."""
-        self.stride, self.width, self.frames = stride, width, list[Image.Image]()
-
-    def begin(self, envs: HouseVectorEnv, policy: QPolicy) -> None:
-        """See ``Watcher``."""
-        self.envs, self.policy = envs, policy
-        self.camera, self.map = Camera(envs, width=self.width), MapPicture(envs.houses[0], self.width)
-
-    def chose(self, step: int, action: int) -> None:
-        """See ``Watcher``."""
-        tracker = self.policy.tracker
-        if tracker and tracker.planner.read("time")[0] == 1:
-            # Again where only the first wall shows how the body stands.
-            self.map.begin(self.envs.scene(0).pose)
-        if step % self.stride == 0:
-            self.shoot()
-
-    def moved(self, blocked: bool) -> None:
-        """See ``Watcher``."""
-
-    def end(self) -> None:
-        """See ``Watcher``."""
-        self.shoot()
-
-    def shoot(self) -> None:
-        """Draw the environment, and the map if there is one."""
-        shot, tracker = self.camera.shoot(), self.policy.tracker
-        self.frames.append(beside(shot, self.map.drawn(tracker.planner)) if tracker else shot)
+            watcher.note(moment)
 
 
 def record(
@@ -120,14 +84,31 @@ def record(
     stride: int = STRIDE,
     width: int = WIDTH,
     report: Report = lambda done, words: None,
-    others: Sequence[Watcher] = (),
+    watchers: Sequence[Watcher] = (),
 ) -> Path:
-    """Write a film of the agent's episode in the house, as ``watch`` plays it, before ``others`` beside the
-    camera; its path.
+    """Write a film of the agent's episode in the house, whole or its first ``steps``; its path. ``watchers``
+    look on.
+
+    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    filming = Filming(stride, width)
-    watch(agent, house, [filming, *others], targets=targets, seed=seed, steps=steps, report=report)
-    return film(filming.frames, path)
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    camera, map_picture = Camera(envs, width=width), MapPicture(house, width)
+    for watcher in watchers:
+        watcher.begin(envs, policy)
+
+    def shots() -> Iterator[Image.Image]:
+        for moment in _played(envs, policy, seed, steps, report):
+            for watcher in watchers:
+                watcher.note(moment)
+            if policy.tracker and policy.tracker.planner.read("time")[0] == 1:
+                # again where only the first wall shows how the body stands
+                map_picture.begin(envs.scene(0).pose)
+            if moment.step % stride == 0 or moment.ended.all():
+                shot = camera.shoot()
+                yield beside(shot, map_picture.drawn(policy.tracker.planner)) if policy.tracker else shot
+
+    return film(shots(), path)
 
 
 def record_mosaic(
@@ -151,59 +132,40 @@ def record_mosaic(
     """
     count = columns * rows
     several = [houses[index % len(houses)] for index in range(count)]
-    envs, policy, observation = _begun(agent, several, targets, seed)
+    envs = make_envs(several, count, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
     frame = largest(several, width)
     cameras = [Camera(envs, index, width, frame) for index in range(count)]
     shots: list[np.ndarray] = [np.empty(0)] * count
 
-    def shoot(which: np.ndarray) -> None:
-        for index in np.flatnonzero(which):
-            shots[index] = np.asarray(cameras[index].shoot())
-
     def frames() -> Iterator[np.ndarray]:
         over = np.zeros(count, bool)
-        for step, actions, _, ended in _played(envs, policy, observation, steps, report):
-            due = actions is not None and step % stride == 0
-            # An episode's end is drawn at once: the next step begins another.
-            shoot(~over & (ended | due))
+        for step, ended, *_ in _played(envs, policy, seed, steps, report):
+            due = step % stride == 0 or bool(ended.all())
+            for index in np.flatnonzero(~over & (due | ended)):
+                shots[index] = np.asarray(cameras[index].shoot())
             over = ended
             if due:
                 yield mosaic(shots, columns)
-        shoot(~over)
-        yield mosaic(shots, columns)
 
     return film(frames(), path)
 
 
-def _begun(
-    agent: Checkpoint, houses: Sequence[House], targets: str, seed: int
-) -> tuple[HouseVectorEnv, QPolicy, Tensor]:
-    """An environment in each house, where an episode begins, the agent's policy in them, and what it sees."""
-    envs = make_envs(houses, len(houses), targets, preset=sensor(agent.config))
-    observation = reset(envs, seed)
-    policy = policy_of(agent.network, agent.config, envs, seed)
-    policy.begin(len(houses))
-    return envs, policy, observation
-
-
 def _played(
-    envs: HouseVectorEnv, policy: QPolicy, observation: Tensor, steps: int | None, report: Report
-) -> Iterator[tuple[int, Tensor | None, Tensor, np.ndarray]]:
-    """Play the episodes that have begun to their ends, or their first ``steps``.
-
-    Yields twice in each step, when actions are chosen and when they are made: the step's number, the actions
-    (E,) or then ``None``, which moves were blocked before, or then now, and which episodes have ended: both
-    (E,) bool.
-    """
-    length = min(steps or envs.config.steps, envs.config.steps)
-    blocked, ended = torch.zeros(envs.num_envs, dtype=torch.bool), np.zeros(envs.num_envs, bool)
+    envs: HouseVectorEnv, policy: QPolicy, seed: int, steps: int | None, report: Report
+) -> Iterator[Moment]:
+    """Play an episode in each environment."""
+    observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)
+    policy.begin(envs.num_envs)
+    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
+    ended = np.zeros(envs.num_envs, bool)
     for step in range(length):
-        actions: Tensor = policy(observation, blocked)
-        yield step, actions, blocked, ended
+        actions = policy(observation, blocked)
+        yield Moment(step, ended, actions, blocked)
         observation, _, terminated, truncated, info = envs.step_torch(actions)
         blocked = info["blocked"]
         ended = ended | (terminated | truncated).numpy()
-        yield step, None, blocked, ended
         report((step + 1) / length, f"step {step + 1}")
         if ended.all():
             break
+    yield Moment(length, np.ones(envs.num_envs, bool), None, blocked)
