@@ -254,8 +254,9 @@ class Record:
         ):
             if value < least:
                 raise RequestError(f"--{name} must be {least} or more, not {value}")
-        house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
-        look = {"stride": self.stride, "width": width}
+        house = houses[self.house]
+        how: dict[str, Any] = {"targets": self.targets, "seed": self.seed, "steps": self.steps}
+        look: dict[str, Any] = {"stride": self.stride, "width": width}
         with progress("filming") as report:
             if is_trace:
                 recorder = Recorder(agent.name, self.targets, self.seed)
