@@ -85,4 +85,3 @@ def test_the_command_writes_pages_as_svg_in_millimetres_and_as_one_pdf(tmp_path:
         )
     assert run("--paper", "A4") == 2
     assert run("--scale", "1:50", "--one-scale") == 2
-    assert run("--json") == 2
