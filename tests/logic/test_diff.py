@@ -135,7 +135,9 @@ def test_the_command_draws_and_says_each_pair(tmp_path: Path, capsys: pytest.Cap
     assert [path.name for path in sorted((tmp_path / "out").iterdir())] == ["diff-0.svg", "diff-1.svg"]
     ET.parse(tmp_path / "out/diff-0.svg")
     assert run("--diff", str(tmp_path / "b.jsonl"), "--json", "--format", "png") == 0
-    first, second = map(json.loads, capsys.readouterr().out.splitlines())
+    answer = json.loads(capsys.readouterr().out)["answer"]
+    assert [Path(name).name for name in answer["files"]] == ["diff-0.png", "diff-1.png"]
+    first, second = answer["differences"]
     assert (first["house"], len(first["changes"]), second["changes"]) == (0, 5, [])
     save([FLAT], tmp_path / "c.jsonl")
     assert run("--diff", str(tmp_path / "c.jsonl")) == 2
