@@ -264,7 +264,9 @@ def _around(box: Box, width: float, scale: int) -> Box:
     """A box in image pixels: Pillow strokes inside it and SVG on its edge, so it grows by half a stroke."""
     left, top, right, bottom = box
     by = width / 2
-    left, top, right, bottom = ((v * scale) for v in (left - by, top - by, right + by, bottom + by))
+    # To whole pixels by way of hundredths, so that edges on one line are drawn on one line.
+    edges = (left - by, top - by, right + by, bottom + by)
+    left, top, right, bottom = (float(round(round(edge * scale, 2))) for edge in edges)
     # Pillow's far corner is the last pixel inside.
     return left, top, max(left, right - 1), max(top, bottom - 1)
 

@@ -83,8 +83,7 @@ def _room(house: House, room: Any) -> Item:
 
 def _parts(house: House, same: dict[str, str]) -> Iterator[tuple[Hashable, Item]]:
     """Pieces, doors and windows, each with what it must have in common with the one of the other house: the
-    rooms by
-    their names there, or by their own, which no room there has.
+    rooms by their names there, or by their own, which no room there has.
     """
 
     def there(name: str) -> str:

@@ -41,7 +41,7 @@ def diff_drawing(before: House, after: House, found: list[Change], width: int = 
         *house_shapes(after, frame, look, leaves),
         *(word for name in names for word in name),
         *(shape for change in found for shape in _marks(change, frame)),
-        Text((MARGIN, TITLE / 2 + 2), words, 11.5, look.inks.ink, "start"),
+        Text((MARGIN, TITLE / 2), words, 11.5, look.inks.ink, "start"),
         *legend(after, look, frame.scale, MARGIN, foot - FOOT),
         *_key(counts, look, foot),
     ]

@@ -17,7 +17,7 @@ from logic.labels import SWATCH, abbreviations, key, key_rows, legend, room_name
 from logic.palettes import Style, style
 from logic.plan import Frame, drawn_extent, house_shapes
 
-TITLE, FOOT, MARGIN = 26, 22, 12
+TITLE, FOOT, MARGIN = 30, 22, 12
 """CSS pixels above a plan, below it and around it."""
 WIDTH, CELL = 720, 300
 """CSS pixels: the width of a plan, and of a plan on a sheet."""
@@ -178,7 +178,7 @@ def plan(
     shapes = [
         *house_shapes(house, frame, look, leaves),
         *(word for name in names for word in name),
-        Text((MARGIN, TITLE / 2 + 2), title(house, width - 2 * MARGIN), 11.5, look.inks.ink, "start"),
+        Text((MARGIN, TITLE / 2), title(house, width - 2 * MARGIN), 11.5, look.inks.ink, "start"),
         *legend(house, look, frame.scale, MARGIN, foot, stated),
         *key(rows, short, look, MARGIN, foot + SWATCH + 2),
     ]

@@ -24,10 +24,8 @@ class Houses(list[House]):
 
     def _repr_html_(self) -> str:
         """The plans of the first houses, each with its index; notebooks show it."""
-        from logic.draw import plan_svg
-
         figure = '<figure style="margin:0"><figcaption style="font-size:small">{}</figcaption>{}</figure>'
-        plans = [figure.format(index, plan_svg(house, CELL)) for index, house in enumerate(self[:SHOWN])]
+        plans = [figure.format(index, house._repr_svg_(CELL)) for index, house in enumerate(self[:SHOWN])]
         words = f"{len(self)} house{'s' * (len(self) != 1)}"
         if len(self) > SHOWN:
             words += f", the first {SHOWN} shown"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pkgutil import resolve_name
 from typing import Any, Literal
 
 import msgspec
@@ -104,11 +105,10 @@ class House(msgspec.Struct, frozen=True):
         """The same house as one that is written as ``vitruvius-2``. It simulates as before, bit for bit."""
         return msgspec.structs.replace(self, format=FORMAT)
 
-    def _repr_svg_(self) -> str:
-        """The plan, which notebooks show."""
-        from logic.draw import plan_svg  # here: drawing imports this file
-
-        return plan_svg(self, 480)
+    def _repr_svg_(self, width: int = 480) -> str:
+        """The plan, so many CSS pixels wide: notebooks show it."""
+        # By name, when it is called: what draws houses imports this file.
+        return resolve_name("logic.draw:plan_svg")(self, width)
 
     @classmethod
     def of_star(cls, star: Star, topology: str = STAR, provenance: Provenance | None = None) -> House:

@@ -11,9 +11,9 @@ from logic.boxes import overlap
 from logic.canvas import Block, Box, Line, Shape, Text, text_width
 from logic.door_leaves import Leaf
 from logic.house import House
-from logic.palettes import Style
+from logic.palettes import Style, style
 from logic.parts import ORIGINAL
-from logic.plan import Frame, floor, has_mark
+from logic.plan import Frame, floor, has_mark, house_shapes
 
 LEAST = 6.5
 """CSS pixels: no name is written smaller. A room that is too small for its name so has an abbreviation."""
@@ -32,9 +32,8 @@ def room_names(
     leaves: Sequence[Leaf] = (),
 ) -> list[tuple[Text, ...]]:
     """The name of each room, then that of a star's main room, in letters of ``least`` CSS pixels or more;
-    where it
-    fits, the room's area below it. Both keep clear of furniture and of the swings of doors, as far as they
-    can.
+    where it fits, the room's area below it. Both keep clear of furniture and of the swings of doors, as far
+    as they can.
 
     Where a name does not fit between the walls: what is ``short`` for it, else nothing.
     """
@@ -57,6 +56,13 @@ def room_names(
     free = house.main.area - sum(_shared(main, room) for room in rooms)
     colours = style.inks.edge, style.inks.paper
     return [*names, _name(["main room"], _area(free), frame.place(main), taken, sizes, colours, False)]
+
+
+def background(house: House, frame: Frame, least: float = LEAST) -> tuple[Shape, ...]:
+    """A house with its rooms' names, without the leaves of doors: what is drawn under bodies and rays."""
+    look = style([house])
+    names = room_names(house, frame, look, {}, least)
+    return (*house_shapes(house, frame, look), *(word for name in names for word in name))
 
 
 def _area(square_metres: float) -> str:
@@ -201,8 +207,7 @@ def _spot(
     width: float, tall: float, room: Box, taken: np.ndarray, letter: float
 ) -> tuple[tuple[float, float], float] | None:
     """Where the middle of words is as near to that of a room as keeps clear of what is there, and how much
-    they hide
-    there; ``None`` where they do not fit between the walls. ``tall``: half their height; ``taken``:
+    they hide there; ``None`` where they do not fit between the walls. ``tall``: half their height; ``taken``:
     boxes (N, 4). All in CSS pixels.
     """
     left, top, right, bottom = room

@@ -1,5 +1,6 @@
 """Plans on paper, to a scale: pages whose millimetres are those of the print."""
 
+import math
 import re
 
 from logic.draw import MILLIMETRE, Page, least_scale, plan
@@ -10,6 +11,9 @@ from logic.plan import drawn_extent
 
 SIZES = {"A4": (210, 297), "A3": (297, 420), "A2": (420, 594), "A1": (594, 841), "A0": (841, 1189)}
 """Millimetres: ISO 216."""
+
+USUAL = (20, 50, 100, 200, 500, 1000)
+"""Scales of plans, as 1 to so many."""
 
 BORDER = 10
 """Millimetres around the drawing, where many printers do not print."""
@@ -25,24 +29,30 @@ def scale_of(text: str) -> int:
 
 def page(house: House, look: Style, ratio: int, size: str | None = None, name: str = "the house") -> Page:
     """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest
-    of
-    ``SIZES`` that holds it.
+    of ``SIZES`` that holds it.
 
     Raises ``RequestError`` where the page, or the largest one, is too small; ``name`` is the house's in it.
     """
-    scale = 1000 / ratio / MILLIMETRE
     for each in [size] if size else SIZES:
-        short, long = SIZES[each]
-        for wide, high in ((short, long), (long, short)):
-            width, height = ((side - 2 * BORDER) / MILLIMETRE for side in (wide, high))
-            if scale <= least_scale(house, width, height):
+        for sides in (SIZES[each], SIZES[each][::-1]):
+            if ratio >= _least_ratio(house, *sides):
+                width, height = ((side - 2 * BORDER) / MILLIMETRE for side in sides)
+                scale = 1000 / ratio / MILLIMETRE
                 drawing = plan(house, width, height, scale, look, f"1:{ratio} on {each}")
                 at = BORDER / MILLIMETRE, BORDER / MILLIMETRE
-                return [(at, drawing)], wide / MILLIMETRE, high / MILLIMETRE
+                return [(at, drawing)], sides[0] / MILLIMETRE, sides[1] / MILLIMETRE
     west, north, east, south = drawn_extent(house)
     needed = " x ".join(f"{1000 * length / ratio:.0f}" for length in (east - west, south - north))
-    larger = "a larger --paper, or " if size and size != [*SIZES][-1] else ""
+    last = size or [*SIZES][-1]
+    least = min(_least_ratio(house, *sides) for sides in (SIZES[last], SIZES[last][::-1]))
+    smaller = next((usual for usual in USUAL if usual >= least), math.ceil(least))
+    larger = "" if last == [*SIZES][-1] else "a larger --paper, or "
     raise RequestError(
-        f"{name} is {needed} mm at 1:{ratio}, too large for {size or [*SIZES][-1]}: "
-        f"{larger}a smaller scale, as --scale 1:{2 * ratio}"
+        f"{name} is {needed} mm at 1:{ratio}, too large for {last}: {larger}--scale 1:{smaller}"
     )
+
+
+def _least_ratio(house: House, width: float, height: float) -> float:
+    """The least ratio at which a house fits on a page of these millimetres."""
+    inside = ((side - 2 * BORDER) / MILLIMETRE for side in (width, height))
+    return 1000 / MILLIMETRE / least_scale(house, *inside)

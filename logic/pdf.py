@@ -20,8 +20,7 @@ POINT = 72 / 96
 
 def pdf(pages: Iterable[tuple[Sequence[tuple[Point, Drawing]], float, float]]) -> bytes:
     """The content of a PDF, with a page for each: drawings, each with the place of its top left corner, and
-    the
-    page's width and height, all in CSS pixels, 96 to an inch.
+    the page's width and height, all in CSS pixels, 96 to an inch.
     """
     buffer = BytesIO()
     # Without dates the same pages give the same bytes.

@@ -187,7 +187,7 @@ def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks)
         yield Line((frame.at(x, y), frame.at(*tip)), inks.edge, _stroke(0.04 * frame.scale, 1.2, 4.0))
     if door.is_entrance:
         (name,) = (name for name in door.between if name != OUTSIDE)
-        size = min(0.3 * frame.scale, 9.0)
+        size = min(0.3 * frame.scale, 7.5)
         yield _entrance(frame.place(opening(house, door)), frame.box(house.room(name)), size, inks)
 
 

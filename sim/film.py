@@ -15,9 +15,9 @@ from PIL import Image, ImageDraw, ImageFont
 from logic import House
 from logic.canvas import DENSITY, Drawing, png
 from logic.files import write_whole
-from logic.labels import room_names
-from logic.palettes import Inks, style
-from logic.plan import OUTER, Frame, grown, house_shapes
+from logic.labels import background
+from logic.palettes import Inks
+from logic.plan import OUTER, Frame, grown
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -159,11 +159,9 @@ def plan(house: House, size: int) -> Image.Image:
     doors.
     """
     view = View(geometry(house), size)
-    look = style([house])
-    names = room_names(house, view.frame, look, {}, LEAST_NAME)
-    shapes = (*house_shapes(house, view.frame, look), *(word for name in names for word in name))
     width, height = view.shown
-    return png([((0, 0), Drawing(width, height, shapes))], width, height)
+    drawing = Drawing(width, height, background(house, view.frame, LEAST_NAME))
+    return png([((0, 0), drawing)], width, height)
 
 
 def require_film(path: str | Path) -> None:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import tyro
 
@@ -254,8 +254,8 @@ class Record:
         ):
             if value < least:
                 raise RequestError(f"--{name} must be {least} or more, not {value}")
-        house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
-        stride = self.stride
+        house, stride = houses[self.house], self.stride
+        how: dict[str, Any] = {"targets": self.targets, "seed": self.seed, "steps": self.steps}
         with progress("filming") as report:
             if is_trace:
                 recorder = Recorder(agent.name, self.targets, self.seed)

@@ -5,7 +5,7 @@ import math
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 
 import pytest
@@ -14,15 +14,15 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from PIL import Image, ImageColor
 
-from logic import House, Piece, Rect
+from logic import House, Piece, Rect, load
 from logic.boxes import distance, excess, overlap
 from logic.canvas import DENSITY, Block, Drawing, Line, Oval, Part, Text, flat, png, text_width
-from logic.door_leaves import door_leaves
+from logic.door_leaves import Leaf, door_leaves
 from logic.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
 from logic.labels import LEAST, abbreviations
 from logic.looks import DEFAULT as LOOKS
 from logic.palettes import Inks, style
-from logic.parts import ORIGINAL, Provenance
+from logic.parts import ORIGINAL, OUTSIDE, Provenance
 from logic.plan import INNER, OUTER, Frame, inner_walls, opening, piece_shapes
 from logic.targets import doors_by_name, target_in, windows_by_name
 from tests.logic.handmade import Sketch, built, sketches, turned, turned_house
@@ -204,6 +204,41 @@ def test_a_leaf_is_as_long_as_its_door_hangs_on_a_jamb_and_swings_into_a_room(ho
         assert (y1 - first[1]) / scale + house.rooms[0].y == pytest.approx(leaf.tip[1])
     for one, other in combinations(leaves, 2):
         assert one.room != other.room or overlap(one.swing, other.swing) <= 1e-6
+
+
+def test_a_leaf_sweeps_over_furniture_only_where_each_other_way_would_too() -> None:
+    houses = load(Path(__file__).parents[2] / "benchmarks/houses/home-test-v1.jsonl.gz")[:60]
+    doors, blocked = 0, 0
+    for house in houses:
+        for leaf, door in zip(door_leaves(house), house.doors, strict=True):
+            doors += 1
+            if not sweeps_over_furniture(house, leaf):
+                continue
+            blocked += 1
+            into = [name for name in door.between if name != OUTSIDE]
+            for room in into:
+                for hinge, jamb in ((leaf.hinge, leaf.jamb), (leaf.jamb, leaf.hinge)):
+                    away = 1 if room == leaf.room else -1
+                    tip = tuple(
+                        h + away * (t - o) for h, t, o in zip(hinge, leaf.tip, leaf.hinge, strict=True)
+                    )
+                    other = Leaf(room, hinge, (tip[0], tip[1]), jamb)
+                    assert (
+                        sweeps_over_furniture(house, other) or excess(other.swing, house.room(room).box) > 0
+                    )
+    assert blocked < doors / 50
+
+
+def sweeps_over_furniture(house: House, leaf: Leaf) -> bool:
+    """Whether a point of the quarter of a circle, of many, lies on a piece."""
+    (x, y), (tip_x, tip_y), (jamb_x, jamb_y) = leaf.hinge, leaf.tip, leaf.jamb
+    boxes = [piece.box for piece in house.room(leaf.room).pieces]
+    for k, m in product(range(1, 20), range(31)):
+        u, v = k / 20 * math.cos(m * math.pi / 60), k / 20 * math.sin(m * math.pi / 60)
+        at = x + u * (tip_x - x) + v * (jamb_x - x), y + u * (tip_y - y) + v * (jamb_y - y)
+        if any(west < at[0] < east and north < at[1] < south for west, north, east, south in boxes):
+            return True
+    return False
 
 
 @settings(max_examples=30, deadline=None)

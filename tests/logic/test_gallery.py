@@ -4,6 +4,8 @@ import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+from IPython.core.formatters import DisplayFormatter
+
 from logic import Houses, load, save
 from logic.gallery import SHOWN
 from tests.plans import PLANS
@@ -41,3 +43,9 @@ def test_load_gives_such_a_list_and_a_slice_of_it_is_one(tmp_path: Path) -> None
     assert isinstance(houses[:2], Houses)
     assert houses[:2] == HOUSES[:2]
     assert houses[-1] == HOUSES[-1]
+
+
+def test_ipython_takes_both() -> None:
+    formatted = DisplayFormatter().format
+    assert formatted(HOUSES[0])[0]["image/svg+xml"] == HOUSES[0]._repr_svg_()
+    assert formatted(Houses(HOUSES))[0]["text/html"] == Houses(HOUSES)._repr_html_()

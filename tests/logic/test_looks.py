@@ -1,4 +1,4 @@
-"""A grammar's folder may say how its types look; mistakes in that have a place; palettes differ."""
+"""A grammar's folder may say how its types look, checked by line and column; palettes differ as they say."""
 
 import json
 import math
@@ -224,3 +224,9 @@ def test_a_type_has_one_fill_in_all_houses_of_a_drawing_and_patterns_come_last()
     )
     with pytest.raises(RequestError, match="no palette distinc: did you mean distinct"):
         style(houses, "distinc")  # pyright: ignore[reportArgumentType]
+
+
+def test_the_looks_that_the_documentation_shows_are_right(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/drawing.md").read_text()
+    mine = folder(tmp_path, page.split("```json\n")[1].split("```")[0])
+    assert folder_looks(mine).symbol("boiler") == (("ring", (0.5, 0.5, 0.4)), ("line", (0.0, 0.9, 1.0, 0.9)))
