@@ -18,7 +18,7 @@ HERE = Path(__file__).parents[2]
 class Pair:
     """The CPU time of the same houses by two checkouts, house by house in turn; a machine's speed swings."""
 
-    beside: Path = HERE
+    beside: Path | None = None
     """Another checkout, such as `git worktree add DIR REVISION` makes. By default this one: the noise."""
 
     grammar: str = "family"
@@ -35,11 +35,12 @@ class Pair:
 
     def run(self) -> None:
         """Measure, and print a table."""
-        if not (self.beside / "logic" / "builder.py").exists():
-            raise RequestError(f"--beside {self.beside}: no checkout of Vitruvius is there")
+        beside = (self.beside or HERE).resolve()
+        if not (beside / "logic" / "builder.py").exists():
+            raise RequestError(f"--beside {beside}: no checkout of Vitruvius is there")
         if self.houses < 2 or self.rounds < 1 or not self.rooms or min(self.rooms) < 1:
             raise RequestError("--houses needs 2 or more; --rounds and each of --rooms 1 or more")
-        makers = [Maker(self.beside.resolve(), self.grammar), Maker(HERE, self.grammar)]
+        makers = [Maker(beside, self.grammar), Maker(HERE, self.grammar)]
         print("| rooms | mean, ms: beside | here | ratio | p95/median: beside | here |")
         print("|---|---|---|---|---|---|")
         for rooms in self.rooms:
