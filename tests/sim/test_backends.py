@@ -14,7 +14,7 @@ from sim import HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.backend import METHODS
 from tests import sample_houses
 
-PAGE = Path(__file__).parents[2] / "docs/backends.md"
+PAGE = Path(__file__).parents[2] / "docs/tutorials/backend.md"
 NAME = "main_room:MainRoom"
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 EMPTY = [House.of_star(Star(house.star.floor)) for house in HOUSES]
