@@ -63,6 +63,8 @@ class Copy:
         """Copy a file or folder that a page links to; the path of its page, or of the file itself."""
         if path.as_posix() in MADE or path.suffix == ".md":
             target, copy = path, self.page
+        elif (self.folder / path).exists():  # a picture that a page made
+            return path
         elif not (ROOT / path).exists():
             raise RequestError(f"{page}: there is no {path}, to which it links")
         elif (ROOT / path / "README.md").exists():

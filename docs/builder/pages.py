@@ -4,13 +4,15 @@ import ast
 import io
 import json
 import os
+from base64 import b64decode
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-WIDTH = "92"
+WIDTH = "84"
 """Characters of a line of help: what a block of code shows without a scroll bar."""
 
 AGENT = (
@@ -112,42 +114,47 @@ def notebook(path: Path) -> Callable[[Path], str]:
     """A notebook that is run from top to bottom while the site is built, as a page with its pictures."""
 
     def page(folder: Path) -> str:
-        import nbformat
-        from nbclient import NotebookClient
-
-        cells = nbformat.read(ROOT / path, as_version=4)
-        os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-        with _temporary() as work:
-            NotebookClient(cells, timeout=300, resources={"metadata": {"path": work}}).execute()
-        text = "".join(_cell(number, cell, folder) for number, cell in enumerate(cells.cells))
+        cells = enumerate(executed(ROOT / path).cells)
+        text = "".join(_cell(number, cell, folder) for number, cell in cells)
         return text.replace("\n", f"\n\nThis page is [a notebook]({path.name}), run when the site was built.\n", 1)
 
     return page
 
 
-def _temporary() -> Any:
-    from tempfile import TemporaryDirectory
+def executed(path: Path) -> Any:
+    """A notebook with the outputs of all its cells, which ran in a folder of their own; fails where one does."""
+    import nbformat
+    from jupyter_client import AsyncKernelManager
+    from nbclient import NotebookClient
 
-    return TemporaryDirectory()
+    cells = nbformat.read(path, as_version=4)
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    with TemporaryDirectory() as folder:
+        # Through sockets in the folder: no port, on which others might listen.
+        kernel = AsyncKernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/kernel")
+        return NotebookClient(cells, km=kernel, timeout=300, resources={"metadata": {"path": folder}}).execute()
 
 
 def _cell(number: int, cell: Any, folder: Path) -> str:
     """A cell as Markdown; its pictures become files in the folder."""
     if cell.cell_type == "markdown":
         return f"{cell.source}\n\n"
-    outputs = (_output(f"cell-{number}-{each}.svg", output, folder) for each, output in enumerate(cell.outputs))
+    outputs = (_output(f"cell-{number}-{each}", output, folder) for each, output in enumerate(cell.outputs))
     return fenced(cell.source, "python") + "\n" + "".join(outputs)
 
 
 def _output(name: str, output: Any, folder: Path) -> str:
+    """What a cell shows, of all its forms the one that pages show best."""
     data = output.get("data", {})
-    if "image/svg+xml" in data:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(data["image/svg+xml"])
-        return f"![What the cell shows]({name})\n\n"
+    pictures = {"image/svg+xml": "svg", "image/png": "png"}
+    for kind in data.keys() & pictures.keys():
+        file = folder / f"{name}.{pictures[kind]}"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(data[kind].encode() if kind == "image/svg+xml" else b64decode(data[kind]))
+        return f"![What the cell shows]({file.name})\n\n"
     if "text/html" in data:
         return f"<div>{data['text/html']}</div>\n\n"
-    return fenced(output.get("text") or data.get("text/plain", ""))
+    return fenced(output.get("text") or data.get("text/plain", "")) + "\n"
 
 
 def source(path: Path, text: str) -> str:
