@@ -97,6 +97,7 @@ class Config:
 
 
 DEFAULT = Config()
+"""Environments for which nothing else is asked."""
 
 PAPER = replace(
     DEFAULT,

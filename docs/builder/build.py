@@ -1,7 +1,8 @@
 """The documentation as a site: ``./run docs`` writes it into ``site/``, to be opened as a file or served.
 
-Pages are Markdown files of the checkout, which read as well where they lie. Here they are copied, with all that
-they link to, and pages that are made from code are put beside them (``pages.py``). Zensical makes HTML of them.
+Pages are Markdown files of the checkout, which read as well where they lie. Here they are copied, with all
+that they link to, and pages that are made from code are put beside them (``pages.py``). Zensical makes HTML
+of them, and fails at a link or an anchor that leads nowhere.
 """
 
 import os
@@ -61,26 +62,32 @@ class Copy:
 
     def copy(self, path: Path, page: Path) -> Path:
         """Copy a file or folder that a page links to; the path of its page, or of the file itself."""
-        if path.as_posix() in MADE or path.suffix == ".md":
-            target, copy = path, self.page
-        elif (self.folder / path).exists():  # a picture that a page made
+        if (self.folder / path).is_file():  # copied, or a picture that a page made
             return path
-        elif not (ROOT / path).exists():
+        made = path.as_posix() in MADE
+        if not made and not (ROOT / path).exists():
             raise RequestError(f"{page}: there is no {path}, to which it links")
-        elif (ROOT / path / "README.md").exists():
-            target, copy = path / "README.md", self.page
+        if (ROOT / path / "README.md").exists():
+            path = path / "README.md"
+        target, write = path, self.file
+        if made or path.suffix == ".md":
+            write = self.page
         elif (ROOT / path).is_dir():
-            target = path / "index.md"
-            copy = lambda target: self.write(target, listing(ROOT / path, self.line))
+            target, write = path / "index.md", self.listing
         elif path.suffix in SOURCES:
-            target = path.with_name(path.name + ".md")
-            copy = lambda target: self.write(target, source(path, (ROOT / path).read_text()))
-        else:
-            target, copy = path, self.file
+            target, write = path.with_name(path.name + ".md"), self.source
         if target not in self.done:
             self.done.add(target)
-            copy(target)
+            write(path)
         return target
+
+    def listing(self, path: Path) -> None:
+        """Write the page of a folder, and copy what lies in it."""
+        self.write(path / "index.md", listing(ROOT / path, self.line))
+
+    def source(self, path: Path) -> None:
+        """Write the page of a file of code."""
+        self.write(path.with_name(path.name + ".md"), source(path, (ROOT / path).read_text()))
 
     def file(self, path: Path) -> None:
         """Copy a file as it is."""
@@ -100,13 +107,14 @@ def _outside_code(text: str, change: Callable[[str], str]) -> Iterator[str]:
     """
     code, before = False, ""
     for line in text.splitlines():
-        if FENCE.match(line):
-            code = not code
-        elif not code:
+        fence = FENCE.match(line)
+        code = code != bool(fence)
+        if code or fence:
+            yield line
+        else:
             if ITEM.match(line) and before and not ITEM.match(before) and not before.startswith(" "):
                 yield ""
-            line = change(line)
-        yield line
+            yield change(line)
         before = line
 
 
@@ -118,7 +126,7 @@ def pages_of(nav: list) -> Iterator[str]:
 
 
 def build(out: Path) -> None:
-    """Write the site into a folder, which it replaces. Raises ``RequestError`` for a link that leads nowhere."""
+    """Write the site into a folder, which it replaces. Raises ``RequestError`` for a page's fault."""
     if out.exists() and not (out / "sitemap.xml").exists():
         raise RequestError(f"--out {out}: this is there already, and is no site that could be replaced")
     config = (HERE / "zensical.toml").read_text()

@@ -1,6 +1,12 @@
 // Browsers start no Worker of a page that is opened as a file. Search then runs in a hidden frame in its place.
 // Zensical adds a script of another host for that, unless the name of one holds "iframe-worker".
 if (location.protocol === "file:") {
+  // As between threads: later, and a copy.
+  const deliver = (message, receive) => {
+    const data = structuredClone(message);
+    setTimeout(() => receive({ data }));
+  };
+
   window.Worker = class {
     constructor(url) {
       this.frame = document.createElement("iframe");
@@ -8,7 +14,7 @@ if (location.protocol === "file:") {
       document.body.append(this.frame);
       this.waiting = [];
       this.inside = this.frame.contentWindow;
-      this.inside.postMessage = (data) => setTimeout(() => this.onmessage?.({ data }));
+      this.inside.postMessage = (data) => deliver(data, (event) => this.onmessage?.(event));
       const script = this.frame.contentDocument.createElement("script");
       script.src = new URL(url, location.href);
       script.onerror = (event) => this.onerror?.(event);
@@ -22,7 +28,7 @@ if (location.protocol === "file:") {
 
     postMessage(data) {
       if (this.waiting) this.waiting.push(data);
-      else setTimeout(() => this.inside.onmessage({ data }));
+      else deliver(data, (event) => this.inside.onmessage(event));
     }
 
     terminate() {

@@ -7,8 +7,10 @@ import os
 from base64 import b64decode
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import FunctionType
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
@@ -51,14 +53,19 @@ def _help(*words: str) -> str:
         try:
             main([*words, "--help"])
         except SystemExit as end:
-            assert not end.code, f"{words} --help ended with {end.code}"
+            if end.code:
+                raise RuntimeError(f"{words} --help ended with {end.code}") from end
     return said.getvalue()
 
 
 def schema(_: Path) -> str:
     """The JSON Schema of a house, a table for each of its objects."""
     objects = json.loads((ROOT / "docs" / "house.schema.json").read_text())["$defs"]
-    page = ["# Schema of house files", "", "This page is made of [house.schema.json](../house.schema.json), which"]
+    page = [
+        "# Schema of house files",
+        "",
+        "This page is made of [house.schema.json](../house.schema.json), which",
+    ]
     page += ["`vitruvius schema` prints. What the fields mean: [house files](../house-file.md).", ""]
     for name in sorted(objects, key=lambda name: name != "House"):
         page += [f"## {name}", "", _words(objects[name]["description"]), ""]
@@ -79,24 +86,25 @@ def _default(field: str, kind: dict[str, Any], owner: dict[str, Any]) -> str:
 
 def _kind(kind: dict[str, Any]) -> str:
     """What a value may be, in words."""
-    if "$ref" in kind:
-        name = kind["$ref"].rpartition("/")[2]
-        return f"[{name}](#{name.lower()})"
-    if "anyOf" in kind:
-        return " or ".join(_kind(each) for each in kind["anyOf"])
-    if "enum" in kind:
-        return " or ".join(f"`{json.dumps(value)}`" for value in kind["enum"])
-    if "prefixItems" in kind:
-        return f"a list of {len(kind['prefixItems'])}: {' and '.join(map(_kind, kind['prefixItems']))}"
-    if kind["type"] == "array":
-        return f"a list of {_kind(kind['items'])}{_bounds(kind, 'minItems', 'maxItems')}"
-    if kind.get("additionalProperties"):
-        return f"an object of {_kind(kind['additionalProperties'])} by name"
-    if "pattern" in kind:
-        return f"a string: `{kind['pattern']}`, at most {kind['maxLength']} characters"
-    article = "an" if kind["type"][0] in "aeiou" else "a"
-    nothing = {"null": "`null`"}.get(kind["type"])
-    return nothing or f"{article} {kind['type']}{_bounds(kind, 'minimum', 'maximum')}"
+    words = {
+        "$ref": lambda: _link(kind["$ref"].rpartition("/")[2]),
+        "anyOf": lambda: " or ".join(map(_kind, kind["anyOf"])),
+        "enum": lambda: " or ".join(f"`{json.dumps(value)}`" for value in kind["enum"]),
+        "prefixItems": lambda: f"a list of {len(kind['prefixItems'])}, each {_kind(kind['prefixItems'][0])}",
+        "items": lambda: f"a list of {_kind(kind['items'])}{_bounds(kind, 'minItems', 'maxItems')}",
+        "additionalProperties": lambda: f"an object of {_kind(kind['additionalProperties'])} by name",
+        "pattern": lambda: f"a string: `{kind['pattern']}`, at most {kind['maxLength']} characters",
+        "type": lambda: f"{_article(kind['type'])}{_bounds(kind, 'minimum', 'maximum')}",
+    }
+    return next(say() for key, say in words.items() if key in kind)
+
+
+def _link(name: str) -> str:
+    return f"[{name}](#{name.lower()})"
+
+
+def _article(name: str) -> str:
+    return "`null`" if name == "null" else f"an {name}" if name[0] in "aeiou" else f"a {name}"
 
 
 def _bounds(kind: dict[str, Any], least: str, most: str) -> str:
@@ -105,9 +113,25 @@ def _bounds(kind: dict[str, Any], least: str, most: str) -> str:
     return f", {kind[least]:g} to {kind[most]:g}" if least in kind else f", {kind[most]:g} at most"
 
 
-def package(name: str, modules: tuple[str, ...], about: str) -> Callable[[Path], str]:
-    """The docstrings of a package's public interface."""
-    return lambda _: "\n\n".join([f"# Python: {name}", about, *(f"::: {module}" for module in modules), ""])
+def package(name: str, about: str, *more: str) -> Callable[[Path], str]:
+    """The docstrings of all that a package exports, and of some of its modules."""
+
+    def page(_: Path) -> str:
+        names = [_identifier(name, each) for each in import_module(name).__all__]
+        return "\n\n".join([f"# Python: {name}", about, *(f"::: {each}" for each in [*names, *more]), ""])
+
+    return page
+
+
+def modules(name: str, about: str, *names: str) -> Callable[[Path], str]:
+    """The docstrings of some modules."""
+    return lambda _: "\n\n".join([f"# Python: {name}", about, *(f"::: {each}" for each in names), ""])
+
+
+def _identifier(package: str, name: str) -> str:
+    """Where a class or function is defined: a package may have a module of the same name."""
+    value = getattr(import_module(package), name)
+    return f"{value.__module__}.{name}" if isinstance(value, type | FunctionType) else f"{package}.{name}"
 
 
 def notebook(path: Path) -> Callable[[Path], str]:
@@ -116,23 +140,26 @@ def notebook(path: Path) -> Callable[[Path], str]:
     def page(folder: Path) -> str:
         cells = enumerate(executed(ROOT / path).cells)
         text = "".join(_cell(number, cell, folder) for number, cell in cells)
-        return text.replace("\n", f"\n\nThis page is [a notebook]({path.name}), run when the site was built.\n", 1)
+        return text.replace(
+            "\n", f"\n\nThis page is [a notebook]({path.name}), run when the site was built.\n", 1
+        )
 
     return page
 
 
 def executed(path: Path) -> Any:
-    """A notebook with the outputs of all its cells, which ran in a folder of their own; fails where one does."""
+    """A notebook with the outputs of all its cells, run in a folder of their own; fails where one does."""
     import nbformat
-    from jupyter_client import AsyncKernelManager
     from nbclient import NotebookClient
+    from traitlets.config import Config
 
     cells = nbformat.read(path, as_version=4)
     os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     with TemporaryDirectory() as folder:
         # Through sockets in the folder: no port, on which others might listen.
-        kernel = AsyncKernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/kernel")
-        return NotebookClient(cells, km=kernel, timeout=300, resources={"metadata": {"path": folder}}).execute()
+        sockets = Config(KernelManager={"transport": "ipc", "ip": f"{folder}/kernel"})
+        where = {"metadata": {"path": folder}}
+        return NotebookClient(cells, config=sockets, timeout=300, resources=where).execute()
 
 
 def _cell(number: int, cell: Any, folder: Path) -> str:
@@ -182,9 +209,9 @@ def _items(folder: Path) -> Iterator[str]:
 MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/commands.md": commands,
     "docs/reference/schema.md": schema,
-    "docs/reference/logic.md": package("logic", ("logic",), "Houses: make, check, explain, read and write them."),
-    "docs/reference/sim.md": package("sim", ("sim", "sim.backend"), "Environments, tasks, backends."),
-    "docs/reference/agent.md": package("agent", AGENT, "What programs of your own take from `agent`."),
+    "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
+    "docs/reference/sim.md": package("sim", "Environments, tasks, baselines, backends.", "sim.backend"),
+    "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
     "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),
 }
 """By path: the page, made for a folder into which pictures may go."""

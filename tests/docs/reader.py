@@ -1,8 +1,8 @@
 """A reader who does what a page says: runs its commands, saves its files, and compares what it shows.
 
 - ``sh``: commands, one after the other, each of which must succeed.
-- ``text`` right after it: their output, where ``...`` stands for anything. They may then fail, if they say so.
-- A block whose first line is a comment with a path is saved there. Other ``python`` blocks run, sharing names.
+- ``text`` right after it: their output, where ``...`` stands for anything. Then they may fail.
+- A block whose first line is a comment with a path is saved there. Other ``python`` runs, sharing names.
 """
 
 import io
@@ -79,7 +79,7 @@ class Reader:
     def __init__(self, folder: Path, patch: pytest.MonkeyPatch) -> None:
         """Begin in an empty folder."""
         self.folder, self.names = folder, {"__name__": "__main__"}
-        for name in ("logic", "examples"):
+        for name in ("logic", "examples", "benchmarks"):
             (folder / name).symlink_to(ROOT / name)
         (folder / "run").write_text(RUN)
         (folder / "run").chmod(0o755)
@@ -111,7 +111,7 @@ class Reader:
         return 0, ""
 
     def run(self, command: str) -> tuple[int, str]:
-        """Run a command: ours in this process, where it needs no shell, which saves loading torch each time."""
+        """Run a command: ours in this process, so that torch is loaded once, unless it needs a shell."""
         program, *words = shlex.split(command)
         if program != "./run" or set("|><&;") & set(command):
             ended = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
@@ -132,17 +132,15 @@ class Reader:
         """Run Python with the names of the blocks before it."""
         said = io.StringIO()
         with redirect_stdout(said):
-            exec(compile(text, "<page>", "exec"), self.names)  # noqa: S102 - a page of ours
+            exec(compile(text, "<page>", "exec"), self.names)
         return 0, said.getvalue()
 
     def matches(self, shown: str, said: str) -> bool:
-        """Whether a command said what a page shows, with paths from here, and spaces at the ends of lines aside."""
+        """Whether a command said what a page shows, paths being from here; ends of lines aside."""
         said = said.replace(f"{ROOT}/", "").replace(f"{self.folder}/", "")
         lines = "\n".join(line.rstrip() for line in said.strip().splitlines())
         pattern = ".*".join(map(re.escape, shown.strip().split("...")))
         return re.fullmatch(pattern, lines, re.DOTALL) is not None
-
-
 
 
 def draw_again() -> None:

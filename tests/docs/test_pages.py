@@ -1,0 +1,68 @@
+"""What pages tell their readers to write and to run, written and run; and all other commands, parsed."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from logic import House, load
+from tests.agent.evaluation.cases import short_episodes
+from tests.docs.reader import ROOT, Reader, pictures
+
+DOCS = ROOT / "docs"
+PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS / "plans.md"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with short_episodes():
+        Reader(tmp_path, monkeypatch).follow(page)
+    for file, picture in pictures(page).items():
+        same = file.read_bytes() == picture.read_bytes()
+        assert same, f"{picture.name} is another: ./run python -m tests.docs.reader draws all pictures again"
+    CLAIMS.get(page.stem, lambda: None)()
+
+
+def entered_from(house: House, type_: str) -> set[str]:
+    """The types of the rooms that those of this type have doors to."""
+    doors = [door.between for room in house.rooms if room.type == type_ for door in house.doors_of(room.name)]
+    names = {name for between in doors for name in between}
+    return {room.type for room in house.rooms if room.name in names} - {type_}
+
+
+def the_room_type_opens_off_the_corridor() -> None:
+    houses = load("utility.jsonl")
+    assert [entered_from(house, "utility") for house in houses] == [{"corridor"}] * 4
+    assert "washingMachine" in {
+        piece.type for house in houses for room in house.rooms for piece in room.pieces
+    }
+
+
+def the_topology_of_ten_lines_has_rooms_on_both_sides_of_a_corridor() -> None:
+    assert len(Path("mine/rows.lp").read_text().splitlines()) - len(["its name", "#program house."]) == 9
+    for house in load("rows.jsonl"):
+        corridor, *others = house.rooms
+        assert (house.topology, corridor.type, len(others)) == ("rows", "corridor", 7)
+        assert corridor.width == pytest.approx(max(room.x + room.width for room in others))
+        north = [room for room in others if room.y + room.height == pytest.approx(corridor.y)]
+        south = [room for room in others if room.y == pytest.approx(corridor.y + corridor.height)]
+        assert north
+        assert south
+        assert len(north) + len(south) == 7
+
+
+def the_building_is_entered_from_the_west() -> None:
+    (house,) = load("flats.jsonl")
+    entrances = [door for door in house.doors if door.is_entrance]
+    assert house.main.x in [door.x for door in entrances if not door.width]
+    assert any(room.type == "dining" for room in house.rooms)
+
+
+CLAIMS: dict[str, Callable[[], None]] = {
+    "room-type": the_room_type_opens_off_the_corridor,
+    "topology": the_topology_of_ten_lines_has_rooms_on_both_sides_of_a_corridor,
+    "plans": the_building_is_entered_from_the_west,
+}
+"""What is true of a page's files, by its name."""
