@@ -15,6 +15,9 @@ from torch import Tensor
 from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from sim.config import Config
 
+SPREAD = 3.0
+"""Standard deviations of noise that are allowed for."""
+
 
 class Layer(Protocol):
     """A behaviour that may overrule those below it."""
@@ -36,14 +39,21 @@ class Shield:
     """
 
     def __init__(
-        self, angles: np.ndarray, reach: float, body: float, step: float, margin: float = 0.005
+        self,
+        angles: np.ndarray,
+        reach: float,
+        body: float,
+        step: float,
+        margin: float = 0.005,
+        noise: float = 0.0,
     ) -> None:
         """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
-        keeps on every side; metres.
+        keeps on every side, ``noise`` the standard deviation of the rays' distances; metres.
         """
-        self.reach = reach
+        self.reach, self.apart, self.tolerance = reach, pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
+        self.most = 1 - SPREAD * noise / reach
         self.clear = torch.tensor(clearance(angles, body, step, margin) / reach, dtype=torch.float32)
         # Where the body stands straight, the walls run along the first two; diagonally, along the others.
         turned = angles + np.pi / 4 * np.array([[0], [2], [1], [3]])
@@ -65,13 +75,20 @@ class Shield:
     def diagonal(self, distance: Tensor) -> Tensor:
         """Whether each heading (E,) lies at 45 degrees to the walls, from the rays' distances (E, R).
 
-        Where two neighbouring rays meet one wall, the line through both points runs along an axis: along or
+        Where two rays meet one wall, the line through both points runs along an axis: along or
         across the heading if that is straight, at 45 degrees to it if it is diagonal. The pairs vote.
         """
         place = distance[..., None, :] * self.across.to(distance.device)
-        same = (place[..., 1:] - place[..., :-1]).abs_() < 1e-4
-        votes = (same & (distance[..., None, 1:] < 1)).sum(-1)
+        same = (place[..., self.apart :] - place[..., : -self.apart]).abs_() < self.tolerance
+        votes = (same & (distance[..., None, self.apart :] < self.most)).sum(-1)
         return votes[..., 2:].sum(-1) > votes[..., :2].sum(-1)
+
+
+def pair(noise: float) -> int:
+    """Rays from one to the other of a pair that shows how the heading lies to the walls: by exact rays the
+    next one; by noisy ones so far that two ends on one wall lie further along it than noise reaches.
+    """
+    return 4 if noise > 0 else 1
 
 
 def clearance(angles: np.ndarray, body: float, step: float, margin: float) -> np.ndarray:
@@ -89,9 +106,10 @@ def clearance(angles: np.ndarray, body: float, step: float, margin: float) -> np
 
 def air(world: Config) -> float:
     """Metres that the shield keeps on every side of the body. What stands in the next cell touches a body
-    that fills its own: there it is below 0, as distances are rounded.
+    that fills its own: there it is below 0, as distances are rounded. So it is where rays are noisy: of the
+    many that a door's frame is near to, one is mostly too short, and a bump costs but a step.
     """
-    return -0.005 if world.in_cells else 0.005
+    return (-0.005 if world.in_cells else 0.005) - 2.5 * world.noise
 
 
 class PaperRule:

@@ -11,14 +11,9 @@ import safetensors.torch
 
 from agent.build import network_of
 from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
-from agent.released import CheckpointError, located
+from agent.released import FORMAT, CheckpointError, located, require_sizes
 from logic.files import write_whole
 from logic.spelling import printable
-
-FORMAT = "vitruvius-agent-3"
-
-MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
-"""What is read of a checkpoint, and of its header: our networks have less than 1 MiB, their headers 4 KiB."""
 
 KINDS: dict[str, type[TrainConfig]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig)}
 
@@ -63,7 +58,7 @@ def load(path: str | Path) -> Checkpoint:
         hint = f": did you mean {run}?" if (run := path / "agent.safetensors").exists() else ""
         raise CheckpointError(f"{path}: is a folder, and no agent{hint}")
     try:
-        _require_sizes(path)
+        require_sizes(path)
         with safetensors.safe_open(path, framework="pt") as file:
             record = file.metadata() or {}
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
@@ -86,20 +81,6 @@ def load(path: str | Path) -> Checkpoint:
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
-
-
-def _require_sizes(path: Path) -> None:
-    """Raise ``CheckpointError`` for more than is read, ``OSError`` that says more than safetensors's."""
-    if not path.is_file():
-        raise CheckpointError(f"{path}: is no regular file")
-    with path.open("rb") as file:
-        header = int.from_bytes(file.read(8), "little")
-    if path.stat().st_size > MOST_BYTES:
-        raise CheckpointError(f"{path}: has more than {MOST_BYTES >> 20} MiB: no checkpoint has")
-    if MOST_HEADER < header < path.stat().st_size:
-        raise CheckpointError(
-            f"{path}: its header has more than {MOST_HEADER >> 20} MiB: no checkpoint's has"
-        )
 
 
 def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:

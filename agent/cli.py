@@ -4,61 +4,88 @@ A command is a dataclass whose fields are its options, with a ``run``. It is imp
 making a house needs no simulator, and help comes at once.
 """
 
+import contextlib
+import io
 import pkgutil
+import re
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
-from importlib.metadata import version
+from collections.abc import Sequence
 from typing import Any
 
-import tyro
-
+from agent import help
 from benchmarks import STUDIES
-from logic import confinement
-from logic.commands import say
-from logic.errors import MissingProgram, RequestError, VitruviusError
-from logic.spelling import closest, unknown
-from logic.stopping import at_sigterm, terminate
 
 COMMANDS = {
     "generate": ("logic.commands.generate:Generate", "Make houses from rules."),
-    "explain": (
-        "logic.commands.rules:Explain",
-        "Why no house satisfies a request, or why a house is as it is.",
-    ),
-    "rules": ("logic.reference:Rules", "Print the reference of the rule language, with recipes."),
-    "lint": (
-        "logic.commands.rules:Lint",
-        "Find the mistakes in rule files that clingo and Prolog pass over.",
-    ),
     "check": (
         "logic.commands.houses:Check",
         "Check houses by plain geometry, apart from the rules that made them.",
     ),
     "draw": ("logic.commands.houses:Draw", "Draw plans of houses and a contact sheet."),
-    "convert": ("logic.commands.houses:Convert", "Write a house file of any format as one of today's."),
-    "schema": ("logic.commands.houses:Schema", "Print the JSON Schema of a house."),
+    "convert": (
+        "logic.commands.houses:Convert",
+        "Write houses as a file of today's format, or for another tool.",
+    ),
+    "info": ("agent.info.commands:Info", "Say what a file or folder is: houses, a grammar, an agent, a run."),
+    "explain": (
+        "logic.commands.rules:Explain",
+        "Why no house satisfies a request, or why a house is as it is.",
+    ),
+    "lint": (
+        "logic.commands.rules:Lint",
+        "Find the mistakes in rule files that clingo and Prolog pass over.",
+    ),
+    "rules": ("logic.reference:Rules", "Print the reference of the rule language, with recipes."),
+    "watch": ("logic.watch.commands:Watch", "Draw what a grammar makes in a browser, at each save."),
+    "playground": ("logic.playground.commands:Playground", "A page that makes houses in the browser."),
     "train": ("agent.commands:Train", "Train an agent in houses."),
     "evaluate": ("agent.evaluation.commands:Evaluate", "Measure agents in houses that they have not seen."),
-    "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
-    "play": ("agent.play.commands:Play", "Drive the robot by the keyboard, and race an agent."),
     "export": ("agent.commands:Export", "Write an agent's network as an ONNX file."),
     "import-keras": ("agent.commands:ImportKeras", "Take the weights of the paper's original program."),
+    "play": ("agent.play.commands:Play", "Drive the robot by the keyboard, and race an agent."),
+    "record": ("agent.evaluation.commands:Record", "Film an agent in a house, with its rays and trail."),
+    "report": ("agent.report.commands:Report", "Write a run as one HTML file, with episodes to play."),
     "demo": ("agent.evaluation.commands:Demo", "Houses, an agent that learns in them, a report: in minutes."),
     "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
+    "schema": ("agent.answers:Schema", "Print the JSON Schema of a house, or of what --json prints."),
+    "completion": ("agent.completion:Completion", "Print what makes your shell complete these commands."),
 }
-"""By name: where the command is, ``module:Class``, and what it does."""
+"""By name: where the command is, ``module:Class``, and what it does. Groups begin at those of ``GROUPS``."""
+
+GROUPS = {
+    "generate": "Houses",
+    "explain": "Rules",
+    "train": "Learning",
+    "play": "Seeing",
+    "demo": "Studies",
+    "schema": "For programs and shells",
+}
+"""Titles of the groups in help, by the first command of each."""
+
+STUDY_GROUPS = {"generator": "Houses", "simulator": "Simulator", "agents": "Agents", "explorers": "Planner"}
+"""The same for studies."""
 
 EXTRAS = {
     "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
     "sim": ("gymnasium", "taichi"),
-    "agent": ("safetensors", "scipy", "tensorboard", "torch"),
+    "agent": ("safetensors", "scipy", "tensorboard", "tomli_w", "torch"),
     "keras": ("h5py",),
     "export": ("pxr", "trimesh"),
     "play": ("pygame",),
+    "web": ("starlette", "uvicorn", "watchfiles"),
+    "film": ("imageio_ffmpeg",),
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
+
+ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
+
+ENDINGS = """\
+Exit codes: 0 done; 1 a check, lint or measurement says no; 2 wrong usage;
+3 proved unsatisfiable; 4 a limit was reached; 5 a file is absent or wrong;
+69 a program or library is missing; 70 a fault of ours; 130 Ctrl-C; 143 SIGTERM.
+With --json a command prints one JSON object, errors included.
+docs/command-line.md has all of it."""
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -66,59 +93,74 @@ def main(arguments: list[str] | None = None) -> None:
     sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
 
 
+def top(width: int | None = None) -> str:
+    """The help of ``vitruvius``, as wide as the terminal or as given."""
+    return help.of_table("vitruvius", ABOUT, COMMANDS, GROUPS, ENDINGS, width)
+
+
+def studies(width: int | None = None) -> str:
+    """The help of ``vitruvius bench``."""
+    return help.of_table("vitruvius bench", COMMANDS["bench"][1], STUDIES, STUDY_GROUPS, width=width)
+
+
+def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int | None = None) -> str:
+    """The help of a command, ``["generate"]`` or ``["bench", "generator"]``, with these arguments."""
+    from agent.options import options_of
+
+    table = STUDIES if words[0] == "bench" else COMMANDS
+    kind = pkgutil.resolve_name(table[words[-1]][0])
+    options = options_of(kind.like(arguments) if words[0] == "train" else kind)
+    return help.of_command(f"vitruvius {' '.join(words)}", kind.__doc__, options, width)
+
+
 def parse(arguments: list[str]) -> Any:
-    """The command that the arguments ask for, or the end of the process by their help or an error."""
-    prog, table = "vitruvius", COMMANDS
-    if arguments[:1] == ["bench"]:
-        prog, table, arguments = "vitruvius bench", STUDIES, arguments[1:]
-    if not arguments or arguments[0] in ("-h", "--help"):
-        return tyro.extras.subcommand_cli_from_dict(
-            _help_of(table), prog=prog, description=ABOUT, args=arguments
-        )
+    """The command that the arguments ask for, or the end of the process by their help.
+
+    Raises ``RequestError`` for what is wrong in them.
+    """
+    from agent.options import options_of, require
+    from logic.errors import RequestError
+    from logic.spelling import unknown
+
+    prog, table, words = "vitruvius", COMMANDS, list[str]()
+    if arguments[0] == "bench":
+        prog, table, words, arguments = "vitruvius bench", STUDIES, ["bench"], arguments[1:]
     name, *rest = arguments
     if name not in table:
-        raise RequestError(f"{prog}: {unknown('command' if table is COMMANDS else 'study', name, table)}")
+        raise RequestError(f"{prog}: {unknown('study' if words else 'command', name, table)}")
+    if "-h" in rest or "--help" in rest:
+        _print_and_end(command_help([*words, name], rest))
     kind, prog = pkgutil.resolve_name(table[name][0]), f"{prog} {name}"
-    if name == "train":  # its defaults are a preset's
-        like = kind.like(rest)
-        _require_options(prog, rest, like, like.config)
-        return tyro.cli(kind[type(like.config)], default=like, prog=prog, args=rest)
-    _require_options(prog, rest, kind)
-    return tyro.cli(kind, prog=prog, args=rest)
+    like = kind.like(rest) if name == "train" else None  # its defaults are a preset's, or a file's
+    require(prog, rest, options_of(like or kind))
+    return _parsed(kind[type(like.learning)] if like else kind, like, prog, rest)
 
 
-def _require_options(prog: str, arguments: Sequence[str], *options: Any) -> None:
-    """Raise ``RequestError`` for an option that these dataclasses lack: tyro says what is missing instead."""
-    names = [field.name.replace("_", "-") for each in options for field in fields(each)]
-    known = {"", "help", *names, *(f"no-{name}" for name in names)}
-    for argument in arguments:
-        option = argument.partition("=")[0].replace("_", "-").removeprefix("--")
-        if argument.startswith("--") and option not in known:
-            close = closest(option, known)
-            hint = f"did you mean --{close}?" if close else f"see {prog} --help"
-            raise RequestError(f"{prog}: there is no option --{option}: {hint}")
+def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
+    """What tyro makes of the arguments. Raises ``RequestError`` with the words of its box."""
+    import tyro
+
+    from logic.errors import RequestError
+
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return tyro.cli(kind, prog=prog, args=arguments, **({"default": like} if like else {}))
+    except SystemExit:
+        words = re.sub(r"[╭╮╰╯│─]+", " ", said.getvalue().partition("─\n│ ──")[0].partition("For full")[0])
+        words = " ".join(words.split()).removeprefix("Parsing error ")
+        raise RequestError(f"{prog}: {words}: see {prog} --help") from None
 
 
-ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
-
-
-def _help_of(table: Mapping[str, tuple[str, str]]) -> dict[str, Any]:
-    """Commands of which nothing is known but their names and sentences."""
-
-    def stub(sentence: str) -> Any:
-        def command() -> None: ...
-
-        command.__doc__ = sentence
-        return command
-
-    return {name: stub(sentence) for name, (_, sentence) in table.items()}
+def _print_and_end(text: str) -> None:
+    print(text)
+    sys.exit()
 
 
 def _run(arguments: list[str]) -> int:
     """Run the command. Raises ``MissingProgram`` where it lacks a module that an extra installs."""
-    if arguments == ["--version"]:
-        print(f"vitruvius {version('vitruvius')}: {confinement.summary()}")
-        return 0
+    from logic.errors import MissingProgram
+
     try:
         return parse(arguments).run() or 0
     except ModuleNotFoundError as error:
@@ -128,34 +170,64 @@ def _run(arguments: list[str]) -> int:
             raise
         words = " ".join(arguments[: 1 + study])
         # The agent's brings the simulator.
-        extra = extras[0] if study or extras[0] in {"keras", "export", "play"} else "agent"
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film"} else "agent"
         raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
 
 
+def _quick(arguments: list[str]) -> str | None:
+    """What needs no command's module: help that lists commands, and the version."""
+    if arguments in ([], ["-h"], ["--help"], ["help"]):
+        return top()
+    if arguments in (["bench"], ["bench", "-h"], ["bench", "--help"], ["help", "bench"]):
+        return studies()
+    if arguments == ["--version"]:
+        from importlib.metadata import version
+
+        from logic import confinement
+
+        return f"vitruvius {version('vitruvius')}: {confinement.summary()}"
+    return None
+
+
 def _exit_code(arguments: list[str]) -> int:
+    if text := _quick(arguments):
+        with contextlib.suppress(BrokenPipeError):
+            print(text, flush=True)
+        return 0
+    if arguments[0] == "help":
+        arguments = [*arguments[1:], "--help"]
+    from logic.commands import say
+    from logic.errors import VitruviusError
+    from logic.stopping import at_sigterm, terminate
+
+    def failed(error: BaseException, code: int, words: str) -> int:
+        """Say it, and with --json answer it."""
+        say(words)
+        if "--json" in arguments:
+            from logic.answers import encoded, failure
+
+            named = arguments[: 1 + (arguments[0] == "bench")]
+            print(encoded(" ".join(named), code, error=failure(error)))
+        return code
+
     try:
         with at_sigterm(terminate):
-            return _run(arguments)
+            code = _run(arguments)
     except VitruviusError as error:
-        if error.exit_code == VitruviusError.exit_code:
-            say(f"error, a fault of ours, please report it: {error}")
-        else:
-            say(f"error: {error}")
-        return error.exit_code
+        fault = error.exit_code == VitruviusError.exit_code
+        what = "error, a fault of ours, please report it" if fault else "error"
+        code = failed(error, error.exit_code, f"{what}: {error}")
     except KeyboardInterrupt as end:
-        say(str(end) or "interrupted")
-        return getattr(end, "exit_code", 130)
-    except OSError as error:
-        if not isinstance(error, BrokenPipeError):
-            say(f"error: {error.filename or 'a file'}: {error.strerror}")
-            return 5
+        code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
+    except BrokenPipeError:
         # The reader of our output is gone, as in `vitruvius generate ... | head`.
-        sys.stdout = None
-        return 0
-    except Exception:
+        sys.stdout, code = None, 0
+    except OSError as error:
+        code = failed(error, 5, f"error: {error.filename or 'a file'}: {error.strerror}")
+    except Exception as error:
         traceback.print_exc()
-        say("error, a fault of ours: please report it with the lines above")
-        return 70
+        code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
+    return code
 
 
 if __name__ == "__main__":

@@ -28,6 +28,12 @@ class TrainConfig:
     Raises ``RequestError``, a ``ValueError``, that names the field for a value that no run can have.
     """
 
+    groups: ClassVar = {
+        "targets": "What is learnt",
+        "num_envs": "The run's size",
+        "learning_rate": "Learning",
+    }
+
     targets: str = "main"
     """Where targets lie: main, secondary or mixed; or another task: module:Class, or as JSON, for example
     '{"task": "reach", "room": "kitchen"}'."""
@@ -37,7 +43,7 @@ class TrainConfig:
 
     sim: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FIELD=VALUE")] = ()
     """Field of the simulator's configuration in place of the preset's (sim/config.py lists them), as in
-    noise=0.05, rays=20 or body=[0.3,0.3]. Repeat for several fields."""
+    noise=0.05, rays=20 or body=[0.3,0.3]."""
 
     avoidance: Literal["shield", "paper", "none"] = "shield"
     """The layer that overrules. shield: forbids a step forward where the rays say that the body's path is not
@@ -99,6 +105,8 @@ class TrainConfig:
 class QLearningConfig(TrainConfig):
     """What PQN and DQN have in common: a discount, linear schedules, and a Q-network that remembers."""
 
+    groups: ClassVar = {"half_lives": "Q-learning"}
+
     half_lives: tuple[float, ...] = (1, 4, 16, 64)
     """Of the memory's exponential moving averages of past actions, bumps and sightings, in steps."""
 
@@ -134,6 +142,8 @@ class PQNConfig(QLearningConfig):
 
     Preset ``pqn`` reaches the oracle's neighbourhood in the main room after about a minute on a core.
     """
+
+    groups: ClassVar = {"network": "Parallel Q-learning (PQN)"}
 
     network: Literal["feedforward", "recurrent"] = "feedforward"
     """feedforward: remembers by exponential moving averages of the past; recurrent: by a layer (GRU) that
@@ -183,6 +193,8 @@ class DQNConfig(QLearningConfig):
     Q-learning and n-step returns.
     """
 
+    groups: ClassVar = {"buffer_size": "Deep Q-learning from a replay buffer (DQN)"}
+
     buffer_size: int = 200_000
     """Steps that the replay buffer holds, of all environments together."""
 
@@ -221,6 +233,8 @@ class DQNConfig(QLearningConfig):
 @dataclass(frozen=True)
 class PaperConfig(TrainConfig):
     """The original agent; preset ``paper`` is it, in the original's simulator. See ``agent.paper``."""
+
+    groups: ClassVar = {"episodes": "The paper's agent"}
 
     episodes: int | None = 817
     """Episodes of the whole run, if it has not ended by its steps before; None: as many as come."""

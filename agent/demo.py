@@ -12,16 +12,20 @@ from rich.console import Console
 from rich.markdown import Markdown
 
 from agent import checkpoint
-from agent.banks import geometry_hash
+from agent.banks import bank_hash, geometry_hash
 from agent.checkpoint import Checkpoint
 from agent.config import PRESETS, TargetMode
 from agent.evaluation.film import record
 from agent.evaluation.plots import learning_curve
 from agent.evaluation.protocol import measure
 from agent.evaluation.result import HUMAN_RATIO, Result
+from agent.evaluation.scores import Bank, ScoreFile, modes_of
 from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learner import Progress
 from agent.progress import Report, progress
+from agent.report import trace
+from agent.report.folder import describe, write_report
+from agent.report.recorder import Recorder
 from agent.runs import run
 from logic import House, RequestError, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
@@ -58,6 +62,11 @@ FILES = (
     "learning-curve.png",
     "episode.gif",
     "episode-secondary.gif",
+    "episode.trace.json",
+    "episode-secondary.trace.json",
+    "evaluation.json",
+    "about.json",
+    "report.html",
     "report.md",
 )
 """What the demo writes, beside the folder ``training``: see ``agent.runs``."""
@@ -99,10 +108,24 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     main = _measured("main", AGENT, agent, held_out, out / "episode.gif", seed)
     released = checkpoint.load(RELEASED)
     secondary = _measured("secondary", RELEASED, released, held_out, out / "episode-secondary.gif", seed)
+    bank = Bank(bank_hash(held_out), "houses-held-out.jsonl", len(held_out))
+    measured = ScoreFile(bank, seed, modes_of([main.result, secondary.result]))
+    write_whole(out / "evaluation.json", measured.json())
     write_whole(out / "plans.png", _plans(held_out))
     write_whole(out / "learning-curve.png", learning_curve(history, main.result))
     page = _page(main, secondary, history[-1], seed=seed, seconds=perf_counter() - start)
     write_whole(out / "report.md", page.encode())
+    added = f"{gain(secondary.result)}."
+    describe(
+        out,
+        TITLE.removeprefix("# "),
+        MAIN_ROOM,
+        SECONDARY_ROOMS,
+        added,
+        _made(history[-1]),
+        f"Made by `vitruvius demo --seed {seed}`.",
+    )
+    write_report(out)
 
     console = Console()
     for part, words in ((main, MAIN_ROOM), (secondary, SECONDARY_ROOMS)):
@@ -166,12 +189,15 @@ def gain(result: Result) -> str:
 def _measured(
     mode: TargetMode, name: str, agent: Checkpoint, houses: list[House], film: Path, seed: int
 ) -> Part:
-    """Measure an agent beside the baselines, and film a typical episode."""
+    """Measure an agent beside the baselines, and film a typical episode; its trace lies beside the film."""
     with progress(f"measuring, {mode}", LINES) as report:
         [result] = measure({name: [agent]}, houses, [mode], seed, report, baselines=BASELINES)
     filmed = _typical(result, name)
+    recorder = Recorder(name, mode, seed + filmed)
     with progress(f"filming, {mode}", LINES) as report:
-        record(agent, houses[filmed], film, targets=mode, seed=seed + filmed, report=report)
+        how = {"targets": mode, "seed": seed + filmed, "others": [recorder]}
+        record(agent, houses[filmed], film, report=report, **how)
+    trace.save(recorder.trace, film.with_suffix(trace.ENDING))
     return Part(result, name, filmed)
 
 
@@ -204,6 +230,17 @@ def _verdict(result: Result) -> int:
     return 1
 
 
+def _made(last: Progress) -> str:
+    """From what the agent learnt, in words."""
+    return (
+        f"From the rules of `family`, {TRAINING} houses of {ROOMS[0]} to {ROOMS[-1]} rooms were made to "
+        f"learn in, and {HELD_OUT} by another seed to be measured in. "
+        "All passed the independent check; no two are the same. "
+        f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
+        f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner."
+    )
+
+
 def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: float) -> str:
     """The report, in Markdown."""
     paragraphs = (
@@ -211,12 +248,7 @@ def _page(main: Part, secondary: Part, last: Progress, *, seed: int, seconds: fl
         MAIN_ROOM,
         SECONDARY_ROOMS,
         f"{gain(secondary.result)}.",
-        f"From the rules of `family`, {TRAINING} houses of {ROOMS[0]} to {ROOMS[-1]} rooms were made to "
-        f"learn in, and {HELD_OUT} by another seed to be measured in. "
-        "All passed the independent check; no two are the same. "
-        f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
-        f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
-        f"All of it took {seconds:.0f} s.",
+        f"{_made(last)} All of it took {seconds:.0f} s.",
         score_table(main.result).markdown(),
         "![Learning curve](learning-curve.png)",
         main.film(),

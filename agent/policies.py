@@ -1,6 +1,6 @@
 """Policies: what turns an array of observations into an array of actions."""
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import torch
 from torch import Tensor
@@ -21,6 +21,19 @@ the body dithers where any action would do if it were repeated.
 
 MIDDLE = slice(18, 21)
 """The rays that make an exploring body of the original go forward where they see the target."""
+
+
+class Choice(NamedTuple):
+    """Why a policy acted as it did last, (E, A) each."""
+
+    values: Tensor
+    """The network's Q-values."""
+
+    preference: Tensor
+    """What it would rather do: with what a map advises, and random actions."""
+
+    allowed: Tensor
+    """Bool: which actions its avoidance layer left."""
 
 
 class Policy(Protocol):
@@ -62,6 +75,9 @@ class Tracker:
 class QPolicy:
     """The network's best allowed action, or sometimes a random allowed one."""
 
+    choice: Choice
+    """Of the last call."""
+
     def __init__(
         self,
         network: QNetwork,
@@ -95,12 +111,14 @@ class QPolicy:
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         planner = self.tracker.look(observation, blocked) if self.tracker else None
-        q = self.network(observation, self.remembered, planner.features if planner and self.reads else None)
-        if planner and self.reads:
-            q = defer(q, planner.advice)
+        values = self.network(
+            observation, self.remembered, planner.features if planner and self.reads else None
+        )
+        q = defer(values, planner.advice) if planner and self.reads else values
         chosen, random = exploration_noise(q.shape[:1], self.generator, self.epsilon, self.forward)
         preference = explore(q, (chosen, home(random, observation) if self.homing else random))
-        actions = subsume(preference, self.avoidance(observation, blocked))
+        self.choice = Choice(values, preference, self.avoidance(observation, blocked))
+        actions = subsume(preference, self.choice.allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros(len(actions), dtype=torch.bool)
         self.remembered = self.network.memory(self.remembered, observation, blocked, actions, same)

@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from logic.commands import progress_bar
 
 Report = Callable[[float, str], None]
 """Called with how much is done, 0 to 1, and a few words."""
@@ -18,15 +19,16 @@ def progress(title: str, every: float | None = None) -> Iterator[Report]:
 
     In a pipe a plain line follows at that interval, in seconds, and at the end; with None, nothing.
     """
-    if sys.stderr.isatty():
-        bar = Progress(
-            TextColumn("{task.description:<22}"),
-            BarColumn(),
-            TaskProgressColumn(),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[words]}"),
-            console=Console(stderr=True),
-        )
+    bar = progress_bar(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=16),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        TextColumn("{task.fields[words]}"),
+        transient=False,
+    )
+    if not bar.disable:
         with bar:
             task = bar.add_task(title, total=1.0, words="")
             yield lambda done, words: bar.update(task, completed=done, words=words)

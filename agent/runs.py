@@ -184,7 +184,9 @@ def _learn(
         try:
             for now in learner.train():
                 history.append(now)
-                tell(now.fraction, f"{now.steps / 1e6:.2f} M steps, {now.targets:.1f} targets per 1500 steps")
+                rate = now.steps / max(now.seconds, 1e-9)
+                words = f"{now.steps / 1e6:.2f} M steps, {rate:,.0f}/s, {now.targets:.1f} targets"
+                tell(now.fraction, words)
                 if writer:
                     writer.write(now)
                 age = ranks.first(inf if terminated.is_set() else perf_counter() - saved)

@@ -47,7 +47,7 @@ def shield(envs: HouseVectorEnv) -> Shield:
     """The avoidance layer for the body and the rays of these environments."""
     config = envs.config
     return Shield(
-        config.ray_angles, reach=config.range, body=config.body[0], step=config.step, margin=air(config)
+        config.ray_angles, config.range, config.body[0], config.step, margin=air(config), noise=config.noise
     )
 
 

@@ -13,6 +13,7 @@ from logic.errors import (
     VitruviusError,
 )
 from logic.files import load, save
+from logic.gallery import Houses
 from logic.generate import count_layouts, generate, lint
 from logic.house import House
 from logic.parts import Door, Piece, Rect, Room, Window
@@ -26,6 +27,7 @@ __all__ = [
     "GrammarWarning",
     "House",
     "HouseFileError",
+    "Houses",
     "LimitReached",
     "MissingProgram",
     "Piece",

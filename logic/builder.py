@@ -34,13 +34,13 @@ MOST_MISFITS = 200
 class Builder:
     """Makes houses of one grammar; it grounds each program once and keeps it."""
 
-    def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
-        """Load the grammar's files; raises ``GrammarError`` for the first thing wrong with them.
+    def __init__(self, grammar: Grammar, cell: float = 0.0, loaded: LoadedGrammar | None = None) -> None:
+        """Load the grammar's files, unless they are; raises ``GrammarError`` for the first thing wrong.
 
         ``cell`` is the side of a grid's cell in metres, 0 for none.
         """
         self.grammar = grammar
-        self.loaded = LoadedGrammar(grammar, cell)
+        self.loaded = loaded or LoadedGrammar(grammar, cell)
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs

@@ -1,9 +1,11 @@
 """A drawing is a list of shapes in CSS pixels; here it becomes SVG text or a Pillow image."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
@@ -18,6 +20,8 @@ DENSITY = 2
 """Image pixels to a CSS pixel."""
 SMOOTHING = 2
 """Pillow's shapes have hard edges: they are drawn this many times larger, then scaled down."""
+BEND = 12
+"""Straight lines that stand for a cubic curve in images."""
 ASCENT = 0.36
 """Half the height of a capital letter, in font sizes: words are placed by their middle."""
 
@@ -50,6 +54,26 @@ class Line:
     points: tuple[Point, ...]
     stroke: str
     width: float = 1.0
+    dash: float = 0.0
+    """Length of its dashes, and of the gaps between them; 0 for none."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Cubic Bézier curves, one after the other: where the first begins, then three points for each."""
+
+    points: tuple[Point, ...]
+    stroke: str
+    width: float = 1.0
+
+
+@dataclass(frozen=True)
+class Strokes:
+    """Straight strokes apart from each other: a pattern."""
+
+    ends: tuple[tuple[Point, Point], ...]
+    stroke: str
+    width: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -67,38 +91,62 @@ class Text:
     halo: str = ""
 
 
-Shape = Block | Oval | Line | Text
+@dataclass(frozen=True)
+class Part:
+    """The shapes of a part of a house, by the name that ``explain --why`` takes: ``data-part`` in SVG."""
+
+    name: str
+    shapes: tuple["Shape", ...]
+
+
+Plain = Block | Oval | Line | Curve | Strokes | Text
+Shape = Plain | Part
+
+
+def flat(shapes: Iterable[Shape]) -> Iterator[Plain]:
+    """All shapes, those of parts among them, the lowest first."""
+    for shape in shapes:
+        if isinstance(shape, Part):
+            yield from flat(shape.shapes)
+        else:
+            yield shape
 
 
 @dataclass(frozen=True)
 class Drawing:
     """Shapes on white, the first lowest."""
 
-    width: int
-    height: int
+    width: float
+    height: float
     shapes: tuple[Shape, ...]
 
 
-def svg(cells: Iterable[tuple[Point, Drawing]], width: int, height: int) -> str:
-    """Put drawings on one SVG, each with its top left corner at its point."""
+def svg(
+    cells: Iterable[tuple[Point, Drawing]], width: float, height: float, size: tuple[str, str] | None = None
+) -> str:
+    """Put drawings on one SVG, each with its top left corner at its point.
+
+    ``size``: its width and height in another unit than the CSS pixel, as in ``("210mm", "297mm")``.
+    """
+    wide, high = size or (f"{width:g}", f"{height:g}")
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}" font-family="DejaVu Sans, Verdana, sans-serif">',
-        f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}" height="{high}" '
+        f'viewBox="0 0 {width:g} {height:g}" font-family="DejaVu Sans, Verdana, sans-serif">',
+        f'<rect width="{width:g}" height="{height:g}" fill="#ffffff"/>',
     ]
     for (x, y), drawing in cells:
         lines += [f'<g transform="translate({x:g} {y:g})">', *map(_element, drawing.shapes), "</g>"]
     return "\n".join([*lines, "</svg>\n"])
 
 
-def png(cells: Iterable[tuple[Point, Drawing]], width: int, height: int) -> Image.Image:
+def png(cells: Iterable[tuple[Point, Drawing]], width: float, height: float) -> Image.Image:
     """Put drawings on one image, ``DENSITY`` image pixels to a CSS pixel."""
-    sheet = Image.new("RGB", (width * DENSITY, height * DENSITY), "#ffffff")
+    sheet = Image.new("RGB", (round(width * DENSITY), round(height * DENSITY)), "#ffffff")
     scale = DENSITY * SMOOTHING
     for (x, y), drawing in cells:
-        large = Image.new("RGB", (drawing.width * scale, drawing.height * scale), "#ffffff")
+        large = Image.new("RGB", (round(drawing.width * scale), round(drawing.height * scale)), "#ffffff")
         pen = ImageDraw.Draw(large)
-        for shape in drawing.shapes:
+        for shape in flat(drawing.shapes):
             _ink(pen, shape, scale)
         sheet.paste(large.reduce(SMOOTHING), (round(x * DENSITY), round(y * DENSITY)))
     return sheet
@@ -106,12 +154,20 @@ def png(cells: Iterable[tuple[Point, Drawing]], width: int, height: int) -> Imag
 
 def text_width(text: str, size: float) -> float:
     """Width of a text, CSS pixels."""
-    return _font(64).getlength(printable(text)) * size / 64
+    return _ems(text) * size
+
+
+@lru_cache(4096)
+def _ems(text: str) -> float:
+    """Width of a text in font sizes."""
+    return _font(64).getlength(printable(text)) / 64
 
 
 def _element(shape: Shape) -> str:
     """The SVG element of a shape."""
     match shape:
+        case Part(name, shapes):
+            return f'<g data-part="{escape(printable(name))}">{"".join(map(_element, shapes))}</g>'
         case Block((left, top, right, bottom), fill, stroke, width, radius):
             size = f'width="{right - left:.1f}" height="{bottom - top:.1f}" rx="{radius:.1f}"'
             return f'<rect x="{left:.1f}" y="{top:.1f}" {size} {_paint(fill, stroke, width)}/>'
@@ -119,16 +175,32 @@ def _element(shape: Shape) -> str:
             middle = f'cx="{(left + right) / 2:.1f}" cy="{(top + bottom) / 2:.1f}"'
             size = f'rx="{(right - left) / 2:.1f}" ry="{(bottom - top) / 2:.1f}"'
             return f"<ellipse {middle} {size} {_paint(fill, stroke, width)}/>"
-        case Line(points, stroke, width):
-            listed = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-            return f'<polyline points="{listed}" {_paint("", stroke, width)}/>'
+        case Line(points, stroke, width, dash):
+            broken = f' stroke-dasharray="{dash:.1f}"' if dash else ""
+            return f'<polyline points="{_listed(points)}" {_paint("", stroke, width)}{broken}/>'
+        case Curve() | Strokes():
+            paint = _paint("", shape.stroke, shape.width)
+            return f'<path d="{_path(shape)}" {paint}/>'
         case Text((x, y), text, size, fill, anchor, halo):
             place = f'x="{x:.1f}" y="{y + ASCENT * size:.1f}" font-size="{size:g}" text-anchor="{anchor}"'
             rim = f'{_paint(fill, halo, size / 4)} paint-order="stroke" stroke-linejoin="round"'
+            place += ' pointer-events="none"'  # A click on a room's name is one on the room.
             return f"<text {place} {rim if halo else _paint(fill, '', 0)}>{escape(printable(text))}</text>"
 
 
-def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
+def _path(shape: Curve | Strokes) -> str:
+    """The data of an SVG path."""
+    if isinstance(shape, Strokes):
+        return "".join(f"M{_listed(ends)}" for ends in shape.ends)
+    return f"M{_listed(shape.points[:1])}C{_listed(shape.points[1:])}"
+
+
+def _listed(points: Iterable[Point]) -> str:
+    """Points as SVG writes them."""
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+
+
+def _ink(pen: ImageDraw.ImageDraw, shape: Plain, scale: int) -> None:
     """Draw a shape with Pillow, ``scale`` image pixels to a CSS pixel."""
 
     def length(value: float) -> int:
@@ -145,8 +217,14 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
         case Oval(box, fill, stroke, width):
             around = _around(box, width if stroke else 0.0, scale)
             pen.ellipse(around, fill or None, stroke or None, length(width))
-        case Line(points, stroke, width):
-            pen.line([(x * scale, y * scale) for x, y in points], stroke, length(width), joint="curve")
+        case Line(points, stroke, width, dash):
+            for stretch in _dashes(points, dash) if dash else [points]:
+                pen.line([(x * scale, y * scale) for x, y in stretch], stroke, length(width), joint="curve")
+        case Curve(points, stroke, width):
+            _ink(pen, Line(tuple(_bent(points)), stroke, width), scale)
+        case Strokes(ends, stroke, width):
+            for (x0, y0), (x1, y1) in ends:
+                pen.line((x0 * scale, y0 * scale, x1 * scale, y1 * scale), stroke, length(width))
         case Text((x, y), text, size, fill, anchor, halo):
             place = x * scale, (y + ASCENT * size) * scale
             rim = length(size / 8) if halo else 0
@@ -159,6 +237,27 @@ def _ink(pen: ImageDraw.ImageDraw, shape: Shape, scale: int) -> None:
                 stroke_width=rim,
                 stroke_fill=halo or None,
             )
+
+
+def _bent(points: Sequence[Point]) -> Iterator[Point]:
+    """Points along cubic Bézier curves."""
+    yield points[0]
+    for first in range(0, len(points) - 1, 3):
+        corners = points[first : first + 4]
+        for k in range(1, BEND + 1):
+            t = k / BEND
+            weights = (1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3
+            x, y = (sum(w * p[axis] for w, p in zip(weights, corners, strict=True)) for axis in (0, 1))
+            yield x, y
+
+
+def _dashes(points: Sequence[Point], dash: float) -> Iterator[tuple[Point, Point]]:
+    """The dashes of a line, each side of it beginning with one."""
+    for (x0, y0), (x1, y1) in pairwise(points):
+        length = math.dist((x0, y0), (x1, y1))
+        for start in range(0, math.ceil(length / dash), 2):
+            t, u = start * dash / length, min(1.0, (start + 1) * dash / length)
+            yield (x0 + t * (x1 - x0), y0 + t * (y1 - y0)), (x0 + u * (x1 - x0), y0 + u * (y1 - y0))
 
 
 def _around(box: Box, width: float, scale: int) -> Box:

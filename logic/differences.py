@@ -7,6 +7,7 @@ that fits.
 """
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 
 from clingo import Control
@@ -36,9 +37,12 @@ class Differences:
             for file in self._files:
                 self._control.load(str(file))
             return
+        shared = tuple(file for file in self._files if RULES in file.parents)
         with ProgramBuilder(self._control) as builder:
+            for statement in core_statements(shared):
+                builder.add(statement)
             parse_files(
-                [str(file) for file in self._files],
+                [str(file) for file in self._files if file not in shared],
                 lambda statement: self.add(statement, builder),
                 logger=lambda _, text: self._remark(text),
                 message_limit=1000,
@@ -55,3 +59,14 @@ class Differences:
         """Know the differences of the ground program."""
         if self._theory is not None:
             self._theory.prepare(self._control)
+
+
+@cache
+def core_statements(files: tuple[Path, ...]) -> list[AST]:
+    """What these files of the core state, ready to be added: a process makes a dozen programs of the same."""
+    from clingodl import ClingoDLTheory
+
+    found: list[AST] = []
+    theory = ClingoDLTheory()
+    parse_files([str(file) for file in files], lambda statement: theory.rewrite_ast(statement, found.append))
+    return found

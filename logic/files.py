@@ -14,6 +14,7 @@ from typing import Any, BinaryIO
 import msgspec
 
 from logic.errors import HouseFileError, RequestError
+from logic.gallery import Houses
 from logic.house import House
 from logic.spelling import closest
 
@@ -30,8 +31,9 @@ MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 """What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
 
 
-def load(path: str | Path, *, whole_pixels: bool = False) -> list[House]:
-    """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file.
+def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
+    """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file, as a list that notebooks show as
+    plans.
 
     ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
     did. Other files have none, and are refused.
@@ -41,7 +43,7 @@ def load(path: str | Path, *, whole_pixels: bool = False) -> list[House]:
     path = Path(path)
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            houses = list(_houses(file, path, whole_pixels))
+            houses = Houses(_houses(file, path, whole_pixels))
     except FileNotFoundError:
         raise HouseFileError(f"{path}: there is no such file{_beside(path)}") from None
     except (OSError, EOFError, zlib.error) as error:

@@ -74,10 +74,7 @@ def find(grammar: str | Path) -> Grammar:
     Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
     that lie elsewhere, cannot be read, are devices or pipes, or hold more than ``MOST_BYTES``.
     """
-    directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
-    if not directory.is_dir():
-        raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
-    directory = directory.resolve()
+    directory = folder(grammar)
     # Editors leave hidden files beside those that they edit.
     files = [file for file in sorted(directory.iterdir()) if not (file.name.startswith(".") or file.is_dir())]
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
@@ -92,6 +89,14 @@ def find(grammar: str | Path) -> Grammar:
             )
     digest = _hash(asp + prolog)  # Refuses what is not to be read.
     return Grammar(directory.name, directory, asp, *_topology(asp), prolog, digest)
+
+
+def folder(grammar: str | Path) -> Path:
+    """The directory of a grammar, whatever is in it. Raises ``GrammarError`` where there is none."""
+    directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
+    if not directory.is_dir():
+        raise GrammarError(f"there is no such directory, and {unknown('grammar', grammar, shipped())}")
+    return directory.resolve()
 
 
 def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:

@@ -104,6 +104,12 @@ class House(msgspec.Struct, frozen=True):
         """The same house as one that is written as ``vitruvius-2``. It simulates as before, bit for bit."""
         return msgspec.structs.replace(self, format=FORMAT)
 
+    def _repr_svg_(self) -> str:
+        """The plan, which notebooks show."""
+        from logic.draw import plan_svg  # here: drawing imports this file
+
+        return plan_svg(self, 480)
+
     @classmethod
     def of_star(cls, star: Star, topology: str = STAR, provenance: Provenance | None = None) -> House:
         """The house that a star is, of the topology ``star`` or ``original`` and of the files for it."""

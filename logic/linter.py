@@ -1,7 +1,8 @@
 """The mistakes in a grammar that clingo and SWI-Prolog pass over, by file, line and column."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import chain, zip_longest
+from pathlib import Path
 from typing import Any
 
 from logic.audit import UNITS
@@ -9,6 +10,7 @@ from logic.errors import Finding, GrammarError, Reason
 from logic.explain import Relaxed
 from logic.grammar import Grammar
 from logic.loaded import LoadedGrammar
+from logic.looks import DEFAULT, NAME, read_looks, unused
 
 SIZES = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms for which a rule is looked for to bind, in this order."""
@@ -21,11 +23,22 @@ Ground = tuple[dict[str, Any], str]
 
 
 def findings(grammar: Grammar) -> list[Finding]:
-    """All that is wrong with a grammar: errors, for which ``generate`` refuses it, and then warnings."""
+    """All that is wrong with a grammar: errors, for which ``generate`` refuses it and ``draw`` its looks, or
+    else warnings.
+    """
     loaded = LoadedGrammar(grammar)
-    if loaded.errors:
-        return _findings("error", loaded.errors, grammar)
-    return warnings(grammar, loaded)
+    looks = grammar.directory / NAME
+    wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
+    if loaded.errors or wrong:
+        return all_as("error", [*loaded.errors, *wrong], grammar)
+    return warnings(grammar, loaded) + all_as("warning", _unseen(looks, loaded), grammar)
+
+
+def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
+    """Types that a grammar's looks name and its rules do not."""
+    if looks.exists():
+        pieces = {piece for pieces in loaded.furniture.values() for piece in pieces}
+        yield from unused(looks, map(str, loaded.types), pieces)
 
 
 def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
@@ -33,10 +46,11 @@ def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
     programs: list[Ground] = [({"rooms": rooms}, UNITS) for rooms in BUILDINGS if loaded.depths]
     programs += [({"rooms": rooms}, "house") for rooms in SIZES]
     furnished: list[Ground] = [({"this_room": str(type_)}, "room") for type_ in loaded.types]
-    return _findings("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
+    return all_as("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
 
 
-def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
+def all_as(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
+    """Findings of one severity; what has no place is of the grammar's directory."""
     return [
         Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)
         for each in found

@@ -1,38 +1,29 @@
-"""A house as shapes: floors by room type, walls, doors and furniture. Plans and films draw these."""
+"""A house as shapes: walls, floors by room type, furniture, doors and windows. Plans and films draw these."""
 
-import colorsys
-import zlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Literal
-
-import msgspec
+from itertools import zip_longest
 
 from logic.boxes import walls_touched
-from logic.canvas import Block, Box, Line, Oval, Point, Shape, Text, text_width
+from logic.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Strokes, Text, text_width
+from logic.door_leaves import Leaf
 from logic.house import House
-from logic.parts import ORIGINAL, Piece, Rect
+from logic.palettes import Fill, Inks, Style
+from logic.parts import ORIGINAL, OUTSIDE, Door, Piece, Rect, Window
+from logic.targets import doors_by_name, part_names, windows_by_name
+from logic.walls import TOLERANCE, crossing, remaining
 
-PAPER, WALL, INK, FAINT = "#fbfaf6", "#333a45", "#3d4450", "#9aa1ab"
-"""Colours of the main room, of walls, of words and of what stands back."""
-WOOD, EDGE, MARK = "#ffffff", "#6f7783", "#d9734e"
-"""Colours of furniture: its top, its edge and the mark of its front."""
+OUTER, INNER = 0.2, 0.1
+"""Metres: how thick walls are drawn. In our houses they have no thickness: an outer wall is drawn outside of
+the rooms, so that the floor within it has its size, and half of an inner wall lies on each side of where it
+stands.
+"""
 
-Symbol = tuple[Literal["box", "line", "oval", "ring"], tuple[float, ...]]
+BEND = 0.5523
+"""Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii."""
 
-
-class Looks(msgspec.Struct):
-    """How types look on a plan (``looks.json``). A type that is not there is drawn by its name."""
-
-    rooms: dict[str, str]
-    """Colours of the floors."""
-    pieces: dict[str, tuple[Symbol, ...]]
-    """Symbols in a piece's own frame: across from 0 to 1, and from the back (0) to the front (1)."""
-    heights: dict[str, float]
-    """Heights of pieces in metres, for files of solids; plans do not show them."""
-
-
-LOOKS = msgspec.json.decode(Path(__file__).with_name("looks.json").read_bytes(), type=Looks)
+HATCH = 6.0
+"""CSS pixels between the lines of a pattern."""
 
 
 @dataclass(frozen=True)
@@ -52,94 +43,176 @@ class Frame:
 
     def box(self, rect: Rect) -> Box:
         """A rectangle, given in metres."""
-        west, north, east, south = rect.box
-        return *self.at(west, north), *self.at(east, south)
+        return self.place(rect.box)
+
+    def place(self, box: Box) -> Box:
+        """A box (west, north, east, south), given in metres."""
+        return *self.at(*box[:2]), *self.at(*box[2:])
 
 
 def extent(house: House) -> Box:
-    """The box around a house: (west, north, east, south), metres."""
+    """The box around the rooms of a house: (west, north, east, south), metres."""
     boxes = [room.box for room in house.rooms]
     west, north, _, _ = (min(values) for values in zip(*boxes, strict=True))
     _, _, east, south = (max(values) for values in zip(*boxes, strict=True))
     return west, north, east, south
 
 
-def house_shapes(house: House, frame: Frame) -> list[Shape]:
-    """Draw all of a house but words about it: floors first, then furniture and walls, openings last."""
-    wall = _stroke(0.09 * frame.scale, 1.5, 4.0)
-    # The rooms' floors hide a star's main room's walls within them, and walls lie over the furniture.
-    shapes: list[Shape] = [Block(frame.box(house.main), PAPER, WALL, wall)] if house.is_star else []
-    shapes += [Block(frame.box(room), room_colour(room.type)) for room in house.counted]
-    for room in house.counted:
-        for piece in room.pieces:
-            shapes += _piece(piece, frame.box(piece), _front(house, room, piece), frame.scale)
-            if has_mark(house, piece):
-                shapes.append(_front_mark(frame.box(piece), piece.orientation, frame.scale))
+def drawn_extent(house: House) -> Box:
+    """The same with the outer walls."""
+    return grown(extent(house), OUTER)
+
+
+def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf] = ()) -> list[Shape]:
+    """Draw all of a house but words about it: outer walls lie under the floors, inner ones over the
+    furniture.
+
+    ``leaves``: of all doors, or none, as in films, whose bodies and rays pass.
+    """
+    inks, thick = style.inks, max(OUTER * frame.scale, 2.0)
+    shapes: list[Shape] = [Block(grown(frame.box(room), thick), inks.wall) for room in house.rooms]
     if house.is_star:
-        shapes += [Block(frame.box(room), "", WALL, wall) for room in house.counted]
-    else:
-        shapes += _walls(house, frame, wall)
-    for door in house.doors:
-        shapes.append(_opening(frame.box(door), wall))
-        if door.is_entrance:
-            (room,) = (room for room in house.rooms if room.name in door.between)
-            shapes.append(_entrance(door, room, frame))
-    for window in house.windows:
-        shapes += _window(frame.box(window), wall)
+        shapes.append(Part(house.hub, (Block(frame.box(house.main), inks.paper),)))
+    for room in house.counted:
+        shapes.append(Part(room.name, tuple(floor(frame.box(room), style.fill(room.type), inks))))
+    for room in house.counted:
+        names = part_names([piece.type for piece in room.pieces])
+        for name, piece in zip(names, room.pieces, strict=True):
+            drawn = piece_shapes(piece, frame.box(piece), _front(house, room, piece), frame.scale, style)
+            if has_mark(house, piece, style):
+                drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, inks))
+            shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
+    shapes += [Block(frame.place(box), inks.wall) for box in inner_walls(house)]
+    for (name, door), leaf in zip_longest(doors_by_name(house).items(), leaves):
+        shapes.append(Part(name, tuple(_door(house, door, leaf, frame, inks))))
+    for name, window in windows_by_name(house).items():
+        shapes.append(Part(name, tuple(_window(frame.place(opening(house, window)), inks))))
     return shapes
 
 
-def room_colour(kind: str) -> str:
-    """The floor's colour of a room type: always the same for the same name."""
-    if kind in LOOKS.rooms:
-        return LOOKS.rooms[kind]
-    # Not hash(), which differs from process to process.
-    hue = zlib.crc32(kind.encode()) / 2**32
-    red, green, blue = colorsys.hls_to_rgb(hue, 0.89, 0.45)
-    return f"#{round(255 * red):02x}{round(255 * green):02x}{round(255 * blue):02x}"
+def has_mark(house: House, piece: Piece, style: Style) -> bool:
+    """Whether a mark shows a piece's front, for want of a symbol. The original's word for it is not to be
+    trusted.
+    """
+    return bool(piece.orientation) and house.topology != ORIGINAL and style.looks.symbol(piece.type) is None
 
 
-def has_mark(house: House, piece: Piece) -> bool:
-    """Whether a mark shows a piece's front: the original's word for it is not to be trusted."""
-    return bool(piece.orientation) and house.topology != ORIGINAL
+def grown(box: Box, by: float) -> Box:
+    """A box with so much more on each side."""
+    return box[0] - by, box[1] - by, box[2] + by, box[3] + by
 
 
-def _walls(house: House, frame: Frame, wall: float) -> list[Shape]:
-    """The walls of rooms that share them, each once, with square ends."""
-    verticals, horizontals = house.walls
-    ends = [(frame.at(x, low), frame.at(x, high)) for x, low, high in verticals]
-    ends += [(frame.at(low, y), frame.at(high, y)) for y, low, high in horizontals]
-    half = wall / 2
-    return [Block((x0 - half, y0 - half, x1 + half, y1 + half), WALL) for (x0, y0), (x1, y1) in ends]
+def inner_walls(house: House) -> Iterator[Box]:
+    """The walls between floors, with their thickness and without the doorways: metres."""
+    boxes, half, walls = [room.box for room in house.rooms], INNER / 2, house.walls
+    for axis, lines in enumerate(walls):
+        for at, low, high in lines:
+            spans = [(low, high)]
+            for side in (at - 2 * TOLERANCE, at + 2 * TOLERANCE):
+                floors = [(box[1 - axis], box[3 - axis]) for box in boxes if box[axis] < side < box[axis + 2]]
+                spans = [
+                    part
+                    for span in spans
+                    for gap in [remaining(span, floors)]
+                    for part in remaining(span, gap)
+                ]
+            for start, end in spans:
+                first = start - half * crossing(at, start, walls[1 - axis])
+                last = end + half * crossing(at, end, walls[1 - axis])
+                yield (
+                    (at - half, first, at + half, last) if axis == 0 else (first, at - half, last, at + half)
+                )
 
 
-def _entrance(door: Rect, room: Rect, frame: Frame) -> Line:
-    """An arrow that points from an entrance into its room, within the floor that is kept free there."""
-    x, y = door.x + door.width / 2, door.y + door.height / 2
-    along_x = door.width > door.height
-    inwards = (0.0, room.y + room.height / 2 - y) if along_x else (room.x + room.width / 2 - x, 0.0)
-    length = abs(sum(inwards))
-    u, v = (0.4 * value / length for value in inwards)
-    wings = [(x + u / 2 - v / 2, y + v / 2 - u / 2), (x + u / 2 + v / 2, y + v / 2 + u / 2)]
-    tip, foot = (x + u, y + v), (x + u / 8, y + v / 8)
-    points = [foot, tip, wings[0], tip, wings[1]]
-    return Line(tuple(frame.at(*point) for point in points), MARK, _stroke(0.05 * frame.scale, 1.8, 3.0))
+def opening(house: House, segment: Door | Window) -> Box:
+    """The place in its wall of a door or a window, as wide as it is: metres."""
+    across = int(segment.height == 0)
+    x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
+    reach = []
+    for way in (-1, 1):
+        at = (x, y + 0.01 * way) if across else (x + 0.01 * way, y)
+        indoors = any(
+            box[0] < at[0] < box[2] and box[1] < at[1] < box[3] for box in (room.box for room in house.rooms)
+        )
+        reach.append((indoors, way))
+    walls = [
+        OUTER if not indoors else INNER / 2 if reach[0][0] == reach[1][0] else 0.0 for indoors, _ in reach
+    ]
+    west, north, east, south = segment.box
+    return (
+        (west, north - walls[0], east, south + walls[1])
+        if across
+        else (west - walls[0], north, east + walls[1], south)
+    )
 
 
-def _window(window: Box, wall: float) -> list[Shape]:
-    """A pane between two thin lines in the place of the wall."""
-    left, top, right, bottom = window
-    along_x = right - left > bottom - top
-    by_x, by_y = (0.0, wall / 2) if along_x else (wall / 2, 0.0)
-    frame = Block((left - by_x, top - by_y, right + by_x, bottom + by_y), WOOD, WALL, wall / 4)
-    return [frame, Line(((left, top), (right, bottom)), WALL, wall / 4)]
+def floor(box: Box, fill: Fill, inks: Inks) -> Iterator[Shape]:
+    """A floor with its colour and its pattern, in a box of CSS pixels."""
+    yield Block(box, fill.colour)
+    if fill.hatch:
+        yield Strokes(tuple(_hatch(box, fill.hatch)), inks.pattern, 0.7)
 
 
-def _opening(door: Box, wall: float) -> Block:
-    """Paper over the wall between the ends of a door: half a wall less, for walls end in a square."""
-    left, top, right, bottom = door
-    by_x, by_y = (-0.5 * wall, 0.75 * wall) if right - left > bottom - top else (0.75 * wall, -0.5 * wall)
-    return Block((left - by_x, top - by_y, right + by_x, bottom + by_y), PAPER)
+def _hatch(box: Box, pattern: str) -> Iterator[tuple[Point, Point]]:
+    """The strokes of a pattern within a box; CSS pixels. Patterns of neighbours go on in each other."""
+    left, top, right, bottom = box
+
+    def steps(low: float, high: float, gap: float) -> Iterator[float]:
+        return (gap * k for k in range(int(low // gap) + 1, int(high // gap) + 1))
+
+    if pattern in "-+":
+        yield from (((left, y), (right, y)) for y in steps(top, bottom, HATCH))
+    if pattern in "|+":
+        yield from (((x, top), (x, bottom)) for x in steps(left, right, HATCH))
+    if pattern in "/x":  # x + y is the same along a stroke
+        for c in steps(left + top, right + bottom, 1.4 * HATCH):
+            yield (max(left, c - bottom), min(bottom, c - left)), (min(right, c - top), max(top, c - right))
+    if pattern in "\\x":  # x - y is
+        for c in steps(left - bottom, right - top, 1.4 * HATCH):
+            yield (max(left, c + top), max(top, left - c)), (min(right, c + bottom), min(bottom, right - c))
+    if pattern == ".":
+        for y in steps(top, bottom, HATCH):
+            shift = round(y / HATCH) % 2 * HATCH
+            dots = (x + shift for x in steps(left - shift, right - shift - 1, 2 * HATCH))
+            yield from (((x, y), (x + 1, y)) for x in dots)
+
+
+def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks) -> Iterator[Shape]:
+    """The doorway, the open leaf with its swing, and at an entrance a mark."""
+    yield Block(frame.place(opening(house, door)), inks.paper)
+    if leaf is not None:
+        (x, y), tip, jamb = leaf.hinge, leaf.tip, leaf.jamb
+        bent = [(a + BEND * (b[0] - x), a_ + BEND * (b[1] - y)) for (a, a_), b in ((tip, jamb), (jamb, tip))]
+        yield Curve(tuple(frame.at(*point) for point in (tip, *bent, jamb)), inks.faint, _thin(frame.scale))
+        yield Line((frame.at(x, y), frame.at(*tip)), inks.edge, _stroke(0.04 * frame.scale, 1.2, 4.0))
+    if door.is_entrance:
+        (name,) = (name for name in door.between if name != OUTSIDE)
+        size = min(0.3 * frame.scale, 9.0)
+        yield _entrance(frame.place(opening(house, door)), frame.box(house.room(name)), size, inks)
+
+
+def _entrance(place: Box, room: Box, size: float, inks: Inks) -> Line:
+    """A tip outside of an entrance that points in. ``size``: CSS pixels, within a plan's margin."""
+    x, y = (place[0] + place[2]) / 2, (place[1] + place[3]) / 2
+    if place[2] - place[0] > place[3] - place[1]:
+        u, v = 0.0, size if y < (room[1] + room[3]) / 2 else -size
+        y = place[1] if v > 0 else place[3]
+    else:
+        u, v = size if x < (room[0] + room[2]) / 2 else -size, 0.0
+        x = place[0] if u > 0 else place[2]
+    points = (x - u - v, y - v - u), (x - u / 5, y - v / 5), (x - u + v, y - v + u)
+    return Line(points, inks.mark, size / 4)
+
+
+def _window(place: Box, inks: Inks) -> Iterator[Shape]:
+    """A pane between the two faces of the wall."""
+    left, top, right, bottom = place
+    thin = min(right - left, bottom - top) / 8
+    yield Block(place, inks.wood, inks.wall, min(thin, 1.0))
+    middle = ((left, (top + bottom) / 2), (right, (top + bottom) / 2))
+    if right - left < bottom - top:
+        middle = (((left + right) / 2, top), ((left + right) / 2, bottom))
+    yield Line(middle, inks.wall, min(thin, 1.0))
 
 
 def _front(house: House, room: Rect, piece: Piece) -> str:
@@ -151,38 +224,47 @@ def _front(house: House, room: Rect, piece: Piece) -> str:
     return max((sides[wall] for wall in walls_touched(piece, room)), default=(0.0, piece.orientation))[1]
 
 
-def _piece(piece: Piece, box: Box, front: str, scale: float) -> list[Shape]:
+def piece_shapes(piece: Piece, box: Box, front: str, scale: float, style: Style) -> list[Shape]:
     """A piece with its symbol, or with its name where it has none."""
     left, top, right, bottom = box
-    radius = min(0.07 * scale, (right - left) / 3, (bottom - top) / 3)
-    shapes: list[Shape] = [Block(box, WOOD, EDGE, _stroke(0.02 * scale, 0.8, 4.0), radius)]
-    for form, numbers in LOOKS.pieces.get(piece.type, ()):
-        x0, y0 = _at(box, front, *numbers[:2])
+    inks, thin = style.inks, _thin(scale)
+    radius = min(0.05 * scale, (right - left) / 3, (bottom - top) / 3)
+    shapes: list[Shape] = [Block(box, inks.wood, inks.edge, _stroke(0.02 * scale, 0.8, 4.0), radius)]
+    forms = style.looks.symbol(piece.type)
+    for form, numbers in forms or ():
+        points = [_at(box, front, *numbers[k : k + 2]) for k in range(0, 2 * (len(numbers) // 2), 2)]
+        x0, y0 = points[0]
         if form == "ring":
             by = numbers[2] * min(right - left, bottom - top)
-            shapes.append(Oval((x0 - by, y0 - by, x0 + by, y0 + by), "", FAINT, 0.8))
-            continue
-        x1, y1 = _at(box, front, *numbers[2:])
-        around = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
-        if form == "line":
-            shapes.append(Line(((x0, y0), (x1, y1)), FAINT, 0.8))
-        elif form == "oval":
-            shapes.append(Oval(around, "", FAINT, 0.8))
+            shapes.append(Oval((x0 - by, y0 - by, x0 + by, y0 + by), "", inks.faint, thin))
+        elif form == "line":
+            shapes.append(Line(tuple(points), inks.faint, thin))
+        elif form == "curve":
+            shapes.append(Curve(tuple(points), inks.faint, thin))
         else:
-            shapes.append(Block(around, "", FAINT, 0.8, 0.04 * scale))
-    if piece.type not in LOOKS.pieces:
+            x1, y1 = points[1]
+            around = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+            if form == "oval":
+                shapes.append(Oval(around, "", inks.faint, thin))
+            else:
+                shapes.append(Block(around, "", inks.faint, thin, 0.04 * scale))
+    if forms is None:
         size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(piece.type or "?", 1))
         if 6 <= size <= bottom - top:
-            shapes.append(Text(((left + right) / 2, (top + bottom) / 2), piece.type, size, EDGE))
+            shapes.append(Text(((left + right) / 2, (top + bottom) / 2), piece.type, size, inks.edge))
     return shapes
 
 
-def _front_mark(box: Box, front: str, scale: float) -> Line:
+def _front_mark(box: Box, front: str, scale: float, inks: Inks) -> Line:
     """A bold line along the middle of the front edge, at most 60 cm long."""
     edge = box[2] - box[0] if front in {"N", "S"} else box[3] - box[1]
     half = min(0.3, 0.3 * scale / edge)
     width = _stroke(0.05 * scale, 1.8, 3.0)
-    return Line((_at(box, front, 0.5 - half, 1.0), _at(box, front, 0.5 + half, 1.0)), MARK, width)
+    return Line((_at(box, front, 0.5 - half, 1.0), _at(box, front, 0.5 + half, 1.0)), inks.mark, width)
+
+
+def _thin(scale: float) -> float:
+    return _stroke(0.012 * scale, 0.8, 1.2)
 
 
 def _stroke(width: float, least: float, most: float) -> float:

@@ -148,7 +148,7 @@ class Programs:
         """
         own = set(map(str, self._grammar.own))
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}
-        for program in (self.rooms(1), *(self.furniture(type_) for type_ in sorted(self._furniture))):
+        for program in (self.rooms(1), *self.all_furniture(Request(1))):
             for remark in program.remarks:
                 error = placed_error(remark)
                 if str(error.file) in own and "does not occur in any rule head" not in remark:

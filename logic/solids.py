@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 from logic.boxes import TOLERANCE, Box
 from logic.house import House
-from logic.plan import LOOKS, PAPER, WALL, WOOD, room_colour
-from logic.walls import Interval, Line, remaining
+from logic.looks import looks_of
+from logic.palettes import Inks
+from logic.walls import Interval, Line, crossing, remaining
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
 """Metres."""
@@ -26,7 +27,10 @@ FLOOR = 0.05
 PIECE_HEIGHT = 0.8
 """Metres: of a piece whose type has no height in ``looks.json``."""
 
-COLOURS = {"wall": WALL, "window": "#a9cfe0", "entrance": "#9a7b56"}
+INKS = Inks()
+"""Of walls, furniture and a star's main room: those of plans."""
+
+COLOURS = {"wall": INKS.wall, "window": "#a9cfe0", "entrance": "#9a7b56"}
 
 
 class Solid(NamedTuple):
@@ -61,18 +65,20 @@ def solids(house: House, thickness: float = 0.1) -> list[Solid]:
 
 
 def _floors(house: House) -> Iterator[Solid]:
+    looks = looks_of(house)
     for room in house.rooms:
-        colour = PAPER if house.is_star and room is house.main else room_colour(room.type)
+        colour = INKS.paper if house.is_star and room is house.main else looks.colour(room.type)
         # A floor that lies over the main room's, as the original's do, is seen above it.
         top = 0.001 if house.is_star and room is not house.main else 0.0
         yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)
 
 
 def _pieces(house: House) -> Iterator[Solid]:
+    looks = looks_of(house)
     for room in house.rooms:
         for piece in room.pieces:
-            height = LOOKS.heights.get(piece.type, PIECE_HEIGHT)
-            yield Solid(f"{room.name}.{piece.type}", "piece", piece.box, 0.0, height, WOOD)
+            height = looks.heights.get(piece.type, PIECE_HEIGHT)
+            yield Solid(f"{room.name}.{piece.type}", "piece", piece.box, 0.0, height, INKS.wood)
 
 
 def _walls(house: House, thickness: float) -> Iterator[Solid]:
@@ -99,7 +105,7 @@ def _walls(house: House, thickness: float) -> Iterator[Solid]:
             west, north, east, south = door.box
             by_x, by_y = (half, 0.0) if door.height else (0.0, half)
             box = west - by_x, north - by_y, east + by_x, south + by_y
-            yield Solid("wall", "wall", box, DOOR_HEIGHT, WALL_HEIGHT, WALL)
+            yield Solid("wall", "wall", box, DOOR_HEIGHT, WALL_HEIGHT, INKS.wall)
 
 
 def _on(line: Line, axis: int, segments: list[Box]) -> list[Interval]:
@@ -120,11 +126,4 @@ def _reaches(line: Line, others: list[Line], half: float) -> Interval:
     and doorways as wide as they are.
     """
     at, low, high = line
-
-    def meets(end: float) -> bool:
-        return any(
-            abs(other - end) <= TOLERANCE and first - TOLERANCE <= at <= last + TOLERANCE
-            for other, first, last in others
-        )
-
-    return low - half * meets(low), high + half * meets(high)
+    return low - half * crossing(at, low, others), high + half * crossing(at, high, others)

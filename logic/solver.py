@@ -55,11 +55,20 @@ class Solver:
     """A solver process and the two ends of its pipes."""
 
     def __init__(self, opening: dict[str, Any]) -> None:
-        """Start it; it loads what ``opening`` names."""
-        self._start(opening)
+        """Start it; it loads what ``opening`` names. With ``prepare``, a directory, it waits for ``open``."""
+        self._interrupted = False
+        self._start()
+        if "prepare" in opening:
+            self.ask(opening, LOADING)
+        else:
+            self.open(opening)
 
-    def _start(self, opening: dict[str, Any]) -> None:
+    def open(self, opening: dict[str, Any]) -> None:
+        """Let it load a grammar: what ``opening`` names. A process loads one, once."""
         self._opening, self._grammar = opening, opening["grammar"]
+        self.ask(opening, START_UP if "trial" in opening else LOADING)
+
+    def _start(self) -> None:
         self._step: VitruviusError | None = None
         package, path = Path(__file__).with_name("__init__.py"), os.environ.get("PYTHONPATH", "")
         # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
@@ -78,7 +87,8 @@ class Solver:
         self._answers.register(self._output, selectors.EVENT_READ)
         self._received = b""
         self.unanswered = 0
-        self.ask(opening, START_UP if "trial" in opening else LOADING)
+        if self._interrupted:
+            self._kill()
 
     def ask(self, question: dict[str, Any], seconds: float) -> None:
         """Send a request to be answered in these seconds; that the process is gone shows in its answer."""
@@ -88,6 +98,10 @@ class Solver:
             self._questions.flush()
         except BrokenPipeError:
             pass
+
+    def prepared(self) -> None:
+        """Wait until it is ready to load a grammar. Raises ``MissingProgram`` where a solver is missing."""
+        self.answer(START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?")
 
     def loaded(self, seconds: float = START_UP) -> dict[str, Any]:
         """Wait for the answer to the opening: the grammar's versions and warnings, or lint's findings.
@@ -100,10 +114,11 @@ class Solver:
             return self.answer(seconds, late)
         except VitruviusError as error:
             ended = isinstance(error, LimitReached) or not self.is_alive()
-            if not ended or "trial" in self._opening:
+            if not ended or self._interrupted or "trial" in self._opening:
                 raise
         self.end()
-        self._start(self._opening | {"trial": [], "step": STEP})
+        self._start()
+        self.open(self._opening | {"trial": [], "step": STEP})
         return self.answer(seconds, late)
 
     def blamed(self, limit: LimitReached, rooms: int) -> LimitReached:
@@ -153,13 +168,21 @@ class Solver:
         why = "look for a directive that halts, or a clause that recurs without end"
         return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
 
+    def interrupt(self) -> None:
+        """Kill the process while another thread waits for its answer: that one gets an error, and ends it."""
+        self._interrupted = True
+        self._kill()
+
     def end(self) -> None:
         """Kill the process: it holds nothing that anyone needs."""
+        self._kill()
+        self._process.communicate()
+        self._answers.close()
+
+    def _kill(self) -> None:
         # With all that directives may have started.
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.communicate()
-        self._answers.close()
 
 
 def _named(path: Iterable[str]) -> list[str]:

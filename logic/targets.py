@@ -57,6 +57,20 @@ def doors_of_plan(house: House) -> dict[str, Door]:
     return _numbered((ENTRANCE if door.is_entrance else "-".join(door.between), door) for door in house.doors)
 
 
+def doors_by_name(house: House) -> dict[str, Door]:
+    """The doors of a house by their names, in its order: those of a star are ``R3.door``."""
+    if not house.is_star:
+        return doors_of_plan(house)
+    return {
+        f"{next(name for name in door.between if name != house.hub)}.{DOOR}": door for door in house.doors
+    }
+
+
+def windows_by_name(house: House) -> dict[str, Window]:
+    """The windows of a house by their names, in its order: ``R3.window``, ``R3.window2``."""
+    return _numbered((f"{window.room}.{WINDOW}", window) for window in house.windows)
+
+
 def part_names(types: Sequence[str]) -> list[str]:
     """``bed``, ``bed2`` ... for pieces of these types, in the file's order."""
     counts = [types[: index + 1].count(type_) for index, type_ in enumerate(types)]

@@ -101,3 +101,11 @@ def remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
     if high - low > TOLERANCE:
         left.append((low, high))
     return left
+
+
+def crossing(at: float, end: float, others: Iterable[Line]) -> bool:
+    """Whether a wall at ``at`` meets one across it where it ends."""
+    return any(
+        abs(other - end) <= TOLERANCE and low - TOLERANCE <= at <= high + TOLERANCE
+        for other, low, high in others
+    )

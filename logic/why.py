@@ -27,7 +27,7 @@ WHERE = {
 """What the lengths of places are; those of sizes are named by words that need no comment."""
 
 
-class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
+class Derivation(msgspec.Struct, frozen=True):
     """An atom of a layout, the rule that derives it, and the atoms from which it does so.
 
     Without a rule it is explained above in the same answer. ``means`` is the rules' own comment on it;
@@ -47,7 +47,7 @@ class Derivation(msgspec.Struct, frozen=True, omit_defaults=True):
             yield from each.all()
 
 
-class Alternative(msgspec.Struct, frozen=True, omit_defaults=True):
+class Alternative(msgspec.Struct, frozen=True):
     """Another value of a choice, where all other picks stay: possible, or what forbids it.
 
     ``because`` is a minimal conflict. ``also`` are other choices with whose change it is possible, and is not
@@ -60,7 +60,7 @@ class Alternative(msgspec.Struct, frozen=True, omit_defaults=True):
     because: tuple[Reason, ...] = ()
 
 
-class Choice(msgspec.Struct, frozen=True, omit_defaults=True):
+class Choice(msgspec.Struct, frozen=True):
     """What was chosen, and what could have been."""
 
     name: str
@@ -86,7 +86,7 @@ class Bound(msgspec.Struct, frozen=True):
     because: tuple[Reason, ...]
 
 
-class Why(msgspec.Struct, frozen=True, omit_defaults=True):
+class Why(msgspec.Struct, frozen=True):
     """Why a part of a house is as it is. As text it is what ``vitruvius explain HOUSE --why`` prints."""
 
     target: str
@@ -152,8 +152,13 @@ def explain_house(
 
 def place(reason: Reason) -> str:
     """As in ``rooms.lp:9``; of the core ``rules/room.lp:9``."""
-    file = Path(reason.file or "")
-    return f"{f'rules/{file.relative_to(RULES)}' if RULES in file.parents else file.name}:{reason.line}"
+    return f"{file_name(reason.file or '')}:{reason.line}"
+
+
+def file_name(file: str | Path) -> str:
+    """A rule file in short: ``rooms.lp``, or ``rules/room.lp`` of the core."""
+    file = Path(file)
+    return f"rules/{file.relative_to(RULES)}" if RULES in file.parents else file.name
 
 
 def _stated(reason: Reason) -> str:

@@ -2,12 +2,14 @@
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 confined before a rule is read (``logic.confinement``), and the parent owns deadlines and Ctrl-C. The first
-line names the grammar; each further line asks for one house, or why one is as it is. Each is answered by:
-``{"versions": ...}``, with ``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}`` or
+line names the grammar, after one that says to ``prepare`` for it, if any; each further line asks for one
+house, why one is as it is, or for the warnings of lint. Each is answered by: ``{"versions": ...}``, with
+``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}``, ``{"findings": ...}`` or
 ``{"error": ...}``; a count of layouts by several, of which ``{"count": null}`` is the last. Lines
 ``{"trial": ...}`` before an answer say what is wrong if it does not come.
 """
 
+import contextlib
 import json
 import os
 import queue
@@ -21,7 +23,7 @@ from typing import Any, TextIO
 import msgspec
 
 from logic import confinement
-from logic.errors import LimitReached, VitruviusError, to_record
+from logic.errors import GrammarError, LimitReached, VitruviusError, to_record
 
 
 def main() -> None:
@@ -46,6 +48,10 @@ class Worker:
 
     def answers(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
         """The lines that answer a request."""
+        if "prepare" in request:
+            _prepare(request["prepare"])
+            yield {"prepared": True}
+            return
         if self._builder is None:
             yield from self._loaded(request)
             return
@@ -61,6 +67,11 @@ class Worker:
             witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
             yield {"why": msgspec.to_builtins(witness.why(request["why"]))}
             return
+        if "lint" in request:
+            from logic.linter import warnings
+
+            yield {"findings": msgspec.to_builtins(warnings(self._builder.grammar, self._builder.loaded))}
+            return
         wanted = Request.read(request["request"])
         if "count" in request:
             self._builder.require_known(wanted)
@@ -73,14 +84,13 @@ class Worker:
 
     def _loaded(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
         """Load a grammar, or find what is wrong with it, confined; after a trial of its steps if asked to."""
-        # Imported here: that a solver is missing is an answer too.
-        from logic import prolog
+        _prepare(request["grammar"])
         from logic.builder import Builder
-        from logic.grammar import RULES, find
-        from logic.linter import SIZES, findings, warnings
+        from logic.grammar import find
+        from logic.linter import SIZES, all_as, findings, warnings
+        from logic.loaded import LoadedGrammar
 
         grammar = find(request["grammar"])
-        prolog.load(RULES / "core.pl")
         confinement.confine([grammar.directory, *_installed()])
         if "trial" in request:
             from logic.trial import steps
@@ -93,9 +103,32 @@ class Worker:
         if "lint" in request:
             yield {"findings": msgspec.to_builtins(findings(grammar))}
             return
-        self._builder = Builder(grammar, request["cell"])
-        found = warnings(grammar, self._builder.loaded) if request.get("warn") else []
-        yield {"versions": self._builder.versions, "warnings": list(map(str, found))}
+        loaded = LoadedGrammar(grammar, request["cell"])
+        if loaded.errors and "errors" in request:
+            yield {"findings": msgspec.to_builtins(all_as("error", loaded.errors, grammar))}
+            return
+        self._builder = Builder(grammar, request["cell"], loaded)
+        found = warnings(grammar, loaded) if request.get("warn") else []
+        kinds = {"types": loaded.furniture, "most_rooms": loaded.most_rooms}
+        yield {"versions": self._builder.versions, "warnings": list(map(str, found)), "kinds": kinds}
+
+
+def _prepare(directory: str) -> None:
+    """Import the solvers and load the core, as a grammar needs it, but no rule of the grammar's.
+
+    Here, not above: that a solver is missing is an answer too.
+    """
+    from logic import builder, differences, linter, prolog  # noqa: F401
+    from logic.grammar import RULES, find
+    from logic.layout import CORE
+    from logic.vocabulary import core_words
+
+    prolog.load(RULES / "core.pl")
+    with contextlib.suppress(GrammarError):  # What is wrong with the grammar is said where it is loaded.
+        topology = find(directory).topology
+        core_words(topology)
+        if differences.DIFFERENCES in topology:
+            differences.core_statements((CORE, *topology))
 
 
 def _installed() -> Iterator[Path]:

@@ -42,6 +42,7 @@ __all__ = [
 gymnasium.register(
     "Vitruvius/House-v0", entry_point="sim.env:HouseEnv", vector_entry_point="sim.vector:HouseVectorEnv"
 )
+gymnasium.register("Vitruvius/MiniGrid-v0", entry_point="sim.minigrid:MiniGridHouseEnv")
 gymnasium.register(
     "Vitruvius/Paper-v0",
     entry_point="sim.env:HouseEnv",

@@ -60,6 +60,9 @@ class Config:
     dropout: float = 0.0
     """The probability that a ray returns nothing, as if there were nothing in its range."""
 
+    slip: float = 0.0
+    """The probability that an action does nothing, and that nothing says so."""
+
     target: float = 15 * PIXEL
     """Side of the square target, metres."""
 
@@ -80,8 +83,9 @@ class Config:
             raise ValueError(f"{found}: 1 to {MOST_RAYS:,} rays and 1 to {2**31 - 1:,} steps")
         if self.ray_spacing < 1 or 45 % self.ray_spacing:
             raise ValueError(f"ray_spacing is {self.ray_spacing} degrees: it must divide 45")
-        if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1):
-            raise ValueError(f"noise {self.noise} m and dropout {self.dropout}: not negative, at most 1")
+        if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1 and 0 <= self.slip <= 1):
+            found = f"noise {self.noise} m, dropout {self.dropout} and slip {self.slip}"
+            raise ValueError(f"{found}: not negative, and the last two at most 1")
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
 
@@ -111,4 +115,7 @@ PAPER = replace(
 )
 """The original program, as measured (its ray casting is made exact: it cut hits to whole pixels)."""
 
-PRESETS = {"default": DEFAULT, "paper": PAPER}
+NOISY = replace(DEFAULT, noise=0.02, dropout=0.02, slip=0.01)
+"""A sensor and wheels such as cheap ones are."""
+
+PRESETS = {"default": DEFAULT, "noisy": NOISY, "paper": PAPER}

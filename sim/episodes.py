@@ -16,7 +16,7 @@ from sim.runtime import ti
 TRIES = 32
 """Samples until a place that should lie apart from another is taken as it comes."""
 
-EPISODE, SENSOR = 0, 1
+EPISODE, SENSOR, WHEELS = range(3)
 """What a random number is for: the fourth word of its counter."""
 
 HOUSE = 3
@@ -95,6 +95,11 @@ class Episodes:
     def advance(self, numbers: ti.template(), indices: ti.template(), places: ti.template(), state, action):
         """One step but for sight: the state, and picked up, terminated, truncated, blocked (i32)."""
         cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
+        if ti.static(self.config.slip > 0):
+            counter = ti.Vector([state.episode, state.time, 0, WHEELS])
+            words = philox(state.seed, ti.cast(counter, ti.u64))
+            if uniform(words[0]) < ti.static(self.config.slip):
+                cell, blocked = state.cell, 0
         terminated = 0
         if ti.static(self.config.ends_on_collision):
             terminated = blocked

@@ -1,9 +1,11 @@
 """Pictures of an environment from above, and films of them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, cast
 
 import numpy as np
@@ -14,7 +16,8 @@ from logic import House
 from logic.canvas import DENSITY, Drawing, png
 from logic.files import write_whole
 from logic.labels import room_names
-from logic.plan import INK, Frame, house_shapes
+from logic.palettes import Inks, style
+from logic.plan import OUTER, Frame, grown, house_shapes
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -30,6 +33,9 @@ LEAST_NAME = 9.0
 
 MARGIN, CAPTION = 16, 30
 """Pixels around the house, and for the line of text below it."""
+
+FILMS = (".gif", ".mp4")
+"""How the names of films end."""
 
 WIDTH = 720
 """Pixels of a picture's longer side."""
@@ -111,7 +117,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     targets = "1 target" if scene.found == 1 else f"{scene.found} targets"
     text = f"step {scene.step} of {scene.config.steps}    {targets}"
     below = SHARP * MARGIN, image.height - SHARP * (MARGIN + CAPTION) // 2
-    draw.text(below, text, INK, ImageFont.load_default(SHARP * 16), anchor="lm")
+    draw.text(below, text, Inks().ink, ImageFont.load_default(SHARP * 16), anchor="lm")
     return image.reduce(SHARP)
 
 
@@ -149,37 +155,74 @@ def _draw_body(draw: ImageDraw.ImageDraw, view: "View", scene: Scene) -> None:
 
 
 def plan(house: House, size: int) -> Image.Image:
-    """Draw a house as plans show it, ``SHARP`` times larger than it will be shown."""
+    """Draw a house as plans show it, ``SHARP`` times larger than it will be shown; without the leaves of
+    doors.
+    """
     view = View(geometry(house), size)
-    names = room_names(house, view.frame, {}, LEAST_NAME)
-    shapes = (*house_shapes(house, view.frame), *(name for name in names if name is not None))
+    look = style([house])
+    names = room_names(house, view.frame, look, {}, LEAST_NAME)
+    shapes = (*house_shapes(house, view.frame, look), *(word for name in names for word in name))
     width, height = view.shown
     return png([((0, 0), Drawing(width, height, shapes))], width, height)
 
 
-def require_gif(path: str | Path) -> None:
-    """Raise ``ValueError`` for a file whose name does not end in ``.gif``: nothing else is written."""
-    if Path(path).suffix.lower() != ".gif":
-        raise ValueError(f"{path}: films are written as .gif alone: use {Path(path).with_suffix('.gif')}")
+def require_film(path: str | Path) -> None:
+    """Raise ``ValueError`` for a file whose name ends in none of ``FILMS``: nothing else is written."""
+    if Path(path).suffix.lower() not in FILMS:
+        raise ValueError(f"{path}: films are written as .gif or .mp4: use {Path(path).with_suffix('.gif')}")
 
 
 def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int = 25) -> Path:
-    """Write frames of one size as an animated GIF that loops; the last one stays for a second.
+    """Write frames of one size as an animated GIF that loops, or as an MP4 (H.264); the last one stays for a
+    second.
 
-    One palette serves them all. Raises ``ValueError`` where there is no frame, or for a file of another form.
+    One palette serves all frames of a GIF, so they are kept until the last one; those of an MP4 are not.
+    Raises ``ValueError`` where there is no frame, or for a file of another form, and ``ModuleNotFoundError``
+    for an MP4 without the extra ``film``.
     """
-    require_gif(path)
-    pictures = [frame if isinstance(frame, Image.Image) else Image.fromarray(frame) for frame in frames]
-    if not pictures:
+    require_film(path)
+    pictures = (frame if isinstance(frame, Image.Image) else Image.fromarray(frame) for frame in frames)
+    first = next(pictures, None)
+    if first is None:
         raise ValueError(f"{path}: no frame to make a film of")
+    write = _mp4 if Path(path).suffix.lower() == ".mp4" else _gif
+    write_whole(path, write(chain([first], pictures), fps))
+    return Path(path)
+
+
+def _gif(frames: Iterable[Image.Image], fps: int) -> bytes:
+    pictures = list(frames)
     sample = pictures[:: max(1, len(pictures) // 8)]
     strip = np.concatenate([np.asarray(frame.convert("RGB")) for frame in sample], axis=1)
     palette = Image.fromarray(strip).quantize(255, Image.Quantize.MEDIANCUT)
     few = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in pictures]
     times, content = [1000 // fps] * (len(few) - 1) + [1000], BytesIO()
     few[0].save(content, "GIF", save_all=True, append_images=few[1:], duration=times, loop=0)
-    write_whole(path, content.getvalue())
-    return Path(path)
+    return content.getvalue()
+
+
+def _mp4(frames: Iterator[Image.Image], fps: int) -> bytes:
+    from imageio_ffmpeg import write_frames
+
+    first = next(frames)
+    size = first.width + first.width % 2, first.height + first.height % 2  # H.264 halves its colours
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "film.mp4"
+        options = ["-movflags", "+faststart", "-fflags", "+bitexact"]
+        writer = write_frames(
+            str(file), size, fps=fps, codec="libx264", quality=6, macro_block_size=2, output_params=options
+        )
+        writer.send(None)
+        content = b""
+        try:
+            for frame in chain([first], frames):
+                content = framed(frame, size).tobytes()
+                writer.send(content)
+            for _ in range(fps - 1):
+                writer.send(content)
+        finally:
+            writer.close()
+        return file.read_bytes()
 
 
 class View:
@@ -187,7 +230,7 @@ class View:
 
     def __init__(self, shape: Geometry, size: int) -> None:
         """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
-        west, north, east, south = shape.bounds
+        west, north, east, south = grown(shape.bounds, OUTER)
         width, height = east - west, south - north
         scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
         self.frame = Frame(scale, MARGIN - scale * west, MARGIN - scale * north)

@@ -87,8 +87,8 @@ def test_check_says_no_by_house_and_draw_names_plans_alike_from_0(tmp_path: Path
     words = "main room: is 5.00 by 2.00 m (at most 2 times as long as wide)"
     assert capsys.readouterr().out == f"{file}: house 1: {words}\n"
     assert Check(file, json=True).run() == 1
-    answers = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert answers == [{"house": 0, "violations": []}, {"house": 1, "violations": [words]}]
+    answer = json.loads(capsys.readouterr().out)["answer"]
+    assert answer["houses"] == [{"house": 0, "violations": []}, {"house": 1, "violations": [words]}]
     Draw(file, tmp_path / "plans").run()
     plans = sorted(path.name for path in (tmp_path / "plans").iterdir())
     assert plans == ["contact-sheet.svg", "house-0.svg", "house-1.svg"]
@@ -351,7 +351,7 @@ def test_the_extras_are_those_of_the_distribution() -> None:
 
 def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
-    assert parse(["train", *said]).config == replace(PRESETS["pqn-map"], targets="main", seed=3)
-    assert parse(["train", *said[:1]]).config == PRESETS["pqn"]
+    assert parse(["train", *said]).learning == replace(PRESETS["pqn-map"], targets="main", seed=3)
+    assert parse(["train", *said[:1]]).learning == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
-    assert replayed.config == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
+    assert replayed.learning == replace(PRESETS["paper"], batch_size=700, lr_decay=0)

@@ -94,7 +94,7 @@ def test_an_examples_scores_are_a_row_of_evaluates_tables(houses, tmp_path, caps
     task.score("dizzy", lambda seen: torch.tensor([1.0, 0.0, 0.0]).expand(len(seen), 3))
     capsys.readouterr()
     assert Evaluate(houses=houses, targets=("main",), scores=(file,), json=True, out=out).run() == 0
-    ours, theirs = json.loads(capsys.readouterr().out), json.loads(file.read_text())
+    ours, theirs = json.loads(capsys.readouterr().out)["answer"], json.loads(file.read_text())
     assert ours["scores"] == [str(file)]
     ours, theirs = (each["targets"]["main"]["policies"] for each in (ours, theirs))
     assert list(ours) == ["dizzy", *REFERENCES]

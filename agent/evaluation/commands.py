@@ -3,17 +3,18 @@
 Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import tyro
 
 from agent import banks
 from agent.config import TARGET_MODES, differences
 from agent.released import located
-from logic.commands import say
+from logic.commands import print_answer, say
 from logic.errors import RequestError
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ class Evaluate:
     searcher that knows the house, and the shortest-path oracle. All meet the same starts and targets.
     """
 
+    groups: ClassVar = {"houses": "What they play", "scores": "Beside others", "out": "Output"}
+
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Checkpoints, or names of agents that come with the project (pqn-map, paper, paper-original).
     Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
@@ -37,8 +40,8 @@ class Evaluate:
 
     targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """Where targets lie: main, secondary, mixed (or all), or another task as for train; in the paper's house
-    paper-main, paper-secondary and paper-mixed too. Repeat for several; by default main, secondary and mixed,
-    one after the other."""
+    paper-main, paper-secondary and paper-mixed too. By default main, secondary and mixed, one after the
+    other."""
 
     seed: int = 0
     """Seeds starts and targets, the same for every policy."""
@@ -54,18 +57,18 @@ class Evaluate:
     """Episodes in each house."""
 
     scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
-    """Scores of external agents in the same houses, seed and targets, to show in the tables: JSON as --json
-    or an example's --out writes it. Repeat for several files."""
+    """Scores of external agents in the same houses, seed and targets, to show in the tables: the
+    evaluation.json of --out, or what an example's --out writes."""
 
     beside: Path | None = None
     """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
     play the same episodes."""
 
     out: Path | None = None
-    """Folder for evaluation.json, evaluation.md and evaluation.png."""
+    """Folder for evaluation.json, evaluation.md, evaluation.png and report.html."""
 
     json: bool = False
-    """Print all figures, and each house's, as JSON."""
+    """Print one answer as JSON (docs/command-line.md): all figures, and each house's."""
 
     def run(self) -> int:
         """Print the tables, or the JSON."""
@@ -88,6 +91,7 @@ class Evaluate:
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
+        from agent.report.folder import write_report
         from logic.files import require_folder, write_whole
 
         require_folder(self.out)
@@ -115,7 +119,7 @@ class Evaluate:
             self.episodes,
             agents=[str(path) for path in self.agents],
             scores=[str(path) for path in self.scores],
-        ).json()
+        )
         shown, notes = [table for result in results for table in tables(result)], [NOTE]
         if self.beside:
             from agent.play.beside import BESIDE_NOTE, people_tables
@@ -125,16 +129,17 @@ class Evaluate:
         note = "\n\n".join(notes)
         title = f"{bank.file}, hash {bank.hash[:12]}, seed {self.seed}"
         if self.json:
-            print(content.decode())
+            print_answer("evaluate", content)
         else:
             Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
         if self.out:
             page = [f"# Evaluation\n\n{title}", "![Ratios to the oracle](evaluation.png)"]
             page += [table.markdown() for table in shown]
-            write_whole(self.out / "evaluation.json", content)
+            write_whole(self.out / "evaluation.json", content.json())
             write_whole(self.out / "evaluation.png", ratio_plot(results))
             write_whole(self.out / "evaluation.md", "\n\n".join([*page, note, ""]).encode())
-            say(f"{self.out}: evaluation.md, evaluation.png, evaluation.json")
+            write_report(self.out)
+            say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
         return 0
 
 
@@ -161,9 +166,20 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
     return agents
 
 
+MOST_CELLS = 64
+"""Environments in a mosaic at most."""
+
+WIDTH = 480
+"""Pixels of the longer side of a house in a film of one."""
+
+
 @dataclass(frozen=True)
 class Record:
-    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one."""
+    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one. Or write a
+    trace of its episode, which the page of vitruvius report plays.
+    """
+
+    groups: ClassVar = {"house": "The episode", "out": "The film"}
 
     agent: tyro.conf.Positional[Path]
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
@@ -174,23 +190,31 @@ class Record:
     house: int = 0
     """Which house of the file, from 0."""
 
-    out: Path = Path("episode.gif")
-    """The film, a GIF."""
-
-    steps: int = 1500
-    """How many steps of the episode to film."""
-
     targets: str = "main"
     """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
 
     seed: int = 0
     """Seeds the start and the targets."""
 
+    steps: int = 1500
+    """How many steps of the episode to film."""
+
+    out: Path = Path("episode.gif")
+    """The film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
+
+    mosaic: str | None = None
+    """Film many environments side by side, as in 4x3: columns and rows. The first is in the house of
+    --house, the others in those after it, from the file's first again where there are fewer; without maps."""
+
     stride: int = 4
     """Steps between frames."""
 
-    width: int = 480
-    """Pixels of the house's longer side, and of the map's."""
+    width: int | None = None
+    """Pixels of the house's longer side, and of the map's: 480; in a mosaic, of each house: 960 by its
+    columns, at least 120."""
+
+    json: bool = False
+    """Print one answer as JSON: the film's name."""
 
     def run(self) -> int:
         """Write the film."""
@@ -200,36 +224,66 @@ class Record:
         require_task(self.targets)
         banks.require_places(self.targets, self.houses)
         from agent import checkpoint
-        from agent.evaluation.film import record
+        from agent.evaluation.film import record, record_mosaic, watch
         from agent.progress import progress
+        from agent.report import trace
+        from agent.report.recorder import Recorder
+        from logic.answers import Written
         from logic.files import require_file
-        from sim.film import require_gif
+        from sim.film import FILMS, require_film
 
+        shape = self._mosaic()
+        is_trace = self.out.name.endswith(trace.ENDING)
         try:
-            require_gif(self.out)
+            if not is_trace:
+                require_film(self.out)
         except ValueError as error:
-            raise RequestError(f"--out {error}") from None
+            raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
         require_file(self.out, [self.out.suffix])
+        if self.out.suffix.lower() == FILMS[1]:
+            import imageio_ffmpeg  # noqa: F401  Not to film first what cannot be written.
         agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
-        for name, least in (("steps", 1), ("stride", 1), ("width", 100)):
-            if getattr(self, name) < least:
-                raise RequestError(f"--{name} must be {least} or more, not {getattr(self, name)}")
+        width = self.width if self.width is not None else max(120, 960 // shape[0]) if shape else WIDTH
+        for name, value, least in (
+            ("steps", self.steps, 1),
+            ("stride", self.stride, 1),
+            ("width", width, 100),
+        ):
+            if value < least:
+                raise RequestError(f"--{name} must be {least} or more, not {value}")
+        if is_trace and shape:
+            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment, a film of many")
+        house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
+        look = {"stride": self.stride, "width": width}
         with progress("filming") as report:
-            record(
-                agent,
-                houses[self.house],
-                self.out,
-                targets=self.targets,
-                seed=self.seed,
-                steps=self.steps,
-                stride=self.stride,
-                width=self.width,
-                report=report,
-            )
-        print(self.out)
+            if is_trace:
+                recorder = Recorder(agent.name, self.targets, self.seed)
+                watch(agent, house, [recorder], report=report, **how)
+                trace.save(recorder.trace, self.out)
+            elif shape:
+                rest = [*houses[self.house :], *houses[: self.house]]
+                record_mosaic(agent, rest, self.out, *shape, report=report, **how, **look)
+            else:
+                record(agent, house, self.out, report=report, **how, **look)
+        if self.json:
+            print_answer("record", Written([str(self.out)]))
+        else:
+            print(self.out)
         return 0
+
+    def _mosaic(self) -> tuple[int, int] | None:
+        """Columns and rows of a mosaic, if one is asked for."""
+        if self.mosaic is None:
+            return None
+        found = re.fullmatch(r"(\d{1,2})x(\d{1,2})", self.mosaic.strip())
+        columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
+        if not 1 <= columns * rows <= MOST_CELLS:
+            raise RequestError(
+                f"--mosaic {self.mosaic}: write columns and rows as 4x3, of {MOST_CELLS} environments at most"
+            )
+        return columns, rows
 
 
 @dataclass(frozen=True)

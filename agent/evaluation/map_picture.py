@@ -5,11 +5,10 @@ from PIL import Image, ImageDraw
 
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.config import CERTAIN
-from agent.planner.occupancy import BITS
 from agent.planner.state import NONE, TARGET
 from logic import House
 from logic.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
-from logic.plan import INK, WALL
+from logic.palettes import Inks
 from sim.film import BODY, MARGIN, SHARP, View
 from sim.film import TARGET as FOUND
 from sim.geometry import geometry
@@ -28,8 +27,6 @@ KEY = (
 )
 ROW = 18
 """Pixels: the height of a row of the key."""
-SIDE = 1 << BITS
-"""Cells along each side of a map, whose middle is where the episode began."""
 
 
 class MapPicture:
@@ -48,7 +45,8 @@ class MapPicture:
     def drawn(self, planner: Planner) -> Image.Image:
         """The first environment's planner."""
         scale = self.view.frame.scale * planner.cell  # pixels to a cell
-        corner = self.corner / planner.cell + SIDE // 2
+        side = 1 << planner.config.map_bits  # cells; the episode began in the middle
+        corner = self.corner / planner.cell + side // 2
         box = np.concatenate([corner, corner + np.array(self.view.shown) / scale])
         whole = Image.fromarray(np.ascontiguousarray(np.rot90(_ground(planner), self.quarters)))
         picture = whole.transform(
@@ -62,20 +60,20 @@ class MapPicture:
         turn = np.linalg.matrix_power(np.array([[0, 1], [-1, 0]]), self.quarters)
 
         def mark(place: np.ndarray, colour: tuple[int, int, int]) -> None:
-            x, y = (turn @ place + SIDE // 2 - corner) * scale
+            x, y = (turn @ place + side // 2 - corner) * scale
             radius = 6 * SHARP
             draw.ellipse([x - radius, y - radius, x + radius, y + radius], colour, "white", SHARP)
 
         kind = planner.read("kind")[0]
         if kind != NONE:
-            goal = np.array(divmod(int(planner.read("goal")[0]), SIDE)[::-1])
-            mark((goal + SIDE // 2) % SIDE - SIDE // 2, FOUND if kind == TARGET else VIEWPOINT)
+            goal = np.array(divmod(int(planner.read("goal")[0]), side)[::-1])
+            mark((goal + side // 2) % side - side // 2, FOUND if kind == TARGET else VIEWPOINT)
         mark(np.array(planner.pose(0)[:2]), BODY)
         return picture.reduce(SHARP)
 
 
 def _ground(planner: Planner) -> np.ndarray:
-    """What the first environment's map shows of each cell: colours (256, 256, 3) uint8."""
+    """What the first environment's map shows of each cell: colours (S, S, 3) uint8."""
     states, since = planner.occupancy(0), int(planner.read("since")[0])
     share = planner.unseen_floor(0).repeat(2, axis=0).repeat(2, axis=1)[..., None] / CERTAIN
     ground = np.asarray(UNKNOWN) + share * (np.asarray(LIKELY) - UNKNOWN)
@@ -95,8 +93,8 @@ def beside(house: Image.Image, map_: Image.Image) -> Image.Image:
         if x > MARGIN and x + needed > width:
             x, y = float(MARGIN), y + ROW
         box, fill = (x, y - 5.5, x + 11, y + 5.5), "#{:02x}{:02x}{:02x}".format(*colour)
-        shapes.append(Oval(box, fill) if colour in (VIEWPOINT, FOUND) else Block(box, fill, WALL, 0.8))
-        shapes.append(Text((x + 16, y), words, 11, INK, "start"))
+        shapes.append(Oval(box, fill) if colour in (VIEWPOINT, FOUND) else Block(box, fill, Inks().wall, 0.8))
+        shapes.append(Text((x + 16, y), words, 11, Inks().ink, "start"))
         x += needed
     high = round(y + ROW / 2 + 4)
     key = png([((0, 0), Drawing(width, high, tuple(shapes)))], width, high).reduce(SHARP)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -100,8 +101,18 @@ class Result:
         """Targets in an episode."""
         return interquartile_mean(self.stacked(policy, lambda scores: scores.targets))
 
+    @cached_property
+    def _known(self) -> dict[str, dict[str, Estimate]]:
+        """The figures that were asked for: a bootstrap takes some 10 ms, and tables ask more than once."""
+        return {}
+
     def figures(self, policy: str) -> dict[str, Estimate]:
         """The figures of a policy, by name; see ``DEFINITIONS``."""
+        if policy not in self._known:
+            self._known[policy] = self._figures(policy)
+        return self._known[policy]
+
+    def _figures(self, policy: str) -> dict[str, Estimate]:
         counts = self.stacked(policy, lambda scores: scores.targets)
         first = self.stacked(policy, lambda scores: scores.first)
         success = first <= SUCCESS_STEPS

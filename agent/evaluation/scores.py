@@ -1,4 +1,4 @@
-"""Scores as JSON: what ``vitruvius evaluate --json`` prints and the examples write, and how it is read again.
+"""Scores as JSON: what ``vitruvius evaluate --out`` and the examples write, and how it is read again.
 
 A file says in which bank, with which seed and backend, and for each target mode what each policy did in each
 house. So scores of external agents, of another library or another day, can be shown in the same tables.
@@ -116,7 +116,7 @@ def load(path: Path) -> ScoreFile:
     except OSError as error:
         raise ScoreError(f"{path}: cannot be read: {error.strerror or error}") from None
     except msgspec.DecodeError as error:  # of what is no JSON, and of JSON that is something else
-        raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --json") from None
+        raise ScoreError(f"{path}: no scores: {error}. Write some by vitruvius evaluate --out") from None
 
 
 def external(

@@ -2,8 +2,8 @@
 
 It reads the agent's own rays and actions, and whether its moves were blocked. It knows nothing else: not its
 pose, its house, its target or its reward. Headings are multiples of 45 degrees to walls that lie along two
-axes, so odometry is exact. Axes: E environments, R rays, C channels, F features. ``docs/planner.md`` tells
-how it works and what it costs.
+axes, so odometry is exact. Axes: E environments, R rays, C channels, F features, S by S cells.
+``docs/planner.md`` tells how it works and what it costs.
 """
 
 import numpy as np
@@ -11,13 +11,14 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
+from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.features import FEATURES
-from agent.planner.occupancy import BITS, FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE
+from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
 from agent.planner.paths import FAR
 from agent.planner.reachability import SIDE, UNKNOWN, WORDS
-from agent.planner.state import AT, SIZE, TARGET
-from agent.planner.step import Body, step_kernel
+from agent.planner.state import AT, NONE, SIZE, TARGET
+from agent.planner.step import step_kernel
 from agent.planner.viewpoints import views
 from agent.planner.visibility import FINE, fan
 from logic.errors import RequestError
@@ -30,7 +31,19 @@ UNSEEN, FREE, TAKEN = range(3)
 """What ``Planner.occupancy`` says of a cell."""
 
 STATE = (
-    *("cells", "distance", "queue", "dirty", "reached", "tiles", "odds", "candidates", "gains"),
+    *(
+        "cells",
+        "distance",
+        "queue",
+        "dirty",
+        "reached",
+        "tiles",
+        "odds",
+        "candidates",
+        "gains",
+        "evidence",
+        "last",
+    ),
     *("states", "advice", "features"),
 )
 """The arrays that the next steps depend on."""
@@ -76,7 +89,8 @@ class Planner:
         directions = np.stack([np.cos(turned), -np.sin(turned)], axis=-1) * world.range / self.cell
         clear = clearance(angles, side, world.step, air(world)) / world.range
         starts, skips, cells = fan(config, angles, world.range / self.cell)
-        program, area = start(), count << 2 * BITS
+        errs = (world.noise > 0 or world.slip > 0) and not world.in_cells
+        program, area = start(), count << 2 * config.map_bits
         given = {
             "observation": Array(ti.f32, count * rays * world.channels),
             "action": Array(ti.i64, count),
@@ -94,13 +108,15 @@ class Planner:
         memory = {
             "cells": Array(ti.u16, area),
             "distance": Array.of(np.full(area, FAR, np.uint16)),
-            "queue": Array(ti.u16, area),
+            "queue": Array(number_type(config), area),
             "dirty": Array(ti.u8, area >> 2 * TILE),
             "reached": Array(ti.i32, count * rays),
             "tiles": Array(ti.u64, WORDS * area >> 2 * TILE),
             "odds": Array.of(np.full(area >> 2, UNKNOWN, np.uint8)),
             "candidates": Array(ti.u8, area >> 2),
             "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
+            "evidence": Array(ti.u8, area if errs else 1),
+            "last": Array(ti.f32, count * rays if world.slip else 1),
             "prior": Array(ti.u8, area if prior else 1),
         }
         kept = {
@@ -109,7 +125,7 @@ class Planner:
             "features": Array(ti.f32, count * FEATURES),
         }
         self.arrays = given | tables | memory | kept
-        body = Body(
+        self.body = body = Body(
             rays=rays,
             channels=world.channels,
             distance=int(world.sees_angle),
@@ -117,6 +133,11 @@ class Planner:
             touching=world.in_cells,
             target=world.target / 2 / self.cell,
             reach=FINE * world.range / self.cell,
+            noise=world.noise / self.cell,
+            dropout=world.dropout > 0,
+            slip=world.slip > 0,
+            eighth=45 // world.ray_spacing,
+            errs=errs,
             prior=prior,
         )
         self._launch = Launch(step_kernel(program, config, body), self.arrays)
@@ -188,37 +209,51 @@ class Planner:
         x, y, heading = (int(self.read(name)[environment]) for name in ("x", "y", "heading"))
         return x / 2, y / 2, heading
 
+    def goal(self, environment: int) -> tuple[float, float] | None:
+        """Where it goes, cells east and south of its start: to where it believes the target to be, else to a
+        viewpoint; None where it has no goal.
+        """
+        if self.read("kind")[environment] == NONE:
+            return None
+        if self.read("kind")[environment] == TARGET:
+            x, y = self._states[environment, AT["target"] : AT["target"] + 2].view(torch.float32).tolist()
+            return x, y
+        side = 1 << self.config.map_bits
+        y, x = divmod(int(self.read("goal")[environment]), side)
+        return float((x + side // 2) % side - side // 2), float((y + side // 2) % side - side // 2)
+
     def occupancy(self, environment: int) -> np.ndarray:
-        """Cells (256, 256) uint8, south by east, unseen, free or taken; the start is the middle's corner."""
+        """Cells (S, S) uint8, south by east, unseen, free or taken; the start is the middle's corner."""
         cells = self._map("cells", environment)
         return np.where(cells & OCCUPIED, TAKEN, np.where(cells >> FLAGS, FREE, UNSEEN)).astype(np.uint8)
 
     def last_seen(self, environment: int) -> np.ndarray:
-        """The steps (256, 256) at which cells were last seen, 0 for never; placed as ``occupancy``."""
+        """The steps (S, S) at which cells were last seen, 0 for never; placed as ``occupancy``."""
         return (self._map("cells", environment) & (OCCUPIED - 1)) >> FLAGS
 
     def unseen_floor(self, environment: int) -> np.ndarray:
-        """What places never seen count as candidates (128, 128) uint8, for two by two cells of ``occupancy``
-        each, from 0 to ``CERTAIN``: how surely they are free floor. 0 where that was not computed.
+        """What places never seen count as candidates (S / 2, S / 2) uint8, for two by two cells of
+        ``occupancy`` each, from 0 to ``CERTAIN``: how surely they are free floor. 0 where that was not
+        computed.
         """
-        tiles, half = 1 << BITS - TILE, 1 << BITS - 2
+        tiles, half = 1 << self.config.map_bits - TILE, 1 << self.config.map_bits - 2
         blocks = self.arrays["odds"].view().reshape(-1, tiles, tiles, SIDE, SIDE)[environment]
         odds = np.roll(blocks.swapaxes(1, 2).reshape(2 * half, 2 * half), (half, half), axis=(0, 1))
         return np.where(odds == UNKNOWN, 0, odds)
 
     def paths(self, environment: int) -> np.ndarray:
-        """Nodes (256, 256) from the goal where they were searched, else 65535; placed as ``occupancy``."""
+        """Nodes (S, S) from the goal where they were searched, else 65535; placed as ``occupancy``."""
         return self._map("distance", environment)
 
     def _map(self, name: str, environment: int) -> np.ndarray:
-        """An array of one environment (256, 256), rolled so that the start is in the middle."""
-        side = 1 << BITS
+        """An array of one environment (S, S), rolled so that the start is in the middle."""
+        side = 1 << self.config.map_bits
         one = self.arrays[name].view().reshape(-1, side, side)[environment]
         return np.roll(one, (side // 2, side // 2), axis=(0, 1))
 
     @property
     def walls(self) -> np.ndarray:
-        """What the maps show to be occupied, solid and near, but not when it was seen: (E 2^16,) uint16."""
+        """What the maps show to be occupied, solid and near, but not when it was seen: (E S S,) uint16."""
         return self.arrays["cells"].numpy() & np.uint16(OCCUPIED | SOLID | NEAR)
 
     def add_walls(self, walls: np.ndarray) -> None:

@@ -17,34 +17,41 @@ class Memory(NamedTuple):
     """What a planner keeps of E environments, besides their states."""
 
     cells: Any
-    """(E, 2^16) uint16: the occupancy map (``occupancy.py``)."""
+    """(E, S S) uint16: the occupancy map (``occupancy.py``)."""
 
     distance: Any
-    """(E, 2^16) uint16: nodes from the goal (``paths.py``)."""
+    """(E, S S) uint16: nodes from the goal (``paths.py``)."""
 
     queue: Any
-    """(E, 2^16) uint16: nodes that the last search reached, or lists of a choice (``candidates.py``)."""
+    """(E, S S) uint16, or int32 where that is more than 2^16: nodes that the last search reached, or lists
+    of a choice (``candidates.py``)."""
 
     dirty: Any
-    """(E, 2^8) uint8: the tiles in which something changed since the last choice."""
+    """(E, tiles) uint8: the tiles in which something changed since the last choice."""
 
     reached: Any
     """(E, R) int32: how far each ray reached in the last sweep (``visibility.py``)."""
 
     tiles: Any
-    """(E, 7, 2^8) uint64: the distance field's words (``reachability.py``)."""
+    """(E, 7, tiles) uint64: the distance field's words (``reachability.py``)."""
 
     odds: Any
-    """(E, 2^14) uint8: what each block counts as a candidate, as computed last (``candidates.py``)."""
+    """(E, S S / 4) uint8: what each block counts as a candidate, as computed last (``candidates.py``)."""
 
     candidates: Any
-    """(E, 2^14) uint8: what each counts in this choice, and whether it was tried (``viewpoints.py``)."""
+    """(E, S S / 4) uint8: what each counts in this choice, and whether it was tried (``viewpoints.py``)."""
 
     gains: Any
-    """(E, 2^16 / pitch^2) uint16: the information gain of each viewpoint, as computed last."""
+    """(E, S S / pitch^2) uint16: the information gain of each viewpoint, as computed last."""
+
+    evidence: Any
+    """(E, S S) uint8, or one number where nothing errs: how surely cells are occupied (``occupancy.py``)."""
+
+    last: Any
+    """(E, R) float32, or one number where no action slips: the last look's distances (``scan.py``)."""
 
     prior: Any
-    """(E, 2^16) uint8, or one number: what unseen nodes count, where a study gives it (``belief.py``)."""
+    """(E, S S) uint8, or one number: what unseen nodes count, where a study gives it (``belief.py``)."""
 
 
 class Tables(NamedTuple):

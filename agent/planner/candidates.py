@@ -66,7 +66,8 @@ class Candidates:
         these, those = base + self.front, base + self.front + self.field.number
         self.field.begin(memory, base)
         tail, body = self.field.source(memory, base, these, px, py)
-        memory.queue[base], memory.queue[base + 1] = ti.cast(body, ti.u16), ti.cast(0, ti.u16)
+        memory.queue[base] = ti.cast(body, self.occupancy.number)
+        memory.queue[base + 1] = ti.cast(0, self.occupancy.number)
         number, level = 1, 0
         while tail > 0:
             moved = 0
@@ -74,7 +75,7 @@ class Candidates:
                 tile = ti.cast(memory.queue[these + k], ti.i32)
                 latest = self.field.settle(memory, base, tile)
                 if latest != 0:
-                    memory.queue[these + moved] = ti.cast(tile, ti.u16)
+                    memory.queue[these + moved] = ti.cast(tile, self.occupancy.number)
                     moved += 1
                     self.field.connect(memory, base, tile)
                     latest &= memory.tiles[self.field.at(base, OPEN, tile)]
@@ -91,7 +92,9 @@ class Candidates:
                             nearest, within = node, 2 * level
                         if memory.candidates[first + i] == 0:
                             memory.candidates[first + i] = ti.cast(count, ti.u8)
-                            memory.queue[base + self.listed + listed_count] = ti.cast(i, ti.u16)
+                            memory.queue[base + self.listed + listed_count] = ti.cast(
+                                i, self.occupancy.number
+                            )
                             total += count
                             listed_count += 1
                     pitched = (x | y) & (self.pitch - 1) == 0
@@ -104,8 +107,8 @@ class Candidates:
                         worth = last / self.steps(distance)
                         if (last < NOT_COMPUTED) & (worth > hoped):
                             likely, hoped = number, worth
-                        memory.queue[base + 2 * number] = ti.cast(node, ti.u16)
-                        memory.queue[base + 2 * number + 1] = ti.cast(distance, ti.u16)
+                        memory.queue[base + 2 * number] = ti.cast(node, self.occupancy.number)
+                        memory.queue[base + 2 * number + 1] = ti.cast(distance, self.occupancy.number)
                         number += 1
             tail = 0
             for k in range(moved):

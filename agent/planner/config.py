@@ -18,11 +18,24 @@ class PlannerConfig:
 
     # Occupancy.
 
+    map_bits: int = 8
+    """The map is a torus of 2 to this power cells a side, 8 to 10: 36.7 m, 73 m or 147 m. In larger houses
+    far ends lie on each other."""
+
     near: int = 8
     """Unseen cells up to this far from seen ones count as free for paths."""
 
     hit_margin: float = 0.07
     """Cells about a ray's end that count as occupied too: a centimetre, more than the shield's margin."""
+
+    evidence_hit: int = 3
+    """How much more a noisy ray that ends in a cell counts than one that passes it."""
+
+    evidence_occupied: int = 3
+    """The count from which on a cell is occupied; it is free again at 0."""
+
+    evidence_most: int = 24
+    """The greatest count."""
 
     wall_gap: float = 2.9
     """Cells between two ray ends on one line that are joined to a wall: less than a door is wide."""
@@ -157,6 +170,8 @@ class PlannerConfig:
 
     def __post_init__(self) -> None:
         """Refuse what the kernel cannot keep."""
+        if not 8 <= self.map_bits <= 10:
+            raise ValueError(f"map_bits must be 8, 9 or 10, not {self.map_bits}")
         if self.viewpoint_pitch < 4 or self.viewpoint_pitch & (self.viewpoint_pitch - 1):
             raise ValueError(f"viewpoint_pitch must be a power of two, 4 or more, not {self.viewpoint_pitch}")
         if max(self.near, self.odds_reach) > 14:

@@ -4,15 +4,15 @@ A cell is half a body wide, so a body that stands on a node, a corner of cells, 
 Cell and node (i, j) share a number: the step at which the cell was last seen, 0 for never; above it whether
 the cell is occupied; below it whether the node is near to what was seen, and whether it is solid (a body has
 no room there). So one comparison tells the cells that are occupied or were seen since a step from all others.
-Houses stand still, so what is occupied stays so. The map is a torus: it follows the body wherever an episode
-starts.
+Houses stand still, so by exact rays what is occupied stays so. Where rays or wheels err, a cell has a count
+in place of its log-odds of being occupied, which rays that end there raise and rays that pass lower. The map
+is a torus: it follows the body wherever an episode starts.
 """
+
+from typing import Any
 
 from agent.planner.config import PlannerConfig
 from sim.runtime import ti
-
-BITS = 8
-"""The map is a torus of 2^8 cells a side, 36.7 m: in larger houses far ends would lie on each other."""
 
 HEADINGS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
 """Steps east and south that ``forward`` makes at each of the eight headings."""
@@ -31,9 +31,14 @@ TILE = 4
 choice of a viewpoint."""
 
 
+def number_type(config: PlannerConfig) -> Any:
+    """What keeps the number of a node."""
+    return ti.u16 if config.map_bits == 8 else ti.i32
+
+
 @ti.data_oriented
 class Occupancy:
-    """A torus of 2^bits by 2^bits cells for each environment; ``base`` is where one's begins.
+    """A torus of 2^bits by 2^bits cells (``map_bits``) for each environment; ``base`` is where one's begins.
 
     Where bodies fill the cells of a house that lies on a grid (``sim.grid``), its walls are lines between
     them, that a body may touch: ``touching``. Cells on both sides of a line count as occupied, as ever, but
@@ -41,11 +46,19 @@ class Occupancy:
     """
 
     def __init__(
-        self, config: PlannerConfig, step: int = 1, touching: bool = False, bits: int = BITS
+        self,
+        config: PlannerConfig,
+        step: int = 1,
+        touching: bool = False,
+        noisy: bool = False,
     ) -> None:
-        """For bodies that go ``step`` half cells a step: four where they are ``touching``."""
-        self.config, self.bits, self.side, self.step = config, bits, 1 << bits, step
-        self.mask, self.area, self.touching = self.side - 1, 1 << 2 * bits, touching
+        """For bodies that go ``step`` half cells a step: four where they are ``touching``. ``noisy``: rays or
+        wheels err.
+        """
+        self.noisy = noisy
+        self.config, self.bits, self.side, self.step = config, config.map_bits, 1 << config.map_bits, step
+        self.mask, self.area, self.touching = self.side - 1, 1 << 2 * self.bits, touching
+        self.number = number_type(config)
         self.wall_gap = config.wall_gap_touching if touching else config.wall_gap
 
     @ti.func
@@ -71,9 +84,14 @@ class Occupancy:
 
     @ti.func
     def beside(self, node, way):
-        """The place that lies a packed way, south and east, from another."""
-        mask = ti.static(self.mask)
-        return (((node & ~mask) + (way & ~mask)) & ti.static(self.area - 1)) | ((node + way) & mask)
+        """The place that lies a packed way, 8 bits south and 8 bits east, from another."""
+        mask, there = ti.static(self.mask), 0
+        if ti.static(self.bits == 8):
+            there = (((node & ~mask) + (way & ~mask)) & ti.static(self.area - 1)) | ((node + way) & mask)
+        else:
+            south, east = ((way >> 8) ^ 0x80) - 0x80, ((way & 0xFF) ^ 0x80) - 0x80
+            there = self.at(self.across(node) + east, self.down(node) + south)
+        return there
 
     @ti.func
     def ahead(self, heading):
@@ -94,6 +112,9 @@ class Occupancy:
         """Know nothing."""
         for k in range(self.area):
             memory.cells[base + k] = ti.cast(0, ti.u16)
+        if ti.static(self.noisy):
+            for k in range(self.area):
+                memory.evidence[base + k] = ti.cast(0, ti.u8)
         for k in range(ti.static(self.area >> 2 * TILE)):
             memory.dirty[(base >> 2 * TILE) + k] = ti.cast(1, ti.u8)
 
@@ -149,6 +170,9 @@ class Occupancy:
     def see(self, memory: ti.template(), base, node, bits, time):
         """Mark a cell as seen, with some of its bits; what it was before."""
         cell = ti.cast(memory.cells[base + node], ti.i32)
+        if ti.static(self.noisy):
+            cell, occupied = self.weigh(memory, base, node, bits, cell)
+            bits = occupied * OCCUPIED if bits else 0
         now = (cell & (SOLID | OCCUPIED)) | NEAR | bits | (time << FLAGS)
         memory.cells[base + node] = ti.cast(now, ti.u16)
         if (cell < 1 << FLAGS) | (bits & ~cell != 0):
@@ -160,6 +184,32 @@ class Occupancy:
                 near = base + self.at(x + HEADINGS[k][0] * far, y + HEADINGS[k][1] * far)
                 memory.cells[near] = memory.cells[near] | ti.cast(NEAR, ti.u16)
         return cell
+
+    @ti.func
+    def weigh(self, memory: ti.template(), base, node, hit, cell):
+        """Weigh a ray that ends in a cell (``hit``) or passes it: the cell, and whether it is occupied."""
+        count = ti.cast(memory.evidence[base + node], ti.i32)
+        if hit:
+            count = ti.min(count + self.config.evidence_hit, ti.static(self.config.evidence_most))
+        else:
+            count = ti.max(count - 1, 0)
+        memory.evidence[base + node] = ti.cast(count, ti.u8)
+        if (count == 0) & (cell >= OCCUPIED):
+            cell -= OCCUPIED
+            memory.cells[base + node] = ti.cast(cell, ti.u16)
+            x, y = self.across(node), self.down(node)
+            for k in range(4):
+                self.reopen(memory, base, x + (k & 1), y + (k >> 1))
+        return cell, ti.cast(count >= ti.static(self.config.evidence_occupied), ti.i32)
+
+    @ti.func
+    def reopen(self, memory: ti.template(), base, x, y):
+        """Make a node not solid, if none of the four cells about it is occupied."""
+        taken = 0
+        for k in range(4):
+            taken |= ti.cast(memory.cells[base + self.at(x - (k & 1), y - (k >> 1))], ti.i32)
+        if taken < OCCUPIED:
+            self.clear(memory, base, x, y)
 
     @ti.func
     def unseen(self, cell):
@@ -186,7 +236,10 @@ class Occupancy:
         new = 0
         for j in range(j0, j1 + 1):
             for i in range(i0, i1 + 1):
-                if self.see(memory, base, self.at(i, j), OCCUPIED, time) & OCCUPIED == 0:
+                taken = 1 - (self.see(memory, base, self.at(i, j), OCCUPIED, time) // OCCUPIED)
+                if ti.static(self.noisy):
+                    taken &= ti.cast(memory.cells[base + self.at(i, j)], ti.i32) // OCCUPIED
+                if taken:
                     new += 1
                     if ti.static(not self.touching):
                         for k in range(4):

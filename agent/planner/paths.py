@@ -35,7 +35,7 @@ class Paths:
     def push(self, memory: ti.template(), base, node, distance, tail):
         """Reach a node for the first time; the queue's new end."""
         memory.distance[base + node] = ti.cast(distance, ti.u16)
-        memory.queue[base + tail] = ti.cast(node, ti.u16)
+        memory.queue[base + tail] = ti.cast(node, self.occupancy.number)
         return tail + 1
 
     @ti.func

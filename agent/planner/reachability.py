@@ -97,7 +97,7 @@ class DistanceField:
         """Reach blocks of a tile, which joins the list that begins at ``to``; its new end."""
         if bits != 0:
             if memory.tiles[self.at(base, NEXT, tile)] == 0:
-                memory.queue[to + tail] = ti.cast(tile, ti.u16)
+                memory.queue[to + tail] = ti.cast(tile, self.occupancy.number)
                 tail += 1
             memory.tiles[self.at(base, NEXT, tile)] = memory.tiles[self.at(base, NEXT, tile)] | bits
         return tail

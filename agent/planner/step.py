@@ -1,50 +1,24 @@
 """A step of all planners: move, see, remember, choose, advise."""
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 from agent.planner.advice import Advice
 from agent.planner.arrays import Bytes, Floats, Longs, Memory, Shorts, Tables, Wholes, Words
 from agent.planner.belief import Belief
+from agent.planner.body import Body
 from agent.planner.candidates import Candidates
 from agent.planner.config import PlannerConfig
 from agent.planner.features import describe
 from agent.planner.goal import Goal
-from agent.planner.occupancy import BITS, Occupancy
+from agent.planner.occupancy import Occupancy, number_type
 from agent.planner.paths import Paths
+from agent.planner.scan import TARGET, WALL, Scan
 from agent.planner.state import SEARCH, first_state, loaded, store
 from agent.planner.target import Target
 from agent.planner.viewpoints import Viewpoints
 from agent.planner.visibility import Visibility
 from sim.runtime import ti
-
-
-class Body(NamedTuple):
-    """What a planner must know of the body and its rays."""
-
-    rays: int
-    channels: int
-    distance: int
-    """The channel that has it."""
-
-    step: int
-    """Half cells."""
-
-    touching: bool
-    """Whether it fills a cell of the house."""
-
-    target: float
-    """Half a target's side, cells."""
-
-    reach: float
-    """Of rays, parts of a cell."""
-
-    prior: bool
-    """Whether what unseen places count is given from outside."""
-
-
-NOTHING, WALL, TARGET = range(3)
-"""What a ray ends on: its range, a wall or a piece, the target."""
 
 Sight = ti.types.struct(
     due=ti.i32,  # whether the rays were swept
@@ -65,8 +39,9 @@ class Step:
     def __init__(self, config: PlannerConfig, body: Body) -> None:
         """Make the parts."""
         self.config, self.body = config, body
-        self.occupancy = Occupancy(config, body.step, body.touching, BITS)
-        self.visibility = Visibility(config, self.occupancy, body.rays, body.reach)
+        self.scan = Scan(body)
+        self.occupancy = Occupancy(config, body.step, body.touching, body.errs)
+        self.visibility = Visibility(config, self.occupancy, body.rays, body.reach, self.scan.tolerance)
         self.target = Target(config, body.target)
         self.belief = Belief(config, self.occupancy, body.prior)
         self.viewpoints = Viewpoints(config, self.occupancy, Candidates(config, self.occupancy, self.belief))
@@ -80,7 +55,12 @@ class Step:
              action, blocked, fresh):  # fmt: skip
         """The pose after an action; an empty map in a ``fresh`` episode. Whether all begins here, too."""
         slant = -1
-        if fresh == 0:
+        done = 1
+        if ti.static(self.body.slip) and fresh == 0:
+            turn = ti.select(action == 2, 0, 1 - 2 * action)
+            way = 0.5 * self.body.step * self.occupancy.ahead(state.heading)
+            done = self.scan.done(memory, tables, observation, e, state.heading, turn, way)
+        if (fresh == 0) & done:
             if action < 2:
                 state.heading = (state.heading + ti.select(action == 0, 1, 7)) & 7
                 state.straight = -1
@@ -91,7 +71,7 @@ class Step:
                 state.x += self.body.step * way[0]
                 state.y += self.body.step * way[1]
         if (fresh == 1) | (state.aligned == 0):
-            slant = self.diagonal(tables, observation, e)
+            slant = self.scan.slant(tables, observation, e)
             if (slant >= 0) & (slant != state.heading & 1):
                 # All that was seen, before the first wall, was taken for what lies 45 degrees aside.
                 fresh = 1
@@ -106,28 +86,6 @@ class Step:
         return state, fresh
 
     @ti.func
-    def diagonal(self, tables: ti.template(), observation: ti.template(), e):
-        """Whether the heading lies at 45 degrees to the walls, -1 where no wall shows it. Where two
-        neighbouring rays end on one wall, the line through both ends runs along an axis in one of the two
-        cases: the pairs vote.
-        """
-        votes = ti.Vector([0, 0])
-        for r in range(self.body.rays - 1):
-            one, other = self.distance(observation, e, r), self.distance(observation, e, r + 1)
-            if (one < 1.0) & (other < 1.0):
-                for h in ti.static(range(2)):
-                    for axis in ti.static(range(2)):
-                        j = 2 * (h * self.body.rays + r) + axis
-                        gap = one * tables.directions[j] - other * tables.directions[j + 2]
-                        votes[h] += ti.cast(ti.abs(gap) < 1e-3, ti.i32)
-        return ti.select(votes[0] == votes[1], -1, ti.cast(votes[1] > votes[0], ti.i32))
-
-    @ti.func
-    def distance(self, observation: ti.template(), e, ray):
-        """How far a ray reaches, as a part of its range."""
-        return observation[(e * self.body.rays + ray) * self.body.channels + self.body.distance]
-
-    @ti.func
     def see(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e):
         """Mark what the body covers and the rays show on the map; what else they show."""
         px, py, heading, time, known = state.x, state.y, state.heading, state.time, state.known
@@ -140,13 +98,13 @@ class Step:
         corner = self.occupancy.at(px >> 1, py >> 1)
         row = (heading * 4) | (px & 1) | ((py & 1) << 1)  # of the fan: the heading, and where in a cell
         for r in range(self.body.rays):
-            d, j = self.distance(observation, e, r), 2 * (heading * self.body.rays + r)
+            j = 2 * (heading * self.body.rays + r)
+            d, kind = self.scan.end(tables, observation, e, heading, r)
+            if ti.static(self.body.slip):
+                memory.last[e * self.body.rays + r] = d
             reach = ti.Vector([tables.directions[j], tables.directions[j + 1]])
-            kind = ti.select(d < 1.0, WALL, NOTHING)
-            if observation[(e * self.body.rays + r + 1) * self.body.channels - 1] > 0:
-                kind = TARGET
             end = d * reach
-            if (kind != TARGET) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
+            if (kind == WALL) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
                 sight.forward = 0
             if sight.due:
                 far = ti.cast(d * self.body.reach, ti.i32)
@@ -238,17 +196,21 @@ class Step:
 def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
     parts = Step(config, body)
+    Numbers = ti.types.ndarray(number_type(config), 1)
 
     @ti.kernel
     def step(
         observation: Floats, action: Longs, blocked: Bytes, begun: Bytes,
         directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
-        cells: Shorts, distance: Shorts, queue: Shorts, dirty: Bytes, reached: Wholes, tiles: Words,
-        odds: Bytes, candidates: Bytes, gains: Shorts, prior: Bytes,
+        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
+        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
+        last: Floats, prior: Bytes,
         states: Wholes, advice: Longs, features: Floats,
     ):  # fmt: skip
         memory = ti.static(
-            Memory(cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, prior)
+            Memory(
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior
+            )
         )
         tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
         ti.loop_config(block_dim=8)  # few environments to a thread: their steps take very different times

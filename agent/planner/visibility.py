@@ -70,8 +70,11 @@ class Visibility:
     last one, a ray skips the cells that the last sweep marked or skipped.
     """
 
-    def __init__(self, config: PlannerConfig, occupancy: Occupancy, rays: int, reach: float) -> None:
-        """Sweep this map."""
+    def __init__(
+        self, config: PlannerConfig, occupancy: Occupancy, rays: int, reach: float, tolerance: float
+    ) -> None:
+        """Sweep this map. Two ends lie on one line up to ``tolerance`` cells."""
+        self.tolerance = tolerance
         self.config, self.occupancy, self.rays, self.bands = config, occupancy, rays, bands(reach / FINE)
 
     @ti.func
@@ -138,7 +141,7 @@ class Visibility:
         """
         hits = self.occupancy.hit(memory, base, eye[0] + end[0], eye[1] + end[1], time)
         gap = ti.abs(end - before)
-        if both & (gap.max() < self.occupancy.wall_gap) & (gap.min() < 1e-3):
+        if both & (gap.max() < self.occupancy.wall_gap) & (gap.min() < self.tolerance):
             pieces = ti.cast(ti.ceil(gap.max()), ti.i32)
             for k in range(1, pieces):
                 part = eye + before + (end - before) * ti.cast(k, ti.f32) / ti.cast(pieces, ti.f32)

@@ -1,8 +1,10 @@
 """``vitruvius play``: its options, and what it does. Cheap to import, as the other commands are."""
 
+import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import tyro
 
@@ -22,6 +24,8 @@ class Play:
 
     Arrow keys or W, A, D; the first key starts the clock. Enter: the next house. Esc: the end.
     """
+
+    groups: ClassVar = {"house": "The game", "player": "Results"}
 
     houses: tyro.conf.Positional[Path] = Path(banks.NAME)
     """House file, or a frozen bank: test-v1, home-test-v1; or the paper's house, paper-house."""
@@ -128,15 +132,27 @@ class Play:
         return 0
 
 
+DISPLAYS = {"x11": "DISPLAY", "wayland": "WAYLAND_DISPLAY"}
+"""SDL's drivers on Linux, and the variables that say where their displays are."""
+
+
 def opened() -> "Window":
     """The window. Raises ``MissingProgram`` where there is no display."""
     import pygame
 
     from agent.play.window import Window
 
+    if sys.platform == "linux" and not os.environ.get("SDL_VIDEODRIVER"):
+        # Left to itself SDL takes a driver that draws where nobody sees it, and the game waits for ever.
+        drivers = [driver for driver, variable in DISPLAYS.items() if os.environ.get(variable)]
+        if not drivers:
+            raise _no_display(f"neither {' nor '.join(DISPLAYS.values())} is set")
+        os.environ["SDL_VIDEODRIVER"] = ",".join(drivers)
     try:
         return Window()
     except pygame.error as error:
-        raise MissingProgram(
-            f"play needs a display: {error}. On a machine without one: xvfb-run, or ssh -X"
-        ) from None
+        raise _no_display(str(error)) from None
+
+
+def _no_display(reason: str) -> MissingProgram:
+    return MissingProgram(f"play needs a display: {reason}. On a machine without one: xvfb-run, or ssh -X")

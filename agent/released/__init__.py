@@ -6,6 +6,12 @@ from agent.config import PRESETS
 from logic.errors import VitruviusError
 from logic.spelling import unknown
 
+FORMAT = "vitruvius-agent-3"
+"""Of checkpoints, which ``agent.checkpoint`` reads and writes."""
+
+MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
+"""What is read of a checkpoint, and of its header: our networks have less than 1 MiB, their headers 4 KiB."""
+
 
 class CheckpointError(VitruviusError):
     """A checkpoint is absent, is no checkpoint, or holds a network of another shape."""
@@ -37,3 +43,17 @@ def located(path: str | Path) -> Path:
     if Path(path).suffix or "/" in name:
         raise CheckpointError(f"{path}: there is no such file. Make one with: vitruvius train")
     raise CheckpointError(f"{path}: there is no such file, and {unknown('agent', name, released())}")
+
+
+def require_sizes(path: Path) -> None:
+    """Raise ``CheckpointError`` for more than is read, ``OSError`` that says more than safetensors's."""
+    if not path.is_file():
+        raise CheckpointError(f"{path}: is no regular file")
+    with path.open("rb") as file:
+        header = int.from_bytes(file.read(8), "little")
+    if path.stat().st_size > MOST_BYTES:
+        raise CheckpointError(f"{path}: has more than {MOST_BYTES >> 20} MiB: no checkpoint has")
+    if MOST_HEADER < header < path.stat().st_size:
+        raise CheckpointError(
+            f"{path}: its header has more than {MOST_HEADER >> 20} MiB: no checkpoint's has"
+        )

@@ -14,6 +14,7 @@ from pathlib import Path
 from agent.banks import BANKS, NAME
 from agent.config import TARGET_MODES
 from agent.evaluation import scores
+from agent.report.folder import describe, write_report
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
@@ -77,7 +78,8 @@ class Agents:
             raise StudyFailed(f"{left[0]}: was not measured: see {left[0] / 'log.txt'}")
         study = self.study(entries, runs, others, places)
         write({"agents.md": agents_page(study).encode(), **pictures(study)}, self.out, self.publish)
-        print(self.out / "agents.md")
+        describe(self.out, "How well do agents learn?", f"Made by `{study.command}`. {study.machine}.")
+        print(self.out / "agents.md", write_report(self.out))
 
     def study(
         self,

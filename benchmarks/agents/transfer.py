@@ -21,8 +21,7 @@ from agent.evaluation import scores
 from agent.evaluation.protocol import measure
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import Table
-from agent.planner import Planner
-from agent.planner.occupancy import BITS
+from agent.planner import TUNED, Planner
 from agent.released import released
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns
@@ -149,4 +148,4 @@ def wider(houses: list[House]) -> float:
 
 def reach() -> float:
     """How far it is around an agent's map, metres."""
-    return Planner(DEFAULT, 1).cell * 2**BITS
+    return Planner(DEFAULT, 1).cell * 2**TUNED.map_bits

@@ -8,9 +8,11 @@ from pathlib import Path
 from statistics import median, quantiles
 from time import process_time
 
+import msgspec
 import numpy as np
 from clingo import Symbol
 
+from agent.report.folder import write_report
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
@@ -18,6 +20,7 @@ from logic.builder import Builder
 from logic.check import check
 from logic.draw import contact_sheet
 from logic.errors import RequestError
+from logic.files import save, write_whole
 from logic.grammar import find
 from logic.house import House
 from logic.layout import Nogood
@@ -31,8 +34,18 @@ WINDOW = 1.4
 """Metres: the height that a window is taken to have, since plans have none."""
 LARGER = {"clinic": (4, 8, 16, 32, 64), "apartments": (8, 16, 32, 64, 128)}
 """Grammars of larger plans, and the numbers of rooms that are made of them."""
+SHOWN = 20
+"""Houses of each size in the report."""
 COLOURS = 64
 """Of the picture, so that its file is small."""
+
+
+class Times(msgspec.Struct):
+    """Of a line of ``homes.json``: CPU seconds of the plans without furniture, and of the houses."""
+
+    rooms: int
+    bare: list[float]
+    whole: list[float]
 
 
 class CountingPlanner(Planner):
@@ -109,7 +122,7 @@ class Homes:
     """Clinics and buildings of flats of each number of rooms, for time against rooms; 0 for none."""
 
     out: Path = Path("runs/bench")
-    """Folder for homes.md and its picture homes.png."""
+    """Folder for report.html, homes.md, its picture homes.png, and what they are made of."""
 
     publish: bool = False
     """Put both into docs too."""
@@ -135,6 +148,10 @@ class Homes:
             houses=self.houses,
         )
         write({"homes.md": page.encode(), "homes.png": picture(sizes)}, self.out, self.publish)
+        save((house for size in sizes for house in size.houses[:SHOWN]), self.out / "homes.jsonl")
+        times = [Times(size.rooms, size.bare, size.seconds) for size in sizes]
+        write_whole(self.out / "homes.json", msgspec.json.encode(times))
+        write_report(self.out)
         print(page)
 
     def measured(self, builder: Builder, rooms: int) -> Measured:

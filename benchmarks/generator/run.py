@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
+from agent.report.folder import write_report
 from benchmarks.common.measure import study
 from benchmarks.generator.page import generator_page
 from logic.errors import RequestError
@@ -32,7 +33,8 @@ class Generator:
     (sample), beside another solver. By default all."""
 
     out: Path = Path("runs/bench")
-    """Folder for generator.json and generator.csv, written as it goes, generator.png and generator.md."""
+    """Folder for generator.json and generator.csv, written as it goes, report.html, generator.png and
+    generator.md."""
 
     publish: bool = False
     """Put the page and its plot into docs too."""
@@ -56,3 +58,4 @@ class Generator:
         page = partial(generator_page, command=command)
         script = Path(__file__).with_name("test_generator.py")
         study(script, self.out, page, parts=self.part, publish=self.publish, **settings)
+        print(write_report(self.out))

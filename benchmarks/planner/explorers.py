@@ -84,6 +84,9 @@ class Explorers:
     steps: int = DEFAULT.steps
     """Of an episode that are played."""
 
+    world: Literal["default", "noisy"] = "default"
+    """The simulator that explorers play in. Baselines, which know where they are, play in the default."""
+
     out: Path = Path("runs/explorers")
     """Folder for houses, scores and explorers.md."""
 
@@ -125,7 +128,7 @@ class Explorers:
         if agent in PRIORS:
             name, sources = agent.replace(" ", "-"), [*sources, prior]
         elif agent not in SOURCES:
-            known, name = [*known, config_of(agent), agent == AS_IS], "explorer"
+            known, name = [*known, config_of(agent), agent == AS_IS, self.world], "explorer"
         key = hashlib.sha256(repr([*known, *map(inspect.getsource, sources)]).encode()).hexdigest()
         return self.out / f"{mode}-{name}-{key[:12]}.npz"
 
@@ -135,7 +138,8 @@ class Explorers:
         for mode in self.targets:
             path, content = self.path(mode, agent), io.BytesIO()
             if not path.exists():
-                envs = make_envs(self.bank, self.episodes * len(self.bank), mode)
+                world = "default" if agent in SOURCES else self.world
+                envs = make_envs(self.bank, self.episodes * len(self.bank), mode, preset=world)
                 what = PRIORS.get(agent)
                 tracker = prior.Informed(envs, what) if what else Clock(envs.config, config_of(agent))
                 policy = BASELINES[agent](envs, 0) if agent in SOURCES else explorer(envs, tracker)

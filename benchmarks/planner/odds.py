@@ -21,7 +21,7 @@ from agent.planner import TUNED, Planner
 from agent.planner.arrays import Bytes, Shorts, Wholes
 from agent.planner.belief import Belief
 from agent.planner.config import CERTAIN
-from agent.planner.occupancy import BITS, NEAR, SOLID, Occupancy
+from agent.planner.occupancy import NEAR, SOLID, Occupancy
 from agent.policies import Explorer
 from agent.world import make_envs, shield
 from benchmarks.common.houses import ROOMS
@@ -32,7 +32,7 @@ from sim.config import DEFAULT
 from sim.lookout import PITCH, Lookout
 from sim.runtime import Array, Launch, ti
 
-SIDE = 1 << BITS
+SIDE = 1 << TUNED.map_bits
 
 ENTRIES = len(TUNED.floor_odds)
 """Places that were seen before are counted behind the table's entries."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from agent.report.folder import write_report
 from benchmarks.common.measure import study
 from benchmarks.simulator.page import simulator_page
 from benchmarks.simulator.peers.run import Peers
@@ -17,7 +18,7 @@ class Simulator:
     """Measure other simulators beside ours, each in an environment that uv makes (3 GB to download once)."""
 
     out: Path = Path("runs/bench")
-    """Folder for simulator.json, simulator.png and simulator.md."""
+    """Folder for simulator.json, report.html, simulator.png and simulator.md."""
 
     publish: bool = False
     """Put the page and its plot into docs too."""
@@ -28,3 +29,4 @@ class Simulator:
         script = Path(__file__).with_name("test_simulator.py")
         page = partial(simulator_page, peers=peers)
         study(script, self.out, page, needs=("sim", "torch"), publish=self.publish)
+        print(write_report(self.out))

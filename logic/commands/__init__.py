@@ -11,7 +11,16 @@ from typing import Any
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress, ProgressColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TaskProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
 
 from logic.errors import RequestError
 from logic.spelling import printable
@@ -32,22 +41,47 @@ def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
     return counts
 
 
+class Rate(ProgressColumn):
+    """How many are done in a second."""
+
+    def render(self, task: Task) -> Text:
+        """As in ``3.2/s``."""
+        speed = task.finished_speed or task.speed
+        return Text("" if speed is None else f"{speed:,.1f}/s")
+
+
 def progress(items: Any, total: int, what: str) -> Iterator[Any]:
-    """A progress bar on a terminal, nothing in a pipe."""
-    with progress_bar() as bar:
+    """A progress bar on a terminal, with rate and time left; nothing in a pipe."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        Rate(),
+        TimeRemainingColumn(),
+    )
+    with progress_bar(*columns) as bar:
         yield from bar.track(items, total, description=what)
 
 
-def progress_bar(*columns: ProgressColumn) -> Progress:
-    """A bar on stderr. Where the standard output is a file, rich must not redirect it to the bar."""
+def progress_bar(*columns: ProgressColumn, transient: bool = True) -> Progress:
+    """A bar on stderr, on a terminal alone; when it ends it vanishes, or stays. Where the standard output is
+    a file, rich must not redirect it to the bar.
+    """
     console = Console(stderr=True)
     return Progress(
         *columns,
         console=console,
         disable=not console.is_terminal,
-        transient=True,
+        transient=transient,
         redirect_stdout=sys.stdout.isatty(),
     )
+
+
+def print_answer(command: str, answer: Any, exit_code: int = 0) -> None:
+    """Print what a command found as ``--json`` has it: see ``logic.answers``."""
+    from logic.answers import encoded
+
+    print(encoded(command, exit_code, answer), flush=True)
 
 
 def say_warnings() -> None:

@@ -6,12 +6,12 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 import tyro
 from rich.progress import TextColumn
 
-from logic.commands import Repeated, counts, progress, progress_bar, say, say_warnings
+from logic.commands import Repeated, counts, print_answer, progress, progress_bar, say, say_warnings
 from logic.errors import RequestError, VitruviusError
 from logic.house import House
 
@@ -23,14 +23,22 @@ FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 class Generate:
     """Make houses from rules."""
 
+    groups: ClassVar = {
+        "rooms": "What the houses have",
+        "plan": "Rooms that are given",
+        "grammar": "Which houses, of all that there are",
+        "workers": "Work",
+        "out": "Output",
+    }
+
     rooms: int | None = None
-    """Number of secondary rooms, 1 to 128; with a plan, as many as it has."""
+    """Number of rooms, 1 to 128, not counted a main room as in family; with a plan, as many as it has."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
-    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+    """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
 
     piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
-    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+    """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
 
     cell: float = 0.0
     """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
@@ -75,6 +83,9 @@ class Generate:
     out: Path | None = None
     """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
 
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): what was made."""
+
     def run(self) -> int:
         """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
         from logic import generate
@@ -84,6 +95,7 @@ class Generate:
             return self._count()
         _require_writable(self.out, self.count)
         houses: list[House] = []
+        began = time.monotonic()
         request = generate(
             rooms=self.rooms,
             types=counts("--type", self.type),
@@ -102,7 +114,7 @@ class Generate:
         try:
             for house in progress(request, self.count, "houses"):
                 houses.append(house)
-                if self.out is None:
+                if self.out is None and not self.json:
                     print(json.dumps(house.to_dict()), flush=True)
         except (VitruviusError, KeyboardInterrupt) as end:
             if houses and self.out:
@@ -111,7 +123,18 @@ class Generate:
         if self.out:
             self._save(houses, self.out)
             say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
+        if self.json:
+            shown = [] if self.out else [house.to_dict() for house in houses]
+            self._answer(time.monotonic() - began, made=len(houses), houses=shown)
         return 0
+
+    def _answer(self, seconds: float, made: int = 0, **found: Any) -> None:
+        """Print what was made or counted as JSON."""
+        from logic.answers import Generated
+
+        out = str(self.out) if self.out else None
+        of = Generated(out, made, round(seconds, 3), self.grammar, self.seed, self.start, **found)
+        print_answer("generate", of, 0 if all(each.exact for each in of.counted) else 4)
 
     def _save(self, houses: list[House], out: Path, stopped: str = "") -> None:
         """Write the houses and why there are no more; where the disk is full, as many as it takes."""
@@ -172,6 +195,7 @@ class Generate:
     def _count(self) -> int:
         """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
         from logic import count_layouts
+        from logic.answers import Layouts
 
         for option, given in (("--keep", self.keep), ("--plan", self.plan)):
             if given:
@@ -180,7 +204,8 @@ class Generate:
             raise RequestError("--count-layouts counts those of some rooms: say how many, as in --rooms 6")
         if self.out:
             raise RequestError("--count-layouts makes no houses: leave out --out")
-        begun, exact = time.monotonic(), True
+        first = begun = time.monotonic()
+        counted = list[Layouts]()
         with progress_bar(TextColumn("{task.description}")) as bar:
             task = bar.add_task("")
 
@@ -196,12 +221,15 @@ class Generate:
                 seconds=self.seconds,
                 report=report,
             ):
-                print(
-                    f"{name}: {'' if whole else f'in {self.seconds:g} s, more than '}{number:,}", flush=True
-                )
-                begun, exact = time.monotonic(), exact and whole
+                counted.append(Layouts(name, number, whole))
+                more = "" if whole else f"in {self.seconds:g} s, more than "
+                if not self.json:
+                    print(f"{name}: {more}{number:,}", flush=True)
+                begun = time.monotonic()
                 bar.update(task, description="")
-        return 0 if exact else 4
+        if self.json:
+            self._answer(time.monotonic() - first, counted=counted)
+        return 0 if all(each.exact for each in counted) else 4
 
 
 def _require_writable(out: Path | None, count: int) -> None:

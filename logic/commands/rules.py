@@ -1,13 +1,12 @@
 """``vitruvius lint`` and ``explain``: what is wrong with rules, and what they say of a request or a house."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import tyro
 
-from logic.commands import Repeated, counts, say, say_warnings
+from logic.commands import Repeated, counts, print_answer, say, say_warnings
 from logic.errors import RequestError
 from logic.spelling import printable
 
@@ -15,6 +14,8 @@ from logic.spelling import printable
 @dataclass(frozen=True)
 class Explain:
     """Say why no house satisfies a request (--rooms), or why a house is as it is (HOUSES --why R3.bed)."""
+
+    groups: ClassVar = {"why": "A part of a house", "rooms": "A request", "grammar": "Rules, limits, answer"}
 
     file: tyro.conf.Positional[Annotated[Path | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
     """House file: explain a part of a house in it."""
@@ -27,16 +28,16 @@ class Explain:
     """Index of the house in the file, counted from 0."""
 
     rooms: int | None = None
-    """Of a request: number of secondary rooms, 1 to 128."""
+    """Number of rooms, 1 to 128, not counted a main room as in family."""
 
     type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
-    """Number of rooms of a type, as in bedroom=2, bedroom=1..3 or bedroom=2.. . Repeat for several types."""
+    """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
 
     piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
-    """Number of pieces in each room that may have them, as in bed=1 or bedroom.wardrobe=1..2. Repeat."""
+    """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
 
     plan: Path | None = None
-    """Of a request: a house file of one house, or GeoJSON, with all rooms in their places."""
+    """A house file of one house, or GeoJSON, with all rooms in their places."""
 
     cell: float = 0.0
     """Side of a grid's cell in metres; 0 for none."""
@@ -48,12 +49,12 @@ class Explain:
     """Most seconds."""
 
     json: bool = False
-    """Print the reasons as JSON."""
+    """Print one answer as JSON (docs/command-line.md): the reasons."""
 
     def run(self) -> int:
         """Print the reasons; 1 where a request has a house after all."""
         from logic import Unsatisfiable, generate
-        from logic.errors import to_record
+        from logic.answers import Explained
 
         say_warnings()
         if self.file is not None:
@@ -75,16 +76,22 @@ class Explain:
         try:
             next(houses)
         except Unsatisfiable as proof:
-            print(json.dumps(to_record(proof)) if self.json else printable(str(proof), "\n"))
+            if self.json:
+                conflict = (proof.reasons, proof.advice, proof.unfurnishable)
+                print_answer("explain", Explained(False, proof.grammar, proof.request, *conflict))
+            else:
+                print(printable(str(proof), "\n"))
             return 0
-        print(json.dumps({"satisfiable": True}) if self.json else "There are such houses: vitruvius generate")
+        if self.json:
+            print_answer("explain", Explained(True, self.grammar or "family"), 1)
+        else:
+            print("There are such houses: vitruvius generate")
         return 1
 
     def _house(self, file: Path) -> int:
         """Print why a part of a house is as it is."""
-        from msgspec import to_builtins
-
         from logic import explain_house, load
+        from logic.answers import Explained
 
         asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
         asked["--plan"] = self.plan
@@ -99,7 +106,10 @@ class Explain:
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {file} has houses 0 to {len(houses) - 1}")
         answer = explain_house(houses[self.house], self.why, grammar=self.grammar, seconds=self.seconds)
-        print(json.dumps(to_builtins(answer)) if self.json else printable(str(answer), "\n"))
+        if self.json:
+            print_answer("explain", Explained(file=str(file), house=self.house, why=answer))
+        else:
+            print(printable(str(answer), "\n"))
         return 0
 
 
@@ -111,17 +121,19 @@ class Lint:
     """A shipped grammar's name, or a directory of rules."""
 
     json: bool = False
-    """Print each finding as a line of JSON."""
+    """Print one answer as JSON (docs/command-line.md): all findings."""
 
     def run(self) -> int:
         """Print a line for each finding; 1 if any is an error."""
-        from msgspec import to_builtins
-
         from logic import lint
+        from logic.answers import Linted
 
-        found = lint(self.grammar)
-        for finding in found:
-            print(json.dumps(to_builtins(finding)) if self.json else printable(str(finding)))
+        found = list(lint(self.grammar))
         errors = sum(finding.severity == "error" for finding in found)
+        if self.json:
+            answer = Linted(self.grammar, errors, len(found) - errors, found)
+            print_answer("lint", answer, int(errors > 0))
+        for finding in [] if self.json else found:
+            print(printable(str(finding)))
         say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
         return 1 if errors else 0

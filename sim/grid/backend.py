@@ -8,8 +8,9 @@ from sim.backend import Bank
 from sim.body import Body
 from sim.config import DEFAULT, Config
 from sim.geometry import geometry
+from sim.grid.cells import cell_side, off_grid
 from sim.grid.move import Motion
-from sim.grid.pack import cell_side, off_grid, pack
+from sim.grid.pack import pack
 from sim.grid.see import Sight
 from sim.runtime import ti
 

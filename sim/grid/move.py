@@ -6,7 +6,8 @@ from sim.backend import Bank, Lattice
 from sim.body import Body
 from sim.config import Config
 from sim.geometry import Geometry
-from sim.grid.pack import COLUMNS, FIRST_CELL, HEADER, ROWS, STANDS, middle
+from sim.grid.cells import STANDS, middle
+from sim.grid.pack import COLUMNS, FIRST_CELL, HEADER, ROWS
 from sim.runtime import ti
 
 CENTRED = 1e-3

@@ -10,78 +10,32 @@ a body can be in and in every direction, and looked up from then on.
 
 from collections.abc import Sequence
 from functools import cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from logic import House
-from sim.backend import PIECE, WALL, Bank
-from sim.body import HEADINGS, Body
+from sim.backend import Bank
+from sim.body import Body
 from sim.config import Config
-from sim.geometry import TOLERANCE, Geometry, geometry
+from sim.geometry import geometry
+from sim.grid.cells import Cells
 from sim.rays import SEAM, Rays, directions
 from sim.runtime import Array, Launch, start, ti
 
 HEADER = 3
 FIRST_CELL, COLUMNS, ROWS = range(HEADER)
 
-STANDS, ROW = 8, 10
-"""Bits of a cell: whether a body can be there; where the number of its row begins."""
+ROW = 10
+"""The bit of a cell where the number of its row begins, behind those of its moves."""
 
 Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
-
-
-def cell_side(houses: Sequence[House]) -> float:
-    """The side of the cells that houses were made for, metres, or the largest that fits all their edges.
-
-    Raises ``ValueError`` where they were made for different ones.
-    """
-    cells = {house.provenance.request.get("cell", 0.0) if house.provenance else 0.0 for house in houses}
-    if len(cells) > 1:
-        raise ValueError(f"houses on grids of different cells, {sorted(cells)} m: one bank has one")
-    cell = cells.pop()
-    if cell:
-        return cell
-    side = 0.0
-    for house in houses:
-        for lines in _edges(geometry(house)):
-            for low, high in pairwise(np.unique(lines)):
-                side = _common(side, high - low)
-    return side
-
-
-def _common(a: float, b: float) -> float:
-    """The greatest length that both are multiples of, by Euclid; lengths within the tolerance are equal."""
-    while b > TOLERANCE:
-        a, b = b, a % b
-        if a - b < TOLERANCE:
-            b = 0.0
-    return a
-
-
-def _edges(shape: Geometry) -> tuple[np.ndarray, np.ndarray]:
-    """Where edges lie, along x and along y."""
-    boxes = np.vstack([shape.solids, shape.rooms, shape.floor, shape.doors])
-    low, high = boxes[:, :2] - boxes[:, 2:], boxes[:, :2] + boxes[:, 2:]
-    x, y = np.concatenate([low, high]).T
-    return x, y
-
-
-def off_grid(shape: Geometry, cell: float) -> float | None:
-    """Where the first edge lies that is not whole cells away from the corner; ``None`` if there is none."""
-    for lines, corner in zip(_edges(shape), shape.bounds[:2], strict=True):
-        steps = (lines - corner) / cell
-        stray = np.abs(steps - np.round(steps)) * cell > 10 * TOLERANCE
-        if stray.any():
-            return float(lines[stray][0])
-    return None
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
     """Bring houses to the device: what can be done and seen in each cell."""
     shapes = [geometry(house) for house in houses]
-    parts = [_Part(shape, config.step) for shape in shapes]
+    parts = [Cells(shape, config.step) for shape in shapes]
     header = np.zeros((len(parts), HEADER), np.int32)
     cells, row, at = [], 0, header.size
     for k, part in enumerate(parts):
@@ -105,100 +59,13 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     return Bank(shapes, arrays["numbers"], Array.of(indices))
 
 
-def middle(shape: Geometry, cell: float) -> np.ndarray:
-    """The middle of a house's cell furthest north-west, (2,) float32."""
-    west, north, _, _ = shape.bounds
-    return np.array([west + cell / 2, north + cell / 2], np.float32)
-
-
-class _Part:
-    """A house as cells: which are free, and what is on their edges."""
-
-    def __init__(self, shape: Geometry, cell: float) -> None:
-        west, north, east, south = shape.bounds
-        self.corner, self.origin = (west, north), middle(shape, cell)
-        columns, rows = round((east - west) / cell), round((south - north) / cell)
-        self.size = columns, rows
-        # Edges across x, at their west end, and across y: 0, WALL or PIECE.
-        self.upright = np.zeros((columns + 1, rows), np.int32)
-        self.level = np.zeros((columns, rows + 1), np.int32)
-        # Where they lie, as the house says it: what is computed from a corner would be rounded otherwise.
-        self.lines = west + cell * np.arange(columns + 1), north + cell * np.arange(rows + 1)
-        inside, filled = np.zeros((columns, rows), bool), np.zeros((columns, rows), bool)
-
-        def span(box: np.ndarray) -> tuple[int, int, int, int]:
-            low = np.round((box[:2] - box[2:] - self.corner) / cell).astype(int)
-            high = np.round((box[:2] + box[2:] - self.corner) / cell).astype(int)
-            for axis in range(2):
-                self.lines[axis][[low[axis], high[axis]]] = (
-                    box[axis] - box[axis + 2],
-                    box[axis] + box[axis + 2],
-                )
-            return low[0], low[1], high[0], high[1]
-
-        for box in [shape.floor, *shape.rooms]:
-            x, y, x_end, y_end = span(box)
-            inside[x:x_end, y:y_end] = True
-        for box in shape.pieces:
-            x, y, x_end, y_end = span(box)
-            filled[x:x_end, y:y_end] = True
-            self.upright[[x, x_end], y:y_end] = PIECE
-            self.level[x:x_end, [y, y_end]] = PIECE
-        for box in shape.verticals:
-            x, y, _, y_end = span(box)
-            self.upright[x, y:y_end] = WALL
-        for box in shape.horizontals:
-            x, y, x_end, _ = span(box)
-            self.level[x:x_end, y] = WALL
-        self.stands = inside & ~filled
-        self.moves = self._moves()
-
-    def _moves(self) -> np.ndarray:
-        """What a body can do in each cell (columns, rows): bits of the headings that are open, and STANDS.
-
-        On a diagonal it needs both cells beside its path, and no wall in between.
-        """
-        # go[d][i, j]: from a cell to its neighbour east, north, west or south.
-        columns, rows = self.size
-        free = np.pad(self.stands, 1)
-        go = []
-        for east, south in HEADINGS[::2]:
-            there = free[1 + east : 1 + east + columns, 1 + south : 1 + south + rows]
-            if east:
-                edge = self.upright[1:] if east > 0 else self.upright[:-1]
-            else:
-                edge = self.level[:, 1:] if south > 0 else self.level[:, :-1]
-            go.append(self.stands & there & (edge == 0))
-        moves = self.stands.astype(np.int64) << STANDS | self.stands.astype(np.int64) << (STANDS + 1)
-        for heading in range(8):
-            if heading % 2 == 0:
-                open_ = go[heading // 2]
-            else:
-                one, two = heading // 2, (heading // 2 + 1) % 4
-                open_ = (
-                    go[one]
-                    & _after(go[two], HEADINGS[2 * one])
-                    & go[two]
-                    & _after(go[one], HEADINGS[2 * two])
-                )
-            moves |= open_.astype(np.int64) << heading
-        return moves
-
-
-def _after(go: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """A table of cells as read from the neighbour one ``step`` away, False outside."""
-    columns, rows = go.shape
-    around = np.pad(go, 1)
-    return around[1 + step[0] : 1 + step[0] + columns, 1 + step[1] : 1 + step[1] + rows]
-
-
-def _jobs(k: int, part: _Part) -> np.ndarray:
+def _jobs(k: int, part: Cells) -> np.ndarray:
     """(n, 3) int32: house, column and row of each cell that a body can be in, in the order of their rows."""
     rows, columns = np.nonzero(part.stands.T)
     return np.column_stack([np.full(len(rows), k), columns, rows]).astype(np.int32)
 
 
-def _houses(parts: list[_Part]) -> np.ndarray:
+def _houses(parts: list[Cells]) -> np.ndarray:
     """(H x 6,) int32: columns, rows, where its upright and its level edges begin, and lines along x and y."""
     found = np.zeros((len(parts), 6), np.int32)
     found[:, :2] = [part.size for part in parts]

@@ -95,7 +95,7 @@ def test_houses_of_the_test_seeds_or_of_a_test_houses_shape_are_not_learnt_from(
 def test_training_in_the_benchmark_bank_is_refused_before_anything_is_written(bank, tmp_path):
     save(bank[:2], tmp_path / "mine.jsonl")
     with pytest.raises(HouseFileError, match="kept for measuring"):
-        Train(tmp_path / "mine.jsonl", out=tmp_path / "out", config=PQNConfig(steps=1)).run()
+        Train(tmp_path / "mine.jsonl", out=tmp_path / "out", learning=PQNConfig(steps=1)).run()
     assert not (tmp_path / "out").exists()
 
 

@@ -2,6 +2,7 @@
 
 import io
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
@@ -13,6 +14,7 @@ from agent.checkpoint import load as load_checkpoint
 from agent.demo import FILES, banks, demo, gain
 from agent.evaluation.commands import Record
 from logic import House, Rect, RequestError, Star, check, load
+from sim.film import SHARP, framed, largest, plan
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 
 
@@ -94,8 +96,31 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]
     with pytest.raises(RequestError, match="houses 0 to 1"):
         Record(agent, houses, house=2).run()
-    with pytest.raises(RequestError, match=r"--out .*film.mp4: films are written as .gif alone"):
-        Record(agent, houses, out=tmp_path / "film.mp4").run()
+    with pytest.raises(
+        RequestError, match=r"--out .*film.avi: films are written as .gif or .mp4: use .*film.gif"
+    ):
+        Record(agent, houses, out=tmp_path / "film.avi").run()
+
+
+def test_a_mosaic_films_many_environments_side_by_side_each_in_its_house(made, tmp_path):
+    agent, houses = made[0] / "training/agent.safetensors", made[0] / "houses-held-out.jsonl"
+    Record(agent, houses, house=1, mosaic="3x1", out=tmp_path / "film.mp4", steps=8, width=120).run()
+    frames, _ = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "film.mp4"))
+    assert frames == 3 + 24  # steps 0, 4 and 8; the last one stays for a second
+    reader = imageio_ffmpeg.read_frames(str(tmp_path / "film.mp4"))
+    across, along = next(reader)["size"]
+    first = np.frombuffer(next(reader), np.uint8).reshape(along, across, 3).astype(int)
+    two = load(houses)
+    width, height = largest([two[1], two[0], two[1]], 120)
+    assert (across, along) == (3 * width + 3 * width % 2, height + height % 2)
+    for cell, house in enumerate([two[1], two[0], two[1]]):  # the file's first again where there are fewer
+        shown = first[:height, cell * width : (cell + 1) * width]
+        alone = np.asarray(framed(plan(house, 120).reduce(SHARP), (width, height)), int)
+        others = np.asarray(framed(plan(two[cell % 2], 120).reduce(SHARP), (width, height)), int)
+        assert np.abs(shown - alone).mean() < np.abs(shown - others).mean()
+    for wrong in ("9x9", "4", "0x3"):
+        with pytest.raises(RequestError, match=f"--mosaic {wrong}: write columns and rows as 4x3"):
+            Record(agent, houses, mosaic=wrong).run()
 
 
 def test_two_equal_houses_are_refused(monkeypatch):

@@ -1,6 +1,7 @@
 """People play: key events in a window without a screen, files of games, games beside agents."""
 
 import math
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -213,12 +214,30 @@ def test_the_command_plays_records_and_shows_again(
     assert not end.value.code
 
 
-def test_without_a_display_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    from agent.play.commands import opened
-
-    monkeypatch.setenv("SDL_VIDEODRIVER", "nothing")
-    with pytest.raises(MissingProgram, match="play needs a display"):
-        opened()
+@pytest.mark.skipif(sys.platform != "linux", reason="displays of X11 and Wayland")
+@pytest.mark.parametrize(
+    ("variables", "reason"),
+    [
+        ({}, "neither DISPLAY nor WAYLAND_DISPLAY is set"),
+        ({"DISPLAY": ":9999"}, "x11 not available"),
+        ({"SDL_VIDEODRIVER": "nothing"}, "nothing not available"),
+    ],
+    ids=["none", "shut", "unknown"],
+)
+def test_without_a_display_one_line_says_so(
+    variables: dict[str, str],
+    reason: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """SDL, left to itself, would draw where nobody sees it and wait for keys for ever."""
+    for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.setenv(name, variables.get(name, ""))
+    with pytest.raises(SystemExit) as end:
+        main(["play", "test-v1"])
+    assert end.value.code == MissingProgram.exit_code
+    help = "On a machine without one: xvfb-run, or ssh -X"
+    assert capfd.readouterr().err == f"error: play needs a display: {reason}. {help}\n"
 
 
 def test_a_game_of_the_papers_human_benchmark_stands_beside_agents_that_play_its_episode(tmp_path):

@@ -1,9 +1,11 @@
 """Plans show what is there, in words and colours that stay, and their files are whole."""
 
 import dataclasses
+import math
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -12,20 +14,31 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from PIL import Image, ImageColor
 
-from logic import House, Rect
-from logic.boxes import excess, overlap
-from logic.canvas import DENSITY, Block, Drawing, Line, Text, png, text_width
+from logic import House, Piece, Rect
+from logic.boxes import distance, excess, overlap
+from logic.canvas import DENSITY, Block, Drawing, Line, Oval, Part, Text, flat, png, text_width
+from logic.door_leaves import door_leaves
 from logic.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
 from logic.labels import LEAST, abbreviations
+from logic.looks import DEFAULT as LOOKS
+from logic.palettes import Inks, style
 from logic.parts import ORIGINAL, Provenance
-from logic.plan import MARK, PAPER, WALL, WOOD, room_colour
-from tests.logic.handmade import Sketch, built, sketches, turned_house
+from logic.plan import INNER, OUTER, Frame, inner_walls, opening, piece_shapes
+from logic.targets import doors_by_name, target_in, windows_by_name
+from tests.logic.handmade import Sketch, built, sketches, turned, turned_house
 from tests.plans import PLANS
 from tests.sample_houses import changed_star
 
 HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
-FLOORS = {room_colour(sketch.type) for sketch in sketches()}
+INKS = Inks()
+FLOORS = {LOOKS.colour(sketch.type) for sketch in sketches()}
 NAMESPACE = "{http://www.w3.org/2000/svg}"
+
+
+def block(drawing: Drawing, name: str) -> Block:
+    """The first rectangle of a part: of a room its floor."""
+    part = next(shape for shape in drawing.shapes if isinstance(shape, Part) and shape.name == name)
+    return next(shape for shape in part.shapes if isinstance(shape, Block))
 
 
 class Picture:
@@ -34,9 +47,8 @@ class Picture:
     def __init__(self, house: House) -> None:
         self.image = plan_png(house)
         drawing = plan(house, self.image.width // DENSITY, self.image.height // DENSITY)
-        floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
-        left, top, right, _ = floor.box
-        first = house.main if house.is_star else house.rooms[0]
+        first = house.rooms[0]
+        left, top, right, _ = block(drawing, first.name).box
         self.scale = (right - left) / first.width
         self.left, self.top = left - self.scale * first.x, top - self.scale * first.y
 
@@ -48,13 +60,13 @@ class Picture:
 
 def words(drawing: Drawing) -> dict[str, Text]:
     """What is written on a drawing."""
-    return {shape.text: shape for shape in drawing.shapes if isinstance(shape, Text)}
+    return {shape.text: shape for shape in flat(drawing.shapes) if isinstance(shape, Text)}
 
 
 def metre(drawing: Drawing, house: House) -> float:
-    """CSS pixels to a metre: the main room's floor is drawn first."""
-    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
-    return (floor.box[2] - floor.box[0]) / house.star.floor.width
+    """CSS pixels to a metre."""
+    left, _, right, _ = block(drawing, house.rooms[0].name).box
+    return (right - left) / house.rooms[0].width
 
 
 def many_rooms(sides: list[int]) -> House:
@@ -77,55 +89,194 @@ def test_walls_are_drawn_with_a_gap_at_each_door(quarters: int) -> None:
     picture = Picture(house)
     for room in house.star.rooms:
         x, y = middle(room.door)
-        assert picture.shows(PAPER, x, y)
+        assert picture.shows(INKS.paper, x, y)
         beyond = 0.45 if room.door.width else 0.0, 0.45 if room.door.height else 0.0
-        assert picture.shows(WALL, x - beyond[0], y - beyond[1])
-        assert picture.shows(WALL, x + beyond[0], y + beyond[1])
+        assert picture.shows(INKS.wall, x - beyond[0], y - beyond[1])
+        assert picture.shows(INKS.wall, x + beyond[0], y + beyond[1])
 
 
 @pytest.mark.parametrize("name", PLANS)
 def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -> None:
     house, picture = PLANS[name], Picture(PLANS[name])
-    for opening in house.doors:
-        x, y = middle(opening)
-        beyond = (
-            opening.width / 2 + 0.1 * (opening.width > 0),
-            opening.height / 2 + 0.1 * (opening.height > 0),
-        )
-        assert picture.shows(PAPER, x, y)
-        assert picture.shows(WALL, x - beyond[0], y - beyond[1])
-        assert picture.shows(WALL, x + beyond[0], y + beyond[1])
-    blocks = [shape for shape in plan(house, 600).shapes if isinstance(shape, Block)]
-    walls = [shape.box for shape in blocks if shape.fill == WALL]
-    assert len(walls) == len(set(walls)) == sum(map(len, house.walls))
-    panes = [shape for shape in blocks[-len(house.windows) :] if shape.fill == WOOD and shape.stroke == WALL]
-    assert len(panes) == len(house.windows)
-    assert all(any(overlap(pane.box, wall) > 0 for wall in walls) for pane in panes)
+    for door in house.doors:
+        west, north, east, south = opening(house, door)
+        x, y = (west + east) / 2, (north + south) / 2
+        beyond = door.width / 2 + 0.1 * (door.width > 0), door.height / 2 + 0.1 * (door.height > 0)
+        assert picture.shows(INKS.paper, x, y)
+        assert picture.shows(INKS.wall, x - beyond[0], y - beyond[1])
+        assert picture.shows(INKS.wall, x + beyond[0], y + beyond[1])
+    blocks = [shape for shape in flat(plan(house, 600).shapes) if isinstance(shape, Block)]
+    walls = [shape.box for shape in blocks if shape.fill == INKS.wall]
+    assert len(walls) == len(set(walls)) == len(house.rooms) + len([*inner_walls(house)])
 
 
-def test_an_arrow_leads_in_at_an_entrance_and_the_legend_says_so() -> None:
+def test_a_tip_points_in_at_an_entrance_and_the_legend_says_so() -> None:
     drawing, house = plan(PLANS["chain"], 600), PLANS["chain"]
-    floor = next(shape for shape in drawing.shapes if isinstance(shape, Block))
-    scale = (floor.box[2] - floor.box[0]) / house.rooms[0].width
-    arrow, key, tip = (shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK)
-    (foot_x, foot_y), (tip_x, tip_y), *_ = arrow.points
-    assert foot_x == tip_x
-    assert 0.3 < (tip_y - foot_y) / scale < 0.45  # south, into the hall, where no furniture may stand
-    assert "entrance" in words(drawing)
-    assert key.points[1] == tip.points[1]
+    scale = metre(drawing, house)
+    tip, key = (
+        shape for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke == INKS.mark
+    )
+    (entrance,) = (door for door in house.doors if door.is_entrance)
+    (left_x, left_y), (x, y), (right_x, right_y) = tip.points
+    outside = block(drawing, "R0").box[1] - OUTER * scale
+    assert left_y == right_y < y < outside  # south, into the hall
+    assert left_x < x < right_x
+    assert x == pytest.approx(block(drawing, "R0").box[0] + scale * (middle(entrance)[0] - house.rooms[0].x))
+    assert key.points[1][1] == words(drawing)["entrance"].at[1]
     assert "entrance" not in words(plan(HOUSE, 600))
 
 
+@pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
+def test_outer_walls_lie_outside_of_rooms_and_inner_ones_half_on_each_side(house: House) -> None:
+    """So the floor within outer walls has the size that the file says."""
+    picture, half = Picture(house), INNER / 2
+    boxes = [room.box for room in house.rooms]
+    openings = [each.box for each in (*house.doors, *house.windows)]
+    tried = {True: 0, False: 0}
+    for axis, lines in enumerate(house.walls):
+        for at, low, high in lines:
+            along = low + 0.37 * (high - low)
+
+            def point(
+                across: float, at: float = at, along: float = along, axis: int = axis
+            ) -> tuple[float, float]:
+                return (at + across, along) if axis == 0 else (along, at + across)
+
+            def box(x: float, y: float) -> tuple[float, float, float, float]:
+                return x - 0.15, y - 0.15, x + 0.15, y + 0.15
+
+            if any(overlap(box(*point(0)), each) >= 0 for each in openings):
+                continue
+            sides = [
+                any(excess((*point(by), *point(by)), each) < 0 for each in boxes) for by in (-0.01, 0.01)
+            ]
+            inner = all(sides)
+            tried[inner] += 1
+            for side, indoors in zip((-1, 1), sides, strict=True):
+                reach = half if inner else 0.0 if indoors else OUTER
+                near = [(by, True) for by in ([0.6 * reach] if reach else [])] + [(reach + 0.02, False)]
+                for by, is_wall in near:
+                    shown = picture.shows(INKS.wall, *point(side * by))
+                    assert shown == is_wall or any(
+                        overlap(box(*point(side * by)), piece.box) > 0
+                        for room in house.rooms
+                        for piece in room.pieces
+                    )
+    assert tried[True]
+    assert tried[False]
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_windows_and_entrances_are_as_wide_as_they_are_and_as_deep_as_the_outer_wall(name: str) -> None:
+    house, drawing = PLANS[name], plan(PLANS[name], 600)
+    scale = metre(drawing, house)
+    openings: list[tuple[str, Rect]] = [*windows_by_name(house).items()]
+    openings += [(name, door) for name, door in doors_by_name(house).items() if door.is_entrance]
+    assert openings
+    for part, segment in openings:
+        left, top, right, bottom = block(drawing, part).box
+        sides = sorted([(right - left) / scale, (bottom - top) / scale])
+        assert sides == pytest.approx(sorted([OUTER, segment.length]))
+
+
+@pytest.mark.parametrize(
+    "house", [HOUSE, *PLANS.values(), *(turned_house(HOUSE, quarters) for quarters in (1, 2, 3))]
+)
+def test_a_leaf_is_as_long_as_its_door_hangs_on_a_jamb_and_swings_into_a_room(house: House) -> None:
+    drawing = plan(house, 600)
+    scale, first = metre(drawing, house), block(drawing, house.rooms[0].name).box
+    leaves = door_leaves(house)
+    for leaf, (name, door) in zip(leaves, doors_by_name(house).items(), strict=True):
+        ends = {(door.x, door.y), (door.x + door.width, door.y + door.height)}
+        assert {leaf.hinge, leaf.jamb} == ends
+        assert math.dist(leaf.hinge, leaf.tip) == pytest.approx(door.length)
+        assert math.dist(leaf.tip, leaf.jamb) == pytest.approx(math.sqrt(2) * door.length)  # a right angle
+        assert leaf.room in door.between
+        assert excess(leaf.swing, house.room(leaf.room).box) <= 1e-6
+        for piece in house.room(leaf.room).pieces:
+            reach = distance((*leaf.hinge, *leaf.hinge), piece.box)
+            assert overlap(leaf.swing, piece.box) <= 1e-6 or reach >= door.length - 1e-6
+        (part,) = (each for each in drawing.shapes if isinstance(each, Part) and each.name == name)
+        lines = [each for each in part.shapes if isinstance(each, Line) and each.stroke == INKS.edge]
+        ((x0, y0), (x1, y1)) = lines[0].points
+        assert math.dist((x0, y0), (x1, y1)) == pytest.approx(scale * door.length)
+        assert (x1 - first[0]) / scale + house.rooms[0].x == pytest.approx(leaf.tip[0])
+        assert (y1 - first[1]) / scale + house.rooms[0].y == pytest.approx(leaf.tip[1])
+    for one, other in combinations(leaves, 2):
+        assert one.room != other.room or overlap(one.swing, other.swing) <= 1e-6
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    kind=st.sampled_from(sorted(LOOKS.pieces)),
+    box=st.tuples(st.floats(0, 5), st.floats(0, 5), *[st.floats(0.3, 3)] * 2),
+)
+def test_every_symbol_s_front_faces_as_its_piece_does(
+    kind: str, box: tuple[float, float, float, float]
+) -> None:
+    """A piece turned by quarters, with its orientation, is drawn as the one before, turned by quarters."""
+    x, y, width, height = box
+    frame, look = Frame(40.0, 0.0, 0.0), style([HOUSE])
+    drawn = []
+    for quarters in range(4):
+        piece = turned(Piece(x, y, width, height, kind, "S"), quarters)
+        places = []
+        for shape in piece_shapes(piece, frame.box(piece), piece.orientation, frame.scale, look):
+            is_box = isinstance(shape, Block | Oval)
+            points = (shape.box[:2], shape.box[2:]) if is_box else getattr(shape, "points", ())
+            turned_back = [back(point, quarters) for point in points]
+            xs, ys = zip(*turned_back, strict=True)
+            places += [min(xs), min(ys), max(xs), max(ys)] if is_box else [*xs, *ys]
+        drawn.append(places)
+    for other in drawn[1:]:
+        assert other == pytest.approx(drawn[0], abs=1e-6)
+
+
+def back(point: tuple[float, float], quarters: int) -> tuple[float, float]:
+    """A point turned back by quarters, counter-clockwise about the origin."""
+    for _ in range(quarters):
+        point = point[1], -point[0]
+    return point
+
+
+def test_every_symbol_shows_its_front_but_those_of_pieces_that_have_none() -> None:
+    """What is the same seen from behind could not say where it faces."""
+
+    def seen(turned_round: bool, forms: tuple) -> list:
+        found = []
+        for name, numbers in forms:
+            us, vs = numbers[:2:2] if name == "ring" else numbers[::2], numbers[1::2]
+            vs = [round(1 - v if turned_round else v, 6) for v in vs]
+            apart = name in {"box", "oval"}  # by opposite corners, whichever
+            found.append((name, [sorted(us), sorted(vs)] if apart else sorted(zip(us, vs, strict=True))))
+        return sorted(found)
+
+    same = {name for name, forms in LOOKS.symbols.items() if seen(True, forms) == seen(False, forms)}
+    assert same == {"plant", "table", "stool"}
+
+
 @pytest.mark.parametrize("quarters", range(4))
-def test_a_mark_shows_where_each_front_faces(quarters: int) -> None:
-    house = turned_house(HOUSE, quarters)
+def test_a_mark_shows_where_the_front_of_a_piece_without_a_symbol_faces(quarters: int) -> None:
+    house = turned_house(strange_pieces(HOUSE), quarters)
     picture = Picture(house)
     ways = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
     for piece in (piece for room in house.star.rooms for piece in room.pieces if piece.orientation):
         (x, y), (east, south) = middle(piece), ways[piece.orientation]
         ahead, aside = east * piece.width / 2, south * piece.height / 2
-        assert picture.shows(MARK, x + ahead, y + aside)
-        assert not picture.shows(MARK, x - ahead, y - aside)
+        assert picture.shows(INKS.mark, x + ahead, y + aside)
+        assert not picture.shows(INKS.mark, x - ahead, y - aside)
+    assert "front of furniture" in words(plan(house, 600))
+    assert "front of furniture" not in words(plan(HOUSE, 600))
+
+
+def strange_pieces(house: House) -> House:
+    """The house with pieces of a type that has no symbol."""
+
+    def strange(piece: Piece) -> Piece:
+        return replace(piece, type="piano", children=tuple(map(strange, piece.children)))
+
+    rooms = tuple(replace(room, children=tuple(map(strange, room.children))) for room in house.star.rooms)
+    return changed_star(house, rooms=rooms)
 
 
 def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
@@ -133,10 +284,10 @@ def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
     floor = Rect(-3.1, -3.1, 6.2, 6.2)
     house = House.of_star(replace(HOUSE.star, floor=floor), ORIGINAL)
     picture = Picture(house)
-    assert picture.shows(WALL, -3.1, 3.0)
-    assert picture.shows(room_colour("bedroom"), 0.9, -3.1)
-    shapes = plan(house, 300, 300).shapes
-    assert not [shape for shape in shapes if isinstance(shape, Line) and shape.stroke == MARK]
+    assert picture.shows(INKS.wall, -3.2, 3.0)
+    assert picture.shows(LOOKS.colour("bedroom"), 0.9, -3.1)
+    shapes = [*flat(plan(house, 300, 300).shapes)]
+    assert not [shape for shape in shapes if isinstance(shape, Line) and shape.stroke == INKS.mark]
     assert "front of furniture" not in words(plan(house, 300, 300))
 
 
@@ -144,8 +295,8 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
     drawing = plan(HOUSE, 300, 300)
     labels = words(drawing)
     assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
-    furniture = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.radius]
-    floors = [shape for shape in drawing.shapes if isinstance(shape, Block) and not shape.radius][1:]
+    furniture = [shape.box for shape in flat(drawing.shapes) if isinstance(shape, Block) and shape.radius]
+    floors = [shape for shape in flat(drawing.shapes) if isinstance(shape, Block) and not shape.radius][1:]
     for text in ("bedroom", "bathroom", "kitchen", "hall", "main room"):
         (x, y), size = labels[text].at, labels[text].size
         half = text_width(text, size) / 2
@@ -160,16 +311,20 @@ def test_every_room_is_labelled_clear_of_its_furniture() -> None:
 def test_the_scale_bar_is_as_long_as_it_says_and_long_enough_to_be_seen(size: int, metres: int) -> None:
     drawing = plan(HOUSE, size, size)
     end, y = words(drawing)[f"{metres} m"].at
-    lines = [shape.points for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke != MARK]
+    lines = [
+        shape.points
+        for shape in flat(drawing.shapes)
+        if isinstance(shape, Line) and shape.stroke != INKS.mark
+    ]
     (bar,) = [(a, b) for a, b, *_ in lines if a[1] == b[1] == y]
     assert bar[1][0] - bar[0][0] == pytest.approx(metres * metre(drawing, HOUSE))
     assert 18 <= bar[1][0] - bar[0][0] < end
 
 
 def test_a_legend_says_what_the_marks_are() -> None:
-    drawing = plan(HOUSE, 300, 300)
+    drawing = plan(strange_pieces(HOUSE), 300, 300)
     x, y = words(drawing)["front of furniture"].at
-    marks = [shape for shape in drawing.shapes if isinstance(shape, Line) and shape.stroke == MARK]
+    marks = [shape for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke == INKS.mark]
     assert marks[-1].points[0][1] == y
     assert 0 < x - marks[-1].points[1][0] < 10
 
@@ -189,17 +344,21 @@ def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_bet
     ET.fromstring(contact_sheet_svg([house], cell=cell))
     drawing = plan(house, cell, cell)
     short = abbreviations(room.type for room in house.star.rooms)
-    floors = [shape.box for shape in drawing.shapes if isinstance(shape, Block) and shape.fill in FLOORS]
-    for word in (shape for shape in drawing.shapes if isinstance(shape, Text)):
+    floors = [
+        shape.box for shape in flat(drawing.shapes) if isinstance(shape, Block) and shape.fill in FLOORS
+    ]
+    for word in (shape for shape in flat(drawing.shapes) if isinstance(shape, Text)):
         if word.text in {*short, *short.values()} and word.anchor == "middle":
             half = text_width(word.text, word.size) / 2
             box = word.at[0] - half, word.at[1] - word.size / 2, word.at[0] + half, word.at[1] + word.size / 2
             assert word.size >= LEAST
             assert any(excess(box, floor) <= 0 for floor in floors)
-    named = {word.text for word in drawing.shapes if isinstance(word, Text) and word.anchor == "middle"}
+    named = {word.text for word in flat(drawing.shapes) if isinstance(word, Text) and word.anchor == "middle"}
     if not {room.type for room in house.star.rooms} <= named:
         keyed = {
-            shape.text for shape in drawing.shapes if isinstance(shape, Text) and shape.anchor == "start"
+            shape.text
+            for shape in flat(drawing.shapes)
+            if isinstance(shape, Text) and shape.anchor == "start"
         }
         assert {room.type for room in house.star.rooms} <= keyed
 
@@ -226,21 +385,21 @@ def test_one_scale_makes_a_metre_as_long_in_all_plans(tmp_path: Path) -> None:
     for apart in (False, True):
         root = ET.fromstring(contact_sheet_svg(houses, one_scale=apart))
         metres = [
-            float(cell[0].attrib["width"]) / house.star.floor.width
+            float(cell.findall(f"{NAMESPACE}g")[0][0].attrib["width"]) / house.star.floor.width
             for cell, house in zip(root.findall(f"{NAMESPACE}g"), houses, strict=True)
         ]
         assert (max(metres) - min(metres) < 0.05) == apart
     plans = [ET.parse(path).getroot() for path in draw(houses, tmp_path, one_scale=True)[:-1]]
-    widths = [float(root.findall(f"{NAMESPACE}g")[0][0].attrib["width"]) for root in plans]
+    widths = [float(root.findall(f"{NAMESPACE}g/{NAMESPACE}g")[0][0].attrib["width"]) for root in plans]
     metres = [width / house.star.floor.width for width, house in zip(widths, houses, strict=True)]
     assert max(metres) - min(metres) < 0.05
 
 
 def test_an_unknown_type_always_has_the_same_colour_and_shows_its_name() -> None:
     names = ["study", "library", "greenhouse", "cellar", "corridor", ""]
-    colours = [room_colour(name) for name in names]
+    colours = [LOOKS.colour(name) for name in names]
     assert len(set(colours)) == len(names)
-    code = f"from logic.plan import room_colour; print(*map(room_colour, {names!r}))"
+    code = f"from logic.looks import DEFAULT; print(*map(DEFAULT.colour, {names!r}))"
     other = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert other.stdout.split() == colours
     lamp = replace(HOUSE.star.rooms[3].children[0], type="piano", orientation="")
@@ -260,12 +419,26 @@ def test_svg_and_png_have_the_same_shapes_and_size() -> None:
     assert len(drawn) == len(shapes)
 
 
+@pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
+def test_each_part_of_an_svg_has_the_name_by_which_explain_takes_it(house: House) -> None:
+    named = [
+        each.attrib["data-part"]
+        for each in ET.fromstring(plan_svg(house)).iter()
+        if "data-part" in each.attrib
+    ]
+    assert len(named) == len(set(named))
+    pieces = sum(len(room.pieces) for room in house.rooms)
+    assert len(named) == len(house.rooms) + pieces + len(house.doors) + len(house.windows)
+    for name in named:
+        target_in(house, name)
+
+
 def test_the_title_says_where_the_house_comes_from_as_far_as_it_fits() -> None:
     made = replace(HOUSE, provenance=Provenance("grammars/family", "", {}, 7, 12, {}))
     words = "family · seed 7 · house 12 · 4 rooms · 66 m²"
 
     def titles(width: int) -> set[str]:
-        return {shape.text for shape in plan(made, width, 300).shapes if isinstance(shape, Text)}
+        return {shape.text for shape in flat(plan(made, width, 300).shapes) if isinstance(shape, Text)}
 
     assert words in titles(300)
     assert "house 12 · 4 rooms · 66 m²" in titles(200)
@@ -299,7 +472,7 @@ def test_a_plan_of_each_house_and_a_sheet_are_written(tmp_path: Path, form: str)
 
 
 def test_what_cannot_be_drawn_leaves_no_file(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="svg or png, not 'gif'"):
+    with pytest.raises(ValueError, match="svg, png or pdf, not 'gif'"):
         draw([HOUSE], tmp_path, "gif")  # pyright: ignore[reportArgumentType]
     with pytest.raises(ValueError, match="no house"):
         draw([], tmp_path)

@@ -154,7 +154,7 @@ def test_explain_answers_in_words_or_in_json(explained: Callable[..., tuple[int,
     assert "--type bathroom=9" in words
     code, record = explained("explain", "--rooms", "3", "--type", "kitchen=0", "--json")
     assert code == 0
-    assert [reason["line"] for reason in json.loads(record)["reasons"]] == [None, 4, 10, None]
+    assert [reason["line"] for reason in json.loads(record)["answer"]["reasons"]] == [None, 4, 10, None]
 
 
 def test_explain_says_so_where_there_are_houses(explained: Callable[..., tuple[int, str]]) -> None:

@@ -5,7 +5,9 @@
 
 import json
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pygltflib
@@ -20,7 +22,6 @@ from agent.banks import benchmark
 from agent.cli import main
 from logic import House, save
 from logic.exports import FORMATS, export
-from logic.exports.ros import RESOLUTION
 from logic.own_plan import read_plan
 from logic.solids import HEAD, SILL, WALL_HEIGHT, solids
 from tests.sample_houses import RANDOM, example
@@ -105,6 +106,52 @@ def test_usd_is_read_by_openusd_in_metres_with_z_up_and_the_same_bounds(house: H
         np.testing.assert_allclose([*bound.GetMin(), *bound.GetMax()], expected, atol=1e-5)
 
 
+def boxes_of_glb(path: Path) -> np.ndarray:
+    """All boxes of a binary glTF as trimesh has them: (n, 6), x, z, y from and to; y grows upwards."""
+    scene = trimesh.load_scene(path)
+    placed = [(scene.graph[node], scene.geometry) for node in scene.graph.nodes_geometry]
+    return np.array(
+        [(geometry[name].bounds + place[:3, 3])[:, [0, 2, 1]].ravel() for (place, name), geometry in placed]
+    )
+
+
+def boxes_of_usd(path: Path) -> np.ndarray:
+    """All cubes of a stage as OpenUSD bounds them: (n, 6), x, y, z from and to, with y turned south."""
+    stage = Usd.Stage.Open(str(path))
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
+    cubes = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Cube)]
+    bounds = [cache.ComputeWorldBound(cube).ComputeAlignedRange() for cube in cubes]
+    low, high = np.array([(each.GetMin(), each.GetMax()) for each in bounds]).transpose(1, 0, 2)
+    return np.column_stack([low[:, 0], -high[:, 1], low[:, 2], high[:, 0], -low[:, 1], high[:, 2]])
+
+
+@HOUSES
+@pytest.mark.parametrize(("format", "read"), [("gltf", boxes_of_glb), ("usd", boxes_of_usd)])
+def test_readers_find_walls_of_2_5_m_and_doorways_that_are_open_to_2_m(
+    house: House, format: str, read: Callable[[Path], np.ndarray], tmp_path: Path
+) -> None:
+    """Over the middle of each wall, door and entrance: what stands there, from the floor upwards."""
+    boxes = read(only(house, tmp_path, format))
+    boxes = boxes[boxes[:, 5] > 0.01]  # without floors
+
+    def heights(x: float, y: float) -> set[tuple[float, float]]:
+        over = (boxes[:, :2] < (x, y)).all(axis=1) & (boxes[:, 3:5] > (x, y)).all(axis=1)
+        return {(round(low, 4), round(high, 4)) for low, high in boxes[over][:, [2, 5]].tolist()}
+
+    assert boxes[:, 5].max() == pytest.approx(2.5)
+    verticals, horizontals = house.walls
+    middles = [(at, (low + high) / 2) for at, low, high in verticals]
+    middles += [((low + high) / 2, at) for at, low, high in horizontals]
+    wall, window, entrance = {(0.0, 2.5)}, {(0.0, 0.9), (0.9, 2.1), (2.1, 2.5)}, {(0.0, 2.0), (2.0, 2.5)}
+    # Furniture that stands against a wall is over its middle too.
+    assert all(any(heights(*middle) >= each for each in (wall, window, entrance)) for middle in middles)
+    for door in house.doors:
+        middle = door.x + door.width / 2, door.y + door.height / 2
+        assert heights(*middle) == (entrance if door.is_entrance else {(2.0, 2.5)})
+    for pane in house.windows:
+        assert heights(pane.x + pane.width / 2, pane.y + pane.height / 2) >= window
+
+
 @HOUSES
 def test_geojson_is_read_by_geos_and_its_rooms_have_their_areas(house: House, tmp_path: Path) -> None:
     text = only(house, tmp_path, "geojson").read_text()
@@ -133,32 +180,74 @@ def test_geojson_of_a_home_is_a_plan_to_generate_in(tmp_path: Path) -> None:
         )
 
 
+class OccupancyGrid(NamedTuple):
+    """A map as ROS has it: nav_msgs/OccupancyGrid."""
+
+    cells: np.ndarray
+    """(H, W) int8: 100 occupied, 0 free, -1 unknown. Row 0 is the southernmost."""
+    resolution: float
+    west: float
+    south: float
+
+
+def occupancy_grid(path: Path) -> OccupancyGrid:
+    """A map by the rules of ``loadMapYaml`` and ``loadMapFromFile`` of nav2_map_server 1.5.0, src/map_io.cpp,
+    for maps that are trinary, turned by no angle and nowhere transparent, as ours are.
+    """
+    description = yaml.safe_load(path.read_text())
+    assert description["mode"] == "trinary"
+    with Image.open(path.parent / description["image"]) as picture:
+        assert picture.mode == "L"
+        shade = np.asarray(picture, np.float32) / 255
+    occupied = shade if description["negate"] else 1 - shade
+    cells = np.full(shade.shape, -1, np.int8)
+    cells[occupied >= description["occupied_thresh"]] = 100
+    cells[occupied <= description["free_thresh"]] = 0
+    west, south, yaw = description["origin"]
+    assert yaw == 0
+    return OccupancyGrid(cells[::-1], description["resolution"], west, south)
+
+
 @HOUSES
-def test_the_map_of_ros_is_occupied_at_walls_and_pieces_free_in_rooms_unknown_outside(
+def test_each_cell_of_the_map_of_ros_is_occupied_free_or_unknown_as_the_house_says(
     house: House, tmp_path: Path
 ) -> None:
-    """As map_server reads it: p = (255 - value) / 255, and the origin is the south-west cell's corner."""
-    description = yaml.safe_load(only(house, tmp_path, "ros").read_text())
-    occupancy = (255 - np.asarray(Image.open(tmp_path / description["image"]), float)) / 255
-    west, south, yaw = description["origin"]
-    assert (description["resolution"], description["negate"], yaw) == (RESOLUTION, 0, 0)
+    """Occupied where a wall or a piece is, free within rooms, unknown outside. Cells that are merely touched
+    may be either. Each door is open, and each wall is without a gap.
+    """
+    found = occupancy_grid(only(house, tmp_path, "ros"))
+    rows, columns = np.indices(found.cells.shape)
+    x, y = found.west + columns * found.resolution, -(found.south + rows * found.resolution)
 
-    def at(x: float, y: float) -> float:
-        row = len(occupancy) - 1 - int((-y - south) / RESOLUTION)
-        return occupancy[row, int((x - west) / RESOLUTION)]
+    def cells(margin: float) -> np.ndarray:
+        side = found.resolution
+        return np.asarray(shapely.box(x - margin, y - side - margin, x + side + margin, y + margin))
 
-    for room in house.rooms:
-        for piece in room.pieces:
-            assert at(piece.x + piece.width / 2, piece.y + piece.height / 2) > description["occupied_thresh"]
-    for x, low, high in house.walls[0]:
-        assert (
-            max(at(x - 1e-4, (low + high) / 2), at(x + 1e-4, (low + high) / 2))
-            > description["occupied_thresh"]
-        )
+    verticals, horizontals = house.walls
+    walls = [((at, low), (at, high)) for at, low, high in verticals]
+    walls += [((low, at), (high, at)) for at, low, high in horizontals]
+    pieces = [shapely.box(*piece.box) for room in house.rooms for piece in room.pieces]
+    solid = shapely.union_all([*shapely.linestrings(walls), *pieces])
+    rooms = shapely.union_all([shapely.box(*room.box) for room in house.rooms])
+    for each in (solid, rooms):
+        shapely.prepare(each)
+    filled, touched = (shapely.intersects(solid, cells(margin)) for margin in (-1e-4, 1e-4))
+    assert (found.cells[filled] == 100).all()
+    assert (found.cells[~touched & shapely.covers(rooms, cells(0))] == 0).all()
+    assert (found.cells[~touched & ~shapely.intersects(rooms, cells(0))] == -1).all()
+    assert {*np.unique(found.cells[~touched]).tolist()} == {-1, 0}
+
+    def at(points: np.ndarray) -> np.ndarray:
+        east, north = points[:, 0] - found.west, -points[:, 1] - found.south
+        return found.cells[(north / found.resolution).astype(int), (east / found.resolution).astype(int)]
+
+    for line in shapely.linestrings(walls):
+        points = shapely.get_coordinates(shapely.segmentize(line, 0.01))
+        assert (np.maximum(at(points - 1e-4), at(points + 1e-4)) == 100).all()
     for door in house.doors:
         if not door.is_entrance:
-            assert at(door.x + door.width / 2, door.y + door.height / 2) < description["free_thresh"]
-    assert description["free_thresh"] < at(west + 0.01, -south - 0.01) < description["occupied_thresh"]
+            middle = np.array([[door.x + door.width / 2, door.y + door.height / 2]])
+            assert at(middle) == 0
 
 
 def test_a_folder_of_files_is_written_by_a_command(

@@ -113,6 +113,6 @@ def test_the_lint_command_prints_each_finding_on_a_line(
     code, lines = said(str(folder))
     assert code == 1
     assert "sizes.pl:7:1: error: nothing uses room_gab/1: did you mean room_gap/1?" in lines
-    assert json.loads(said(str(folder), "--json")[1].splitlines()[0])["line"] == 7
+    assert json.loads(said(str(folder), "--json")[1])["answer"]["findings"][0]["line"] == 7
     assert said("family")[0] == 0
     assert said("nowhere")[0] == 5

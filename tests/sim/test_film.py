@@ -1,15 +1,18 @@
 """Pictures show what is there; films hold every frame."""
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image, ImageColor, ImageSequence
 
-from logic.plan import PAPER, WALL, room_colour
+from logic.looks import DEFAULT as LOOKS
+from logic.palettes import Inks
 from sim import DEFAULT, HouseVectorEnv
 from sim.film import BODY, TARGET, Camera, View, film
 from sim.geometry import geometry
 from tests import sample_houses
 
+INKS = Inks()
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
 
 
@@ -35,16 +38,16 @@ def test_a_picture_shows_body_target_walls_and_floor_in_their_places(envs):
     assert max(image.size) == 600
     assert colour_at(image, 4.9, 1.4) == BODY
     assert colour_at(image, 7.0, 0.6) == TARGET
-    assert colour_at(image, 0.0, 0.5) == ImageColor.getrgb(WALL)
-    assert colour_at(image, 4.3, 2.8) == ImageColor.getrgb(PAPER)
+    assert colour_at(image, -0.1, 0.5) == ImageColor.getrgb(INKS.wall)
+    assert colour_at(image, 4.3, 2.8) == ImageColor.getrgb(INKS.paper)
 
 
 def test_rooms_and_doors_have_the_colours_of_plans(envs):
     image = Camera(envs, 0, width=600).shoot()
     (room,) = HOUSE.star.rooms
-    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(room_colour(room.type))
+    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(LOOKS.colour(room.type))
     door = room.door.x + room.door.width / 2, room.door.y + room.door.height / 2
-    assert colour_at(image, *door) == ImageColor.getrgb(PAPER)
+    assert colour_at(image, *door) == ImageColor.getrgb(INKS.paper)
 
 
 def test_every_environment_is_rendered_alone(envs):
@@ -80,8 +83,24 @@ def test_a_film_has_all_frames_in_order(envs, tmp_path):
         gif.seek(3)
         last = np.asarray(gif.convert("RGB"), int)
     assert np.abs(last - np.asarray(frames[3], int)).mean() < 3
-    with pytest.raises(ValueError, match=r"film.mp4: films are written as .gif alone: use .*film.gif"):
-        film(frames, tmp_path / "films" / "film.mp4")
+    with pytest.raises(ValueError, match=r"film.avi: films are written as .gif or .mp4: use .*film.gif"):
+        film(frames, tmp_path / "films" / "film.avi")
     with pytest.raises(ValueError, match="no frame"):
         film([], tmp_path / "none.gif")
     assert [path.name for path in (tmp_path / "films").iterdir()] == ["film.gif"]
+
+
+def test_an_mp4_has_all_frames_in_order_and_the_last_for_a_second(tmp_path):
+    colours = [(200, 40, 40), (40, 200, 40), (40, 40, 200)]
+    frames = (Image.new("RGB", (61, 35), colour) for colour in colours)  # H.264 needs even sides
+    path = film(frames, tmp_path / "film.mp4", fps=10)
+    assert imageio_ffmpeg.count_frames_and_secs(str(path)) == (12, pytest.approx(1.2, abs=0.01))
+    reader = imageio_ffmpeg.read_frames(str(path))
+    about = next(reader)
+    assert (about["size"], about["fps"], about["codec"]) == ((62, 36), 10, "h264")
+    shown = [np.frombuffer(frame, np.uint8).reshape(36, 62, 3)[17, 30].astype(int) for frame in reader]
+    for found, colour in zip(shown, [*colours, *colours[2:] * 9], strict=True):
+        assert np.abs(found - colour).max() < 20
+    assert [each.name for each in tmp_path.iterdir()] == ["film.mp4"]
+    with pytest.raises(ValueError, match="no frame"):
+        film([], tmp_path / "none.mp4")

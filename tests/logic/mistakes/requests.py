@@ -15,7 +15,7 @@ class Command:
 MISTAKES = (
     # commands
     Command("trian", ("there is no command trian", "did you mean train?")),
-    Command("frobnicate", ("there is no command frobnicate: there are generate, explain",)),
+    Command("frobnicate", ("there is no command frobnicate: there are generate, check",)),
     Command("bench generatr", ("there is no study generatr", "did you mean generator?")),
     # options
     Command("generate --rooom 3", ("generate: there is no option --rooom", "did you mean --rooms?")),

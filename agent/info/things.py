@@ -1,0 +1,148 @@
+"""What ``vitruvius info`` knows, a type for each kind of thing; ``kind`` names it in JSON."""
+
+from typing import Any
+
+import msgspec
+
+
+class Thing(msgspec.Struct, frozen=True, tag_field="kind", kw_only=True):
+    """Anything that ``info`` knows."""
+
+    name: str
+    """As it was given."""
+
+
+class Houses(Thing, tag="houses", frozen=True):
+    """A house file, or a frozen bank."""
+
+    houses: int
+    formats: dict[str, int]
+    topologies: dict[str, int]
+    rooms: tuple[int, int]
+    """Fewest and most in a house, as requests count them."""
+    types: dict[str, int]
+    pieces: dict[str, int]
+    grammars: dict[str, int]
+    """Houses by grammar, each with the start of its hash."""
+    seeds: tuple[int, ...]
+    versions: dict[str, str]
+    checksum: str
+    """``agent.banks.bank_hash``."""
+    bank: str | None = None
+    """The frozen bank whose houses these are."""
+    stopped: str | None = None
+    """Why the series ended early."""
+
+
+class Plan(Thing, tag="plan", frozen=True):
+    """GeoJSON, for ``generate --plan``."""
+
+    rooms: int
+    types: dict[str, int]
+    size: tuple[float, float]
+    """Metres, east and south."""
+
+
+class Agent(Thing, tag="agent", frozen=True):
+    """A checkpoint."""
+
+    agent: str
+    format: str
+    readable: bool
+    """Whether this version plays it."""
+    algorithm: str
+    steps: int
+    parameters: int
+    targets: str
+    houses_checksum: str
+    """``bank_hash`` of those that it learnt in."""
+    command: str
+    config: dict[str, Any]
+
+
+class Run(Thing, tag="run", frozen=True):
+    """A folder of ``train``."""
+
+    preset: str
+    algorithm: str
+    steps: int
+    of_steps: int
+    finished: bool
+    seconds: float
+    targets: float | None
+    """Picked up per 1500 steps at the last report."""
+    houses: int
+    houses_checksum: str
+    command: str
+    versions: dict[str, str]
+    files: list[str]
+
+
+class Games(Thing, tag="games", frozen=True):
+    """Results of ``play``."""
+
+    games: int
+    players: dict[str, int]
+    targets: dict[str, int]
+    views: dict[str, int]
+    score: float
+    """Mean number of targets."""
+    raced: list[str]
+    houses: int
+    taken: tuple[str, str]
+    """The first and the last."""
+    versions: dict[str, str]
+
+
+class Scores(Thing, tag="scores", frozen=True):
+    """Figures of ``evaluate``: the oracle ratio of each policy by where targets lay."""
+
+    bank: str
+    houses: int
+    checksum: str
+    seed: int
+    backend: str
+    ratios: dict[str, dict[str, float]]
+
+
+class Trace(Thing, tag="trace", frozen=True):
+    """An episode, step by step."""
+
+    format: str
+    agent: str
+    mode: str
+    seed: int
+    length: int
+    targets: int
+    """How many appeared."""
+
+
+class Grammar(Thing, tag="grammar", frozen=True):
+    """A folder of rules."""
+
+    folder: str
+    topology: str
+    checksum: str
+    lines: dict[str, int]
+    """Of each of its files."""
+    shipped: bool
+
+
+class Keras(Thing, tag="keras", frozen=True):
+    """Weights in HDF5, as Keras writes them: for ``import-keras``."""
+
+    layers: dict[str, str]
+    """The shapes of each one's arrays."""
+    parameters: int
+    versions: dict[str, str]
+
+
+class Settings(Thing, tag="settings", frozen=True):
+    """A TOML file for ``train --config``, or a preset."""
+
+    preset: str
+    algorithm: str
+    steps: int
+    targets: str
+    changed: dict[str, str]
+    """What is not as in the preset."""

@@ -1,0 +1,256 @@
+"""The options of a command, read from its dataclass: for help, for completion, and for errors of one line.
+
+tyro turns arguments into the dataclass. What is here says which options there are, and refuses what is
+wrong in a word that tyro would refuse in many lines.
+"""
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from importlib.util import find_spec
+from itertools import pairwise
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import tyro
+
+from logic.errors import RequestError
+from logic.spelling import closest, unknown
+
+METAVARS = {int: "N", float: "X", str: "TEXT", Path: "PATH"}
+"""What stands for a value in help, by its type."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a command, or an argument without a name."""
+
+    name: str
+    """The field's."""
+    type: Any
+    """bool, int, float, str or Path: of one value."""
+    help: str
+    """A sentence or more."""
+    group: str
+    """Title of the options that it stands among."""
+    default: Any = MISSING
+    choices: tuple[str, ...] = ()
+    shown: str = ""
+    """What stands for its value in help, where the type's word is not enough."""
+    positional: bool = False
+    several: bool = False
+    """Whether it takes values one after the other."""
+    repeated: bool = False
+    """Whether it is given once for each value."""
+    optional: bool = False
+    """Whether it takes the word None."""
+
+    @property
+    def flag(self) -> str:
+        """As in ``--keep-rooms``."""
+        return "--" + self.name.replace("_", "-")
+
+    @property
+    def metavar(self) -> str:
+        """What stands for its value in help."""
+        if self.choices and not self.shown:
+            return "{" + ",".join(self.choices) + "}"
+        return self.shown or (self.name.upper() if self.positional else METAVARS[self.type])
+
+    def require(self, value: str) -> None:
+        """Raise ``RequestError`` for a value that it cannot have."""
+        if self.optional and value == "None":
+            return
+        if self.choices and value not in self.choices:
+            given = value if self.positional else f"{self.flag} {value}"
+            raise RequestError(f"{given}: {unknown(self.name, value, self.choices)}")
+        if self.type in (int, float):
+            try:
+                self.type(value)
+            except ValueError:
+                kind = "whole number" if self.type is int else "number"
+                raise RequestError(f"{self.flag} {value}: give a {kind}, as in {self._example()}") from None
+
+    def _example(self) -> str:
+        """The option with a value that it may have."""
+        default = self.default if isinstance(self.default, int | float) else 3 if self.type is int else 0.5
+        return f"{self.flag} {default}"
+
+
+def options_of(command: Any) -> list[Option]:
+    """The options of a command: a dataclass, or an instance of one whose values are the defaults.
+
+    A field that holds a dataclass stands for that one's fields. A class's ``groups`` names, by the first
+    field of each, the groups that its options stand in.
+    """
+    found, title = list[Option](), "Options"
+    kind = command if isinstance(command, type) else type(command)
+    hints, sentences = get_type_hints(kind, include_extras=True), _sentences(kind)
+    groups = {name: words for each in kind.__mro__ for name, words in vars(each).get("groups", {}).items()}
+    for each in fields(kind):
+        default = getattr(command, each.name) if command is not kind else _default(each)
+        if is_dataclass(default):
+            found += options_of(default)
+            continue
+        title = groups.get(each.name, title)
+        found.append(_option(each.name, hints[each.name], default, sentences.get(each.name, ""), title))
+    return found
+
+
+def options_in(place: str) -> Iterator[Option]:
+    """The options of a command, ``module:Class``, by its source alone: importing a study imports torch.
+
+    Defaults are not known, nor values whose names are imported.
+    """
+    module, _, name = place.partition(":")
+    found = find_spec(module)
+    assert found is not None
+    assert found.origin is not None
+    tree = ast.parse(Path(found.origin).read_text("utf-8"))
+    values = {
+        each.targets[0].id: _literals(each.value)
+        for each in tree.body
+        if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name)
+    }
+    [kind] = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == name)
+    for field, sentence in _documented(kind):
+        annotation = ast.unparse(field.annotation)
+        names = [each.id for each in ast.walk(field.annotation) if isinstance(each, ast.Name)]
+        choices = _literals(field.annotation) or next(
+            (values[each] for each in names if values.get(each)), ()
+        )
+        assert isinstance(field.target, ast.Name)
+        yield Option(
+            field.target.id,
+            next((kind for kind in (bool, Path, int, float) if kind.__name__ in names), str),
+            " ".join(sentence.replace("``", "").split()),
+            "Options",
+            None,
+            choices,
+            positional="Positional" in annotation,
+            several="tuple" in names and "UseAppendAction" not in annotation,
+            repeated="UseAppendAction" in annotation,
+        )
+
+
+def _literals(annotation: ast.expr) -> tuple[str, ...]:
+    """The values of a ``Literal``, wherever it stands."""
+    for each in ast.walk(annotation):
+        if isinstance(each, ast.Subscript) and ast.unparse(each.value) == "Literal":
+            return tuple(str(one.value) for one in ast.walk(each.slice) if isinstance(one, ast.Constant))
+    return ()
+
+
+def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> None:
+    """Raise ``RequestError`` for arguments that are no command's: an option that it lacks or a value that one
+    cannot have, a word too many or one that is missing.
+    """
+    loose, given = list[str](), set[str]()
+    left = list(arguments)
+    while left:
+        word = left.pop(0)
+        if not word.startswith("--"):
+            loose.append(word)
+            continue
+        flag, has_value, value = word.partition("=")
+        option = _named(prog, flag.replace("_", "-"), options)
+        values = [value] if has_value else []
+        if option.type is bool and has_value:
+            raise RequestError(f"{word}: {option.flag} takes no value: leave it out")
+        most = 0 if option.type is bool or has_value else len(left) if option.several else 1
+        while most and left and not left[0].startswith("--"):
+            values.append(left.pop(0))
+            most -= 1
+        if not values and option.type is not bool and not option.several:
+            raise RequestError(f"{option.flag}: give a value, as in {option.flag} {option.metavar}")
+        for each in values:
+            option.require(each)
+        given.add(option.name)
+    _require_loose(prog, loose, [option for option in options if option.positional])
+    for option in options:
+        if option.default is MISSING and not option.positional and option.name not in given:
+            raise RequestError(f"{prog}: give {option.flag} {option.metavar}: {option.help}")
+
+
+def _named(prog: str, flag: str, options: Iterable[Option]) -> Option:
+    """The option of a flag. Raises ``RequestError`` that says what was meant."""
+    known = {option.flag: option for option in options if not option.positional}
+    off = {f"--no-{name[2:]}": option for name, option in known.items() if option.type is bool}
+    found = (known | off).get(flag)
+    if found is None:
+        close = closest(flag[2:], [each[2:] for each in (*known, *off, "--help")])
+        hint = f"did you mean --{close}?" if close else f"see {prog} --help"
+        raise RequestError(f"{prog}: there is no option {flag}: {hint}")
+    return found
+
+
+def _require_loose(prog: str, words: Sequence[str], options: Sequence[Option]) -> None:
+    """Raise ``RequestError`` for arguments without names that are too few, too many or wrong."""
+    if len(words) > len(options) and not any(option.several for option in options):
+        surplus = words[len(options)]
+        raise RequestError(f"{prog}: {surplus} is one word too many: see {prog} --help")
+    for word, option in zip(words, options, strict=False):
+        option.require(word)
+    for option in options[len(words) :]:
+        if option.default is MISSING:
+            raise RequestError(f"{prog}: give {option.metavar}: {option.help}")
+
+
+def _option(name: str, hint: Any, default: Any, sentence: str, group: str) -> Option:
+    """An option from what the dataclass says of its field."""
+    marks = list[Any]()
+    optional = several = False
+    while origin := get_origin(hint):
+        if origin is Annotated:
+            hint, *more = get_args(hint)
+            marks += more
+        elif origin in (Union, UnionType):
+            [hint] = (each for each in get_args(hint) if each is not NoneType)
+            optional = True
+        elif origin is tuple:
+            hint, several = get_args(hint)[0], True
+        elif origin is Literal:
+            break
+    choices = tuple(map(str, get_args(hint))) if get_origin(hint) is Literal else ()
+    repeated = tyro.conf.UseAppendAction in marks
+    return Option(
+        name,
+        str if choices else hint,
+        " ".join(sentence.replace("``", "").split()),
+        group,
+        default,
+        choices,
+        shown=next((mark.metavar for mark in marks if getattr(mark, "metavar", None)), ""),
+        positional=tyro.conf.Positional in marks,
+        several=several and not repeated,
+        repeated=repeated,
+        optional=optional,
+    )
+
+
+def _default(each: Any) -> Any:
+    """The default of a dataclass's field, or ``MISSING``."""
+    return each.default_factory() if each.default_factory is not MISSING else each.default
+
+
+def _sentences(kind: type) -> dict[str, str]:
+    """What the docstrings below a dataclass's fields say, of its own and of those that it inherits."""
+    found: dict[str, str] = {}
+    for each in reversed(kind.__mro__):
+        if is_dataclass(each):
+            [body] = ast.parse(textwrap.dedent(inspect.getsource(each))).body
+            assert isinstance(body, ast.ClassDef)
+            found |= {ast.unparse(field.target): sentence for field, sentence in _documented(body)}
+    return found
+
+
+def _documented(kind: ast.ClassDef) -> Iterator[tuple[ast.AnnAssign, str]]:
+    """The fields of a class, each with the docstring below it."""
+    for field, following in pairwise(kind.body):
+        if isinstance(field, ast.AnnAssign):
+            match following:
+                case ast.Expr(ast.Constant(str() as sentence)):
+                    yield field, sentence

@@ -1,0 +1,42 @@
+"""What a planner must know of the body and its rays."""
+
+from typing import NamedTuple
+
+
+class Body(NamedTuple):
+    """The body that a planner leads."""
+
+    rays: int
+    channels: int
+    distance: int
+    """The channel that has it."""
+
+    step: int
+    """Half cells."""
+
+    touching: bool
+    """Whether it fills a cell of the house."""
+
+    target: float
+    """Half a target's side, cells."""
+
+    reach: float
+    """Of rays, parts of a cell."""
+
+    noise: float
+    """The standard deviation of the rays' distances, cells."""
+
+    dropout: bool
+    """Whether a ray may return nothing though it met something."""
+
+    slip: bool
+    """Whether an action may do nothing, unnoticed."""
+
+    eighth: int
+    """Rays in an eighth of a turn."""
+
+    errs: bool
+    """Whether rays or wheels err, and the body does not fill a cell."""
+
+    prior: bool
+    """Whether what unseen places count is given from outside."""

@@ -1,0 +1,167 @@
+"""What rays of a noisy sensor say: their ends on walls and faces of pieces, with the noise averaged out.
+
+All that rays end on lies along one of two axes. So neighbouring rays that end within the noise of one line
+across an axis end on one face, and each ends where it meets the mean of their lines: the error of n rays'
+mean is 1 / sqrt(n) of one ray's. A ray that returned nothing beside one that did not is a drop-out: it
+shows no more floor than the ray beside it, and no end. Exact rays are taken as they are.
+"""
+
+import math
+
+from agent.avoidance import SPREAD, pair
+from agent.planner.body import Body
+from agent.planner.visibility import FINE
+from sim.runtime import ti
+
+NOTHING, WALL, TARGET = range(3)
+"""What a ray ends on: its range, a wall or a piece, the target."""
+
+LEAST = 3
+"""Rays that must agree on a line."""
+
+ASIDE = 6
+"""Rays to each side of one that are asked."""
+
+GRAZING = 0.1
+"""The sine of the angle to a face below which a ray says nothing of where it is."""
+
+SLIPS = 0.01
+"""How likely it is that an action was not done, before a look says more."""
+
+
+@ti.data_oriented
+class Scan:
+    """Looks of a body's rays."""
+
+    def __init__(self, body: Body) -> None:
+        """Read what its sensor says."""
+        self.rays, self.channels, self.column = body.rays, body.channels, body.distance
+        self.reach, self.noise, self.dropout = body.reach / FINE, body.noise, body.dropout
+        self.apart, self.eighth = pair(body.noise), body.eighth
+        self.error = max(body.noise, 0.05) / self.reach
+        self.margin = LEAST if body.noise > 0 else 1
+        self.most = 1.0 - SPREAD * self.noise / self.reach  # a ray that met nothing ends there by noise
+        self.tolerance = 1e-3 + SPREAD * 2**0.5 * self.noise
+
+    @ti.func
+    def raw(self, observation: ti.template(), e, ray):
+        """How far a ray reaches, as a part of its range, by the sensor."""
+        return observation[(e * self.rays + ray) * self.channels + self.column]
+
+    @ti.func
+    def kind(self, observation: ti.template(), e, ray):
+        """What a ray ends on, by the sensor."""
+        kind = ti.select(self.raw(observation, e, ray) < self.most, WALL, NOTHING)
+        if observation[(e * self.rays + ray + 1) * self.channels - 1] > 0:
+            kind = TARGET
+        return kind
+
+    @ti.func
+    def slant(self, tables: ti.template(), observation: ti.template(), e):
+        """Whether the heading lies at 45 degrees to the walls, -1 where no wall shows it. Where two rays end
+        on one wall, the line through both ends runs along an axis in one of the two cases: the pairs vote.
+        """
+        votes = ti.Vector([0, 0])
+        for r in range(self.rays - self.apart):
+            other = r + self.apart
+            one, next_ = self.raw(observation, e, r), self.raw(observation, e, other)
+            if (one < self.most) & (next_ < self.most):
+                for h in ti.static(range(2)):
+                    for axis in ti.static(range(2)):
+                        j = 2 * h * self.rays + axis
+                        gap = one * tables.directions[j + 2 * r] - next_ * tables.directions[j + 2 * other]
+                        votes[h] += ti.cast(ti.abs(gap) < self.tolerance, ti.i32)
+        return ti.select(ti.abs(votes[0] - votes[1]) < self.margin, -1, ti.cast(votes[1] > votes[0], ti.i32))
+
+    @ti.func
+    def end(self, tables: ti.template(), observation: ti.template(), e, heading, ray):
+        """How far a ray reaches, as a part of its range, and what it ends on."""
+        d, kind = self.raw(observation, e, ray), self.kind(observation, e, ray)
+        if kind == NOTHING:
+            d = 1.0
+            if ti.static(self.dropout):
+                for k in ti.static((-1, 1)):
+                    if (ray + k >= 0) & (ray + k < self.rays):
+                        d = ti.min(d, self.raw(observation, e, ray + k))
+        elif ti.static(self.noise > 0):
+            d = self.averaged(tables, observation, e, heading, ray, d, kind)
+        return d, kind
+
+    @ti.func
+    def averaged(self, tables: ti.template(), observation: ti.template(), e, heading, ray, d, kind):
+        """Where a ray meets the mean line of those beside it that end on the same face."""
+        most, reach = LEAST - 1, d
+        for axis in ti.static(range(2)):
+            j = 2 * heading * self.rays + axis
+            way = tables.directions[j + 2 * ray]
+            if ti.abs(way) > ti.static(GRAZING * self.reach):
+                number, weights, mean = 0, 0.0, 0.0
+                for side in ti.static((-1, 1)):
+                    k, going = ti.static(max(-side, 0)), 1  # this ray itself counts once
+                    while going & (k <= ASIDE):
+                        other = ray + side * k
+                        going = ti.cast((other >= 0) & (other < self.rays), ti.i32)
+                        if going:
+                            across = tables.directions[j + 2 * other]
+                            line = self.raw(observation, e, other) * across
+                            within = ti.max(ti.abs(way), ti.abs(across)) * ti.static(
+                                SPREAD * 2**0.5 * self.noise / self.reach
+                            )
+                            same = self.kind(observation, e, other) == kind
+                            going = ti.cast(same & (ti.abs(line - d * way) < within + 1e-3), ti.i32)
+                            if going:
+                                weight = 1.0 / (across * across)
+                                number, weights, mean = number + 1, weights + weight, mean + weight * line
+                        k += 1
+                if number > most:
+                    most, reach = number, mean / weights / way
+        return reach
+
+    @ti.func
+    def done(
+        self, memory: ti.template(), tables: ti.template(), observation: ti.template(), e, heading, turn, way
+    ):
+        """Whether an action was done, or the wheels slipped: a ``turn`` of -1, 0 or 1 eighths, or a step of
+        ``way`` cells. By what the last look lets expect of this one in either case; where that is alike, it
+        was done.
+        """
+        odds = ti.cast(ti.static(2 * math.log(1 / SLIPS)), ti.f32)
+        for ray in range(self.rays):
+            before = memory.last[e * self.rays + ray]
+            now = self.raw(observation, e, ray)
+            if turn == 0:
+                now = self.end(tables, observation, e, heading, ray)[0]
+            expected = before
+            if turn != 0:
+                turned = ray - turn * ti.static(self.eighth)
+                expected = -1.0
+                if (turned >= 0) & (turned < self.rays):
+                    expected = memory.last[e * self.rays + turned]
+            elif before < self.most:
+                expected = before - self.nearer(memory, tables, e, heading, ray, way)
+            if (expected >= 0.0) & (now < self.most) & (before < self.most) & (expected < self.most):
+                odds += self.surprise(now - before) - self.surprise(now - expected)
+        return ti.cast(odds > 0, ti.i32)
+
+    @ti.func
+    def surprise(self, error):
+        """Of an error of a distance, in squares of standard deviations, 9 at most."""
+        return ti.min(9.0, (error / self.error) ** 2)
+
+    @ti.func
+    def nearer(self, memory: ti.template(), tables: ti.template(), e, heading, ray, way):
+        """How much nearer a step brings what a ray ended on in the last look, as a part of the range: a face
+        across the axis along which neighbouring rays ended nearest to each other.
+        """
+        at, low, high = e * self.rays, ti.max(ray - 2, 0), ti.min(ray + 2, self.rays - 1)
+        nearer, least = 0.0, self.tolerance
+        for axis in ti.static(range(2)):
+            j = 2 * heading * self.rays + axis
+            gap = (
+                memory.last[at + low] * tables.directions[j + 2 * low]
+                - memory.last[at + high] * tables.directions[j + 2 * high]
+            )
+            across = tables.directions[j + 2 * ray]
+            if (ti.abs(gap) < least) & (ti.abs(across) > ti.static(GRAZING * self.reach)):
+                nearer, least = way[axis] / across, ti.abs(gap)
+        return nearer

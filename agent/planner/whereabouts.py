@@ -1,0 +1,75 @@
+"""Where a planner believes the target to be, for pictures: what each place counts in its choice of a view."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from agent.planner import Planner
+from agent.planner.arrays import Bytes, Floats, Memory, Shorts, Wholes, Words
+from agent.planner.belief import Belief
+from agent.planner.body import Body
+from agent.planner.candidates import Candidates
+from agent.planner.config import PlannerConfig
+from agent.planner.occupancy import FLAGS, Occupancy, number_type
+from agent.planner.reachability import SIDE, UNKNOWN
+from agent.planner.state import SIZE, loaded
+from agent.planner.viewpoints import TRIED
+from sim.runtime import Array, Launch, start, ti
+
+
+class Whereabouts:
+    """Reads what planners believe; it changes nothing that their next steps depend on."""
+
+    def __init__(self, planner: Planner) -> None:
+        """Of this planner."""
+        self.side = 1 << planner.config.map_bits - 1  # blocks of two by two cells
+        self.counts = Array(ti.u8, len(planner.advice) * self.side**2)
+        kernel = _kernel(start(), planner.config, planner.body)
+        self._launch = Launch(kernel, planner.arrays | {"counts": self.counts})
+
+    def read(self, environment: int = 0) -> np.ndarray:
+        """What a target in each block of two by two cells counts (S / 2, S / 2) uint8, from 0 to ``CERTAIN``,
+        south by east with the start in the middle: floor that it saw before the last pick-up, and what it
+        never saw by how surely that is free floor; less in the room, or outside the room, where the pick-ups
+        so far say that targets are rare. Nothing where a view has shown that no target is there.
+        """
+        self._launch()
+        blocks = self.counts.view().reshape(-1, self.side, self.side)[environment]
+        return np.roll(blocks, (self.side // 2, self.side // 2), axis=(0, 1))
+
+
+@cache
+def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
+    """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
+    occupancy = Occupancy(config, body.step, body.touching, body.errs)
+    belief = Belief(config, occupancy, body.prior)
+    parts = Candidates(config, occupancy, belief)
+    Numbers = ti.types.ndarray(number_type(config), 1)
+
+    @ti.kernel
+    def whereabouts(
+        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
+        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Bytes,
+        states: Wholes, counts: Bytes,
+    ):  # fmt: skip
+        memory = ti.static(
+            Memory(
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior
+            )
+        )
+        for e in range(states.shape[0] // ti.static(SIZE)):
+            base, state = e * occupancy.area, loaded(states, e)
+            room, shares = belief.start_room(memory, base), belief.shares(state.found_here, state.found)
+            for tile, block in ti.ndrange(parts.field.number, SIDE * SIDE):
+                node = parts.field.node(tile, block)
+                x, y, i = occupancy.across(node), occupancy.down(node), parts.first(base) + parts.at(node)
+                count, kept = 0, ti.cast(odds[parts.field.of_tile(base, tile) + block], ti.i32)
+                # What was not kept is computed at each choice, and only floor that was seen is told without.
+                known = (kept != UNKNOWN) | (cells[base + node] >> FLAGS != 0)
+                if known and candidates[i] & TRIED == 0 and occupancy.hides(memory, base, x, y, state.since):
+                    count = ti.select(kept != UNKNOWN, kept, belief.odds(memory, base, x, y))
+                share = ti.select(belief.within(room, x, y), shares[0], shares[1])
+                counts[i] = ti.cast(ti.ceil(share * ti.cast(count, ti.f32)), ti.u8)
+
+    return whereabouts

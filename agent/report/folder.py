@@ -1,0 +1,94 @@
+"""What a report shows of a run: a section for each kind of file that its folder holds.
+
+Who writes a folder writes files, and the report is made of them alone: so the same run gives the same bytes,
+today by the command that made it and any day by ``vitruvius report``.
+"""
+
+import pkgutil
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import msgspec
+
+from agent.report.page import ReportError, Section, page
+from logic.files import write_whole
+
+NAME = "report.html"
+
+ABOUT = "about.json"
+"""What the run says of itself: see ``About``."""
+
+SECTIONS = (
+    (("evaluation.json",), "agent.report.measured:section"),
+    (("config.json", "metrics.jsonl"), "agent.report.learning:section"),
+    (("*.trace.json",), "agent.report.episodes:section"),
+    (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
+    (("homes.json",), "benchmarks.generator.section:homes"),
+    (("*.jsonl", "*.jsonl.gz"), "agent.report.plans:section"),
+)
+"""In the order of the page: names of files, and what makes a section of them, ``module:function``; it is
+imported where there are such files.
+"""
+
+DEPTH = "", "*/", "*/*/"
+"""How deep files may lie: a study has folders of runs."""
+
+
+class About(msgspec.Struct):
+    """A title and paragraphs, as ``agent.report.page.inline`` takes them."""
+
+    title: str
+    words: list[str] = []
+
+
+def describe(folder: Path, title: str, *words: str) -> None:
+    """Say what a run is, above its report."""
+    write_whole(folder / ABOUT, msgspec.json.format(msgspec.json.encode(About(title, list(words)))) + b"\n")
+
+
+def write_report(folder: Path, out: Path | None = None) -> Path:
+    """Write the report of a run, by default into its folder; its path. Raises as ``report`` does."""
+    path = out or folder / NAME
+    write_whole(path, report(folder))
+    return path
+
+
+def report(folder: Path) -> bytes:
+    """The report of a run: of one that was interrupted, what there is.
+
+    Raises ``ReportError`` where the folder holds nothing to report, and a ``VitruviusError`` that names the
+    file where one is damaged or a trace is of another version.
+    """
+    if not folder.is_dir():
+        what = "is a file" if folder.exists() else "there is no such folder"
+        raise ReportError(f"{folder}: {what}. Name the folder of a run: vitruvius report runs/demo")
+    sections = list(_sections(folder))
+    if not sections:
+        kinds = "metrics.jsonl, evaluation.json, *.trace.json, house files"
+        raise ReportError(f"{folder}: is no run: nothing here can be reported ({kinds})")
+    about = _about(folder)
+    return page(about.title, about.words, sections)
+
+
+def _sections(folder: Path) -> Iterator[Section]:
+    for names, maker in SECTIONS:
+        if files := found(folder, names):
+            section = pkgutil.resolve_name(maker)(files, folder)
+            if section:
+                yield section
+
+
+def found(folder: Path, names: Sequence[str]) -> list[Path]:
+    """The files of these names in a folder, and some way below it."""
+    paths = {path for depth in DEPTH for name in names for path in folder.glob(depth + name)}
+    return sorted(path for path in paths if path.is_file())
+
+
+def _about(folder: Path) -> About:
+    path = folder / ABOUT
+    if not path.exists():
+        return About(f"Report of {folder.resolve().name}")
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=About)
+    except msgspec.DecodeError as error:
+        raise ReportError(f"{path}: not what a run says of itself: {error}") from None

@@ -1,0 +1,142 @@
+"""The section of training runs: learning curves, how far each run came, and what was asked for."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from agent.learner import Progress
+from agent.report.page import Cell, ReportError, Section, details, inline, table
+from agent.report.plots import Axis, Series, line_plot, slots
+from agent.runs import MOST_METRICS, Folder
+
+POINTS = 300
+"""Of a curve, at most."""
+
+CURVES = (
+    ("targets", "Targets picked up, while exploring", "targets per 1500 steps", False),
+    ("loss", "Loss", "mean loss", True),
+    ("epsilon", "Random actions", "share of actions", False),
+    ("overruled", "Actions that the avoidance layer overruled", "share of actions", False),
+)
+"""Fields of ``Progress`` that are drawn: title and label, and whether the axis is logarithmic."""
+
+
+@dataclass(frozen=True)
+class TrainingRun:
+    """What there is of a run in its folder."""
+
+    name: str
+    config: dict[str, Any]
+    """``config.json``; empty where it is not there."""
+    history: list[Progress]
+
+    @classmethod
+    def of(cls, folder: Path, name: str) -> "TrainingRun":
+        """Read it: a kill may tear the last report, and leave a run without any."""
+        here = Folder(folder)
+        try:
+            config = json.loads(here.config.read_bytes()) if here.config.exists() else {}
+            if not isinstance(config, dict):
+                raise ValueError("it is no object")
+        except ValueError as error:
+            raise ReportError(f"{here.config}: no configuration of a run: {error}") from None
+        history = []
+        if here.metrics.exists():
+            with here.metrics.open("rb") as file:
+                for line in file.read(MOST_METRICS).splitlines():
+                    try:
+                        history.append(msgspec.json.decode(line, type=Progress))
+                    except ValueError:
+                        continue
+        return cls(name, config, history)
+
+    @property
+    def thin(self) -> list[Progress]:
+        """Some of its reports, the last among them."""
+        every = -(-len(self.history) // POINTS) or 1
+        return [each for k, each in enumerate(self.history) if (len(self.history) - 1 - k) % every == 0]
+
+    @property
+    def state(self) -> str:
+        """How far it came, in words."""
+        if not self.history:
+            return "no report yet"
+        done = self.history[-1].fraction
+        return "finished" if done >= 1 else f"stopped at {done:.0%}: vitruvius train --resume continues it"
+
+
+def section(files: Sequence[Path], folder: Path) -> Section | None:
+    """Of the folders of these ``config.json`` or ``metrics.jsonl`` files. Other programs have a file
+    ``config.json`` too: theirs are passed over.
+    """
+    folders = sorted({path.parent for path in files})
+    found = [TrainingRun.of(each, _name(each, folder)) for each in folders]
+    runs = [run for run in found if run.history or "algorithm" in run.config]
+    if not runs:
+        return None
+    shown = [run for run in runs if run.history]
+    kinds = slots(dict.fromkeys(_kind(run) for run in shown))
+    parts = []
+    if shown:
+        parts += ['<div class="figures-row">', *(_curve(shown, kinds, *each) for each in CURVES), "</div>"]
+    rows = []
+    for run in runs:
+        last = run.history[-1] if run.history else None
+        cells = [_cell(last, "steps", ",.0f"), _cell(last, "seconds", ",.0f"), _cell(last, "targets", ".1f")]
+        speeds = [_cell(last, part, ",.0f") for part in ("simulator", "learner", "map")]
+        rows.append([run.name, run.config.get("preset", "–"), *cells, *speeds, run.state])
+    headings = ("run", "agent", "steps", "seconds", "targets", "simulator", "learner", "map", "state")
+    parts.append(
+        table("Runs: steps a second of the simulator, the learner and the map alone", headings, rows)
+    )
+    parts += [_config(run) for run in runs if run.config]
+    return Section("learning", "How they learnt", "\n".join(parts))
+
+
+def _name(run: Path, folder: Path) -> str:
+    return str(run.relative_to(folder)) if run != folder else folder.resolve().name
+
+
+def _kind(run: TrainingRun) -> str:
+    """What runs of one colour have in common."""
+    return str(run.config.get("preset", run.name))
+
+
+def _curve(
+    runs: Sequence[TrainingRun], kinds: dict[str, int], field: str, title: str, label: str, log: bool
+) -> str:
+    """A field of all runs against steps."""
+    series = [
+        Series(
+            _kind(run),
+            [each.steps / 1e6 for each in run.thin],
+            [getattr(each, field) for each in run.thin],
+            slot=kinds[_kind(run)],
+            marked=len(run.history) == 1,
+        )
+        for run in runs
+    ]
+    x, y = Axis("environment steps, millions", least=0.0), Axis(label, log, None if log else 0.0)
+    return line_plot(title, x, y, series)
+
+
+def _cell(last: Progress | None, field: str, form: str) -> Cell:
+    value = getattr(last, field) if last else None
+    return Cell("–") if value is None else Cell(format(value, form), order=value)
+
+
+def _config(run: TrainingRun) -> str:
+    """What was asked for, in which houses, with which versions."""
+    houses, command = run.config.get("houses", {}), run.config.get("command")
+    words = f"{houses.get('number', '?')} houses, hash {str(houses.get('hash', '?'))[:12]}. "
+    words += " ".join(
+        f"{name} {run.config[name]}." for name in ("python", "torch", "machine") if name in run.config
+    )
+    fields = [[name, str(value)] for name, value in run.config.get("config", {}).items()]
+    asked = f"<p>{inline(f'`{command}`')}</p>" if command else ""
+    shown = f"<p>{inline(words)}</p>{asked}{table('Configuration', ('field', 'value'), fields)}"
+    return details(f"Configuration of {run.name}", shown)

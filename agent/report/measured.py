@@ -1,0 +1,118 @@
+"""The section of what was measured: each policy's figures with their intervals, as plots and tables."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from agent.evaluation import scores
+from agent.evaluation.result import HUMAN, HUMAN_RATIO
+from agent.evaluation.scores import ModeScores, PolicyScores
+from agent.evaluation.statistics import Estimate, interquartile_mean
+from agent.evaluation.tables import LABELS, SCORE_NOTE, WHERE, human_name
+from agent.report.page import Cell, Section, details, inline, table
+from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
+
+COLUMNS = {
+    "targets": ("targets", 1),
+    "ratio": ("ratio", 2),
+    "success": ("success", 2),
+    "spl": ("SPL", 2),
+    "coverage_500": ("seen by 500", 2),
+    "coverage_1500": ("seen by 1500", 2),
+    "rooms": ("rooms", 2),
+    "blocked": ("blocked", 1),
+    "interventions": ("overruled", 1),
+    "human": ("> human", 2),
+}
+"""By figure, its heading and its digits."""
+
+
+def section(files: Sequence[Path], folder: Path) -> Section:
+    """Of ``evaluation.json`` files. Raises ``ScoreError`` for one that is none."""
+    parts = []
+    for path in files:
+        file = scores.load(path)
+        bank = file.bank
+        houses = f"{bank.houses} houses" + (f" of {bank.file}" if bank.file else "")
+        parts.append(f"<p>{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}.</p>")
+        parts += [_mode(name, mode, file.definitions) for name, mode in file.targets.items()]
+    return Section("evaluation", "How well they do", "\n".join([*parts, f"<p>{inline(SCORE_NOTE)}</p>"]))
+
+
+def _mode(name: str, mode: ModeScores, definitions: dict[str, str]) -> str:
+    """What all policies did where targets lay in one kind of room."""
+    figures = {policy: _figures(each) for policy, each in mode.policies.items()}
+    labels = {policy: _label(policy, each) for policy, each in mode.policies.items()}
+    where, colours = WHERE.get(name, name), slots(figures)
+    human = HUMAN.get(name)
+    ratios = [
+        (labels[policy], found["ratio"], colours[policy])
+        for policy, found in figures.items()
+        if "ratio" in found
+    ]
+    parts = [f"<h3>Targets in {where}</h3>", '<div class="figures-row">']
+    if ratios:
+        mark = (HUMAN_RATIO, human_name(name)) if human else None
+        parts.append(
+            interval_plot(f"Ratio to the oracle, targets in {where}", "ratio to the oracle", ratios, mark)
+        )
+    parts += [_by_rooms(mode, where, labels, colours), "</div>"]
+    columns = [key for key in COLUMNS if any(key in found for found in figures.values())]
+    rows = [
+        [Cell(labels[policy]), *(_cell(found.get(key), COLUMNS[key][1]) for key in columns)]
+        for policy, found in figures.items()
+    ]
+    headings = ["policy", *(COLUMNS[key][0] for key in columns)]
+    parts.append(table(f"Targets in {where}: figures with 95 % intervals", headings, rows))
+    if human:
+        parts.append(
+            f"<p>The paper's human ({human_name(name)}) picked up {human.targets} targets, its oracle "
+            f"{human.oracle}: a ratio of {HUMAN_RATIO}.</p>"
+        )
+    meanings = "".join(
+        f"<dt>{COLUMNS[key][0]}</dt><dd>{inline(definitions.get(key, ''))}</dd>" for key in columns
+    )
+    return "\n".join([*parts, details("What each column means", f"<dl>{meanings}</dl>")])
+
+
+def _by_rooms(mode: ModeScores, where: str, labels: dict[str, str], colours: dict[str, int]) -> str:
+    """The ratio against the number of rooms; nothing where houses have one number of rooms."""
+    found = []
+    for policy, each in mode.policies.items():
+        points = sorted((rooms, estimate(figure)) for rooms, figure in each.ratio_by_rooms.items())
+        if len(points) > 1 and policy != "oracle":
+            rooms, figures = [rooms for rooms, _ in points], [each for _, each in points]
+            value, low, high = ([getattr(each, end) for each in figures] for end in ("value", "low", "high"))
+            found.append(Series(labels[policy], rooms, value, low, high, colours[policy]))
+    if not found:
+        return ""
+    ticks = sorted({rooms for each in found for rooms in each.x})
+    x = Axis("secondary rooms of the house", ticks=ticks)
+    y = Axis("ratio to the oracle", least=0.0, most=1.0)
+    return line_plot(f"Ratio by number of rooms, targets in {where}", x, y, found)
+
+
+def estimate(figure: dict[str, float]) -> Estimate:
+    """A figure of a file."""
+    return Estimate(figure["value"], figure["low"], figure["high"])
+
+
+def _figures(policy: PolicyScores) -> dict[str, Estimate]:
+    """A policy's figures; of scores without any, as other programs write them, its targets."""
+    if policy.figures:
+        return {key: estimate(figure) for key, figure in policy.figures.items() if key in COLUMNS}
+    return {"targets": interquartile_mean(np.array([run.targets for run in policy.runs], float))}
+
+
+def _label(name: str, policy: PolicyScores) -> str:
+    runs = len(policy.runs)
+    return LABELS.get(name, name) + (f", {runs} runs" if runs > 1 else "")
+
+
+def _cell(found: Estimate | None, digits: int) -> Cell:
+    if found is None:
+        return Cell("–")
+    return Cell(
+        f"{found.value:.{digits}f}", f"{found.low:.{digits}f} to {found.high:.{digits}f}", found.value
+    )

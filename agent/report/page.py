@@ -1,0 +1,104 @@
+"""A report: sections under a title, as one HTML file that asks nothing of any other."""
+
+import base64
+import hashlib
+import re
+import zlib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import msgspec
+
+from logic.errors import VitruviusError
+
+
+class ReportError(VitruviusError):
+    """A folder is absent, is no run, or a file of it is damaged."""
+
+    exit_code = 5
+
+
+FOLDER = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a report."""
+
+    name: str
+    """Its place in the page: ``#name``."""
+    title: str
+    html: str
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a table: words, and below them smaller ones."""
+
+    text: str
+    below: str = ""
+    order: float | None = None
+    """What rows are sorted by in this column; by default the words."""
+
+
+def page(title: str, words: Iterable[str], sections: Sequence[Section]) -> bytes:
+    """The file. Its policy lets a browser fetch nothing, and run no script but its own."""
+    style, script = (FOLDER.joinpath(name).read_text() for name in ("page.css", "page.js"))
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return (
+        Template(FOLDER.joinpath("page.html").read_text())
+        .substitute(
+            title=escape(title),
+            words="\n".join(f"<p>{inline(each)}</p>" for each in words),
+            links="\n".join(f'<li><a href="#{each.name}">{escape(each.title)}</a></li>' for each in sections),
+            sections="\n".join(
+                f'<section id="{each.name}"><h2>{escape(each.title)}</h2>\n{each.html}\n</section>'
+                for each in sections
+            ),
+            policy=f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'",
+            style=style,
+            script=script,
+        )
+        .encode()
+    )
+
+
+def inline(text: str) -> str:
+    """A paragraph with ``**bold**`` and code between backticks."""
+    html = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", escape(text, quote=False))
+    return re.sub(r"`(.+?)`", r"<code>\1</code>", html)
+
+
+def table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[Cell | str]]) -> str:
+    """A table whose rows a reader can sort by each column; the first cell of a row names it."""
+    lines = []
+    for row in rows:
+        cells = [each if isinstance(each, Cell) else Cell(each) for each in row]
+        lines.append("<tr>" + "".join(map(_cell, cells, [True] + [False] * len(cells))) + "</tr>")
+    head = "".join(f'<th scope="col"><button type="button">{escape(each)}</button></th>' for each in headings)
+    return (
+        f'<div class="wide"><table class="figures"><caption>{escape(caption)}</caption>'
+        f"<thead><tr>{head}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
+    )
+
+
+def _cell(cell: Cell, first: bool) -> str:
+    order = f' data-order="{cell.order:.6g}"' if cell.order is not None else ""
+    below = f" <small>{escape(cell.below)}</small>" if cell.below else ""
+    content = f"{order}>{escape(cell.text)}{below}"
+    return f'<th scope="row"{content}</th>' if first else f"<td{content}</td>"
+
+
+def details(summary: str, html: str) -> str:
+    """What a reader opens to see."""
+    return f"<details><summary>{escape(summary)}</summary>\n{html}\n</details>"
+
+
+def data(name: str, value: Any) -> str:
+    """A value for the page's script, deflated: it is found by its name."""
+    content = base64.b64encode(zlib.compress(msgspec.json.encode(value), 9)).decode()
+    return f'<script type="text/plain" id="{name}">{content}</script>'

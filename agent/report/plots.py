@@ -1,0 +1,249 @@
+"""Plots as SVG text whose colours the page's style gives, so that they suit both themes and print well."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from agent.evaluation.statistics import Estimate
+from agent.report.page import details, table
+
+SLOTS = {
+    "oracle": 1,
+    "explorer": 2,
+    "script": 3,
+    "searcher": 4,
+    "paper": 5,
+    "paper-original": 6,
+    "random + avoidance": 7,
+}
+"""Colours of policies, by name: classes of ``page.css``."""
+
+OTHERS = (0, 8, 9, 4, 6)
+"""Colours of all others, in turn."""
+
+WIDTH, HEIGHT = 520, 300
+LEFT, RIGHT, TOP, BOTTOM = 58, 14, 12, 44
+"""Pixels of a plot, and around its area."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """A line: points (x, y), and where there are any the intervals about them."""
+
+    name: str
+    x: Sequence[float]
+    y: Sequence[float]
+    low: Sequence[float] = ()
+    high: Sequence[float] = ()
+    slot: int = 0
+    marked: bool = True
+    """Whether each point has a mark; none where there are many."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: its label, whether it is logarithmic, and the least and greatest value that it must show."""
+
+    label: str
+    log: bool = False
+    least: float | None = None
+    most: float | None = None
+    ticks: Sequence[float] = ()
+    """By default round numbers."""
+
+
+def slots(names: Iterable[str]) -> dict[str, int]:
+    """A colour for each policy: the same for the same name, wherever that can be."""
+    found, count = dict[str, int](), 0
+    for name in names:
+        if name not in SLOTS:
+            found[name] = OTHERS[count % len(OTHERS)]
+            count += 1
+        else:
+            found[name] = SLOTS[name]
+    return found
+
+
+class _Scale:
+    """From values of an axis to pixels."""
+
+    def __init__(self, axis: Axis, values: Iterable[float], start: float, end: float) -> None:
+        shown = [each for each in (*values, axis.least, axis.most) if each is not None]
+        if axis.log:
+            shown = [each for each in shown if each > 0]
+        self.log, self.start, self.end = axis.log, start, end
+        low, high = min(shown, default=0.0), max(shown, default=1.0)
+        if high <= low:
+            low, high = (low / 2, low * 2) if axis.log else (low - 0.5, low + 0.5)
+        self.ticks = list(axis.ticks) or (_decades(low, high) if axis.log else _round(low, high))
+        low, high = min(low, *self.ticks), max(high, *self.ticks)
+        self.low, self.high = self._of(low), self._of(high)
+
+    def _of(self, value: float) -> float:
+        return math.log10(value) if self.log else value
+
+    def at(self, value: float) -> float:
+        """A value's pixel."""
+        if self.log and value <= 0:
+            return self.start
+        share = (self._of(value) - self.low) / (self.high - self.low)
+        return self.start + share * (self.end - self.start)
+
+
+def line_plot(title: str, x: Axis, y: Axis, series: Sequence[Series], note: str = "") -> str:
+    """A figure: lines with shaded intervals, what they are, and all numbers in a table."""
+    across = _Scale(x, (v for each in series for v in each.x), LEFT, WIDTH - RIGHT)
+    values = (v for each in series for v in (*each.y, *each.low, *each.high))
+    up = _Scale(y, values, HEIGHT - BOTTOM, TOP)
+    marks = "".join(_drawn(each, across, up) for each in series)
+    picture = _svg(title, HEIGHT, _grid(x, y, across, up) + marks)
+    rows = [
+        [each.name, number(v), number(each.y[k]), *_interval(each, k)]
+        for each in series
+        for k, v in enumerate(each.x)
+    ]
+    headings = ["", x.label, y.label, *(["from", "to"] if any(each.low for each in series) else [])]
+    return (
+        f"<figure><figcaption>{escape(title)}</figcaption>{picture}{_legend(series)}"
+        + (f"<p>{escape(note)}</p>" if note else "")
+        + details("Numbers", table(title, headings, rows))
+        + "</figure>"
+    )
+
+
+def interval_plot(
+    title: str,
+    label: str,
+    rows: Sequence[tuple[str, Estimate, int]],
+    mark: tuple[float, str] | None = None,
+) -> str:
+    """A figure: a row for each name, with its figure and its interval; ``mark`` is a line across them all."""
+    row, top = 30, 12
+    left = 16 + 7.8 * max((len(name) for name, _, _ in rows), default=0)
+    height = top + row * len(rows) + 44
+    axis = Axis(label, least=0.0, most=1.0)
+    scale = _Scale(axis, (v for _, each, _ in rows for v in each), left, WIDTH - 40)
+    foot = height - 40
+    parts = [_tick_x(scale.at(v), top, foot, number(v)) for v in scale.ticks]
+    parts.append(_text((left + WIDTH - 40) / 2, height - 6, label, "middle"))
+    if mark:
+        at = scale.at(mark[0])
+        parts.append(f'<line class="mark" x1="{at:.1f}" x2="{at:.1f}" y1="{top - 4}" y2="{foot}"/>')
+        parts.append(_text(at + 4, foot - 4, mark[1], "start", "small"))
+    for place, (name, each, slot) in enumerate(rows):
+        y = top + row * (place + 0.5)
+        low, value, high = (scale.at(v) for v in (each.low, each.value, each.high))
+        parts.append(_text(left - 8, y + 4, name, "end", f"name c{slot}"))
+        parts.append(
+            f'<g class="c{slot}"><title>{escape(name)}: {each.text()}</title>'
+            f'<line class="interval" x1="{low:.1f}" x2="{max(high, low + 1):.1f}" y1="{y}" y2="{y}"/>'
+            f"{_point(value, y, slot)}</g>"
+        )
+        parts.append(_text(value, y - 9, f"{each.value:.2f}", "middle", "small"))
+    return f"<figure><figcaption>{escape(title)}</figcaption>{_svg(title, height, ''.join(parts))}</figure>"
+
+
+def number(value: float) -> str:
+    """A number with as many digits as say something."""
+    if value == 0:
+        return "0"
+    if abs(value) >= 1e6:
+        return f"{value / 1e6:g} M"
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def _drawn(series: Series, across: _Scale, up: _Scale) -> str:
+    """A line, its interval and its marks."""
+    points = [(across.at(x), up.at(y)) for x, y in zip(series.x, series.y, strict=True)]
+    parts = [f'<g class="c{series.slot}">']
+    if series.low:
+        above = [(across.at(x), up.at(v)) for x, v in zip(series.x, series.high, strict=True)]
+        below = [(across.at(x), up.at(v)) for x, v in zip(series.x, series.low, strict=True)]
+        parts.append(f'<polygon class="band" points="{_listed(above + below[::-1])}"/>')
+    parts.append(
+        f'<polyline class="line" points="{_listed(points)}"><title>{escape(series.name)}</title></polyline>'
+    )
+    if series.marked:
+        for k, (x, y) in enumerate(points):
+            values = " ".join((number(series.y[k]), *_interval(series, k)))
+            words = f"{series.name}, {number(series.x[k])}: {values}"
+            parts.append(f"<g><title>{escape(words)}</title>{_point(x, y, series.slot)}</g>")
+    return "".join(parts) + "</g>"
+
+
+def _interval(series: Series, k: int) -> list[str]:
+    return [number(series.low[k]), number(series.high[k])] if series.low else []
+
+
+def _point(x: float, y: float, slot: int) -> str:
+    """A mark whose form goes with the colour, for those who see it in black and white."""
+    forms = {
+        0: f'<circle class="point" cx="{x:.1f}" cy="{y:.1f}" r="4"/>',
+        1: f'<rect class="point" x="{x - 3.5:.1f}" y="{y - 3.5:.1f}" width="7" height="7"/>',
+        2: f'<path class="point" d="M{x:.1f} {y - 4.8:.1f}l4.6 8.2h-9.2z"/>',
+        3: f'<path class="point" d="M{x:.1f} {y - 5:.1f}l5 5l-5 5l-5 -5z"/>',
+    }
+    return forms[slot % len(forms)]
+
+
+def _grid(x: Axis, y: Axis, across: _Scale, up: _Scale) -> str:
+    """Both axes with their lines, numbers and labels."""
+    parts = [_tick_x(across.at(v), TOP, HEIGHT - BOTTOM, number(v)) for v in across.ticks]
+    for value in up.ticks:
+        at = up.at(value)
+        parts.append(f'<line class="grid" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{at:.1f}" y2="{at:.1f}"/>')
+        parts.append(_text(LEFT - 7, at + 4, number(value), "end", "small"))
+    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, x.label, "middle"))
+    middle = (TOP + HEIGHT - BOTTOM) / 2
+    turned = f'text-anchor="middle" transform="rotate(-90 13 {middle})"'
+    parts.append(f'<text x="13" y="{middle}" {turned}>{escape(y.label)}</text>')
+    return "".join(parts)
+
+
+def _tick_x(at: float, top: float, foot: float, words: str) -> str:
+    line = f'<line class="grid" x1="{at:.1f}" x2="{at:.1f}" y1="{top}" y2="{foot}"/>'
+    return line + _text(at, foot + 15, words, "middle", "small")
+
+
+def _text(x: float, y: float, words: str, anchor: str, kind: str = "") -> str:
+    named = f' class="{kind}"' if kind else ""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{named}>{escape(words)}</text>'
+
+
+def _legend(series: Sequence[Series]) -> str:
+    names = dict.fromkeys((each.name, each.slot) for each in series)
+    items = "".join(
+        f'<li class="c{slot}"><svg width="26" height="12" aria-hidden="true">'
+        f'<line class="line" x1="1" x2="25" y1="6" y2="6"/>{_point(13, 6, slot)}</svg>{escape(name)}</li>'
+        for name, slot in names
+    )
+    return f'<ul class="legend">{items}</ul>' if len(names) > 1 else ""
+
+
+def _svg(title: str, height: float, content: str) -> str:
+    named = f'role="img" aria-label="{escape(title)}"'
+    return f'<svg class="plot" {named} viewBox="0 0 {WIDTH} {height}">{content}</svg>'
+
+
+def _listed(points: Iterable[tuple[float, float]]) -> str:
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+
+
+def _round(low: float, high: float) -> list[float]:
+    """Round numbers from ``low`` or less to ``high`` or less: some five."""
+    raw = (high - low) / 5
+    size = 10 ** math.floor(math.log10(raw))
+    step = next(size * factor for factor in (1, 2, 2.5, 5, 10) if size * factor >= raw * 0.999)
+    first, last = math.floor(low / step + 1e-9), math.floor(high / step + 1e-9)
+    return [round(k * step, 12) for k in range(first, last + 1)]
+
+
+def _decades(low: float, high: float) -> list[float]:
+    """Powers of ten from at most ``low`` to at least ``high``; with twos and fives where they are few."""
+    first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
+    factors = (1, 2, 5) if last - first <= 2 else (1,)
+    found = [factor * 10.0**k for k in range(first, last + 1) for factor in factors]
+    start = max((k for k, v in enumerate(found) if v <= low * 1.0001), default=0)
+    end = min((k for k, v in enumerate(found) if v >= high * 0.9999), default=len(found) - 1)
+    return found[start : end + 1]

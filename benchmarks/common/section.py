@@ -1,0 +1,61 @@
+"""The section of a report about time: medians and quartiles of studies that pytest-benchmark timed."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agent.report.page import ReportError, Section, inline, table
+from agent.report.plots import Axis, Series, line_plot
+from benchmarks.common.pages import machine
+from benchmarks.common.series import AXES, axis_of, is_rate, law, name_of, series_of
+
+COLOURS = 10
+"""Of lines: classes of a report's style."""
+
+
+def timings(files: Sequence[Path], folder: Path) -> Section:
+    """Of reports of pytest-benchmark. Raises ``ReportError`` for a file that is none."""
+    parts = []
+    for path in files:
+        try:
+            parts.append(_study(json.loads(path.read_bytes())))
+        except (ValueError, KeyError, TypeError) as error:
+            raise ReportError(f"{path}: no report of a study: {type(error).__name__}: {error}") from None
+    return Section("scaling", "How time grows", "\n".join(parts))
+
+
+def _study(report: dict[str, Any]) -> str:
+    """A plot for each kind of benchmark, and the fitted laws."""
+    rate, series = is_rate(report), series_of(report)
+    panels = {
+        name_of(entry): (entry["extra_info"].get("panel", ""), axis)
+        for entry in report["benchmarks"]
+        if (axis := axis_of(entry))
+    }
+    slots = {name: place % COLOURS for place, name in enumerate(series)}
+    info = report["machine_info"]
+    words = f"{machine(info)}, Python {info['python_version']}, {report['datetime'][:10]}."
+    parts = [f"<p>{inline(f'Medians and quartiles. {words}')}</p>", '<div class="figures-row">']
+    for panel in dict.fromkeys(panels[name] for name in series):
+        shown = [_line(name, series[name], slots[name]) for name in series if panels[name] == panel]
+        title, axis = panel
+        label = "environment steps a second" if rate else "seconds"
+        late = [f"{name}: most not done in {limit:g} s" for name, limit in _late(series).items()]
+        x = Axis(AXES[axis], log=True, ticks=sorted({size for each in shown for size in each.x}))
+        parts.append(line_plot(title or label.capitalize(), x, Axis(label, log=True), shown, "; ".join(late)))
+    laws = [[name, law(points, rate)] for name, points in series.items()]
+    return "\n".join([*parts, "</div>", table("Fitted laws", ("", "by least squares on logarithms"), laws)])
+
+
+def _line(name: str, points: np.ndarray, slot: int) -> Series:
+    """A benchmark's medians and quartiles, without those that ran into the limit."""
+    size, median, low, high, _ = points[points[:, 4] == 0].T.tolist() or [[]] * 5
+    return Series(name, size, median, low, high, slot)
+
+
+def _late(series: dict[str, np.ndarray]) -> dict[str, float]:
+    """By benchmark the limit in which most runs of some size did not end."""
+    return {name: points[points[:, 4] == 1, 1].max() for name, points in series.items() if points[:, 4].any()}

@@ -1,0 +1,249 @@
+/** A grammar: its rule files, what they state, and the programs of stage 1 that they make. As logic/grammar.py, loaded.py. */
+
+import { Program, RuleError } from "./program.js";
+import { closest, derivedNames, objection, statements, usedNames } from "./statements.js";
+import { atom, compound, list, parseTerm, termText } from "./terms.js";
+
+const OWN = "/grammar";
+const DIFFERENCES = "rules/plans/differences.lp";
+const NOTHING = { rooms: 1, types: {}, furniture: {} };
+/** clingo's greatest number: no bound. */
+export const MOST = 2 ** 31 - 1;
+const GIVEN = { in_a_row: 4, fuller: 2 };
+
+/** clingo-dl's theory, as far as the rules use it. program.lua has what it means. */
+const THEORY = {
+  name: "theory",
+  text: `#theory dl { term { - : 3, unary; - : 1, binary, left }; &diff/0 : term, {<=}, term, head }.`,
+};
+
+/** A core file and what it includes, as [{ name, text }], from all texts by path. */
+function withIncludes(rules, path) {
+  const folder = path.includes("/") ? path.slice(0, path.lastIndexOf("/") + 1) : "";
+  const included = [...rules[path].matchAll(/^#include "(.+?)"\./gm)].flatMap(([, name]) =>
+    withIncludes(rules, name.startsWith("../") ? name.slice(3) : folder + name));
+  return [...included, { name: `rules/${path}`, text: rules[path].replace(/^#include .*$/gm, "") }];
+}
+
+/** The topology that a fact names: its name, and the shared files that come with it. */
+function topologyOf(own, rules) {
+  const named = [];
+  for (const { name, text } of own) {
+    const bare = text.replace(/%\*[^]*?\*%|%[^\n]*/g, (comment) => comment.replace(/[^\n]/g, " "));
+    for (const found of bare.matchAll(/\btopology\s*\(\s*(\w+)\s*\)\s*\./g)) {
+      const before = bare.slice(0, found.index).split("\n");
+      named.push({ topology: found[1], file: name, line: before.length, column: before.at(-1).length + 1 });
+    }
+  }
+  if (named.length > 1) {
+    const { file, line, column } = named[1];
+    throw new RuleError(`a grammar has one topology, and ${named[0].topology} is named already`, file, line, column);
+  }
+  if (!named.length) return { name: "star", files: withIncludes(rules, "topologies/star.lp") };
+  const [{ topology, file, line, column }] = named;
+  const plans = Object.keys(rules).filter((path) => /^plans\/.*\.lp$/.test(path)).sort().flatMap((path) => withIncludes(rules, path));
+  if (own.some(({ name }) => name === `${topology}.lp`)) return { name: topology, files: plans };
+  if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
+  if (!rules[`topologies/${topology}.lp`]) {
+    const known = Object.keys(rules).flatMap((path) => /^topologies\/(\w+)\.lp$/.exec(path)?.[1] ?? []);
+    throw new RuleError(`no topology ${topology}: there are ${known.join(", ")}`, file, line, column);
+  }
+  return { name: topology, files: [...plans, ...withIncludes(rules, `topologies/${topology}.lp`)] };
+}
+
+const millimetres = (extremes) => extremes.map((metres, place) => (place % 2 ? Math.ceil : Math.floor)(1000 * metres));
+
+export class Grammar {
+  /** `files`: the user's, by name. `bundle`: rules.json. Throws RuleError for the first mistake. */
+  constructor(files, bundle, clingo, prolog) {
+    Object.assign(this, { clingo, prolog, bundle, files });
+    const named = (ending) => Object.keys(files).filter((name) => name.endsWith(ending)).sort();
+    for (const ending of [".lp", ".pl"])
+      if (!named(ending).length) throw new RuleError(`the grammar has no ${ending} file`);
+    this.own = named(".lp").map((name) => ({ name, text: files[name] }));
+    this.core = withIncludes(bundle.rules, "core.lp");
+    this.topology = topologyOf(this.own, bundle.rules);
+    this.sharesWalls = this.topology.name !== "star";
+    this.differences = this.topology.files.some(({ name }) => name === DIFFERENCES);
+    this.asp = [...(this.differences ? [THEORY] : []), ...this.core, ...this.topology.files, ...this.own];
+    this.programs = new Map();
+    this.audit();
+    this.loadLengths(named(".pl"));
+    this.loadTypes();
+    this.loadExtremes();
+    this.walls = this.sharesWalls ? this.wallFacts() : [];
+    this.warnings = this.remarks();
+  }
+
+  /** What no grammar may state. */
+  audit() {
+    for (const file of this.own)
+      for (const { text, line, column } of statements(file))
+        if (objection(text)) throw new RuleError(`${objection(text)}: ${text}`, file.name, line, column);
+  }
+
+  /** Stage 2 reads the .pl files. */
+  loadLengths(names) {
+    this.prolog.write(OWN, Object.fromEntries(names.map((name) => [name, this.files[name]])));
+    const walls = this.sharesWalls ? "shared" : "apart";
+    const problems = this.prolog.ask("grammar_problems", list(names.map((name) => atom(`${OWN}/${name}`))), walls, "0.0");
+    if (problems.length) throw wrong(problems[0]);
+  }
+
+  /** What the facts state, by the two programs without furniture. */
+  loadTypes() {
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["most_rooms", 1]];
+    this.house = new Program(this.clingo, this.asp, { rooms: 1 }, ["house"]);
+    const facts = this.house.atoms(...signatures).map(parseTerm);
+    const of = (name) => facts.filter((fact) => fact.name === name).map((fact) => fact.args);
+    new Program(this.clingo, this.asp, {}, ["room"]).atoms();
+    for (const [fact, why] of of("wrong")) throw this.at(fact, `${stated(fact)}: ${JSON.parse(why.string)}`);
+    for (const [one, other] of of("twice")) throw this.at(other, `${stated(other)}: ${stated(one)} is stated too: keep one of them`);
+    this.types = of("type").map(([type]) => type.name).sort();
+    if (!this.types.length) throw new RuleError("no room type: state type/1 in a .lp file", this.own[0].name, 1, 1);
+    this.mostRooms = Math.min(128, ...of("most_rooms").map(([most]) => most));
+    this.furniture = Object.fromEntries(this.types.map((type) => [type, []]));
+    for (const [type, piece] of of("may")) this.furniture[type.name].push(piece.name);
+    for (const [piece, companion] of [...of("beside"), ...of("around")])
+      for (const pieces of Object.values(this.furniture))
+        if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
+    this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
+  }
+
+  /** The lengths that stage 1 knows, facts of each type of room, each with the clause that it comes from. */
+  loadExtremes() {
+    const wanted = Object.entries(this.furniture).map(([type, pieces]) =>
+      compound("furniture", atom(type), pieces.map((piece) => compound("piece", atom(piece), this.turned.has(piece)))));
+    const report = this.prolog.ask("grammar_lengths", list(wanted), list(this.bundle.lengths.map(atom)));
+    const used = (clause, value, fact) => {
+      const why = `${clause} has no clause: add one to a .pl file`;
+      if (value === null) throw fact ? this.at(parseTerm(fact), why) : new RuleError(why, this.prologFile);
+      if (value.wrong) throw wrong(value.wrong);
+      return value;
+    };
+    const lengths = report.lengths.map(([name, metres]) => [`length(${name},${Math.floor(1000 * used(`${name}/1`, metres))})`, `length(${name})`]);
+    this.lengths = {};
+    for (const [type, extremes, pieces] of report.types) {
+      const reach = [type, ...millimetres(used(`room_size/3 for ${type}`, extremes, `type(${type})`))];
+      this.lengths[type] = [...lengths, [`reach(${reach})`, `size(${type})`]];
+      for (const [piece, extent] of pieces) {
+        const fact = [piece, ...millimetres(used(`piece_size/4 for ${piece}`, extent, `may(${type},${piece})`))];
+        this.lengths[type].push([`extent(${fact})`, `size(${type},${piece})`]);
+      }
+    }
+  }
+
+  get prologFile() {
+    return Object.keys(this.files).filter((name) => name.endsWith(".pl")).sort().at(-1);
+  }
+
+  /** What stage 1 knows of walls that rooms share: facts of plans/differences.lp, each with its clauses. */
+  wallFacts() {
+    const [doorway, extremes] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
+    const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
+    const only = ["house_size"];
+    for (const [type, reach, bends, brims] of extremes) {
+      const clauses = [`size(${type})`, `room_area(${type})`];
+      facts.push([`reach(${[type, ...millimetres(reach)]})`, clauses]);
+      for (const [name, bound, pairs] of [["bend", Math.ceil, bends], ["brim", Math.floor, brims]])
+        for (const pair of pairs) facts.push([`${name}(${[type, ...pair.map((metres) => bound(1000 * metres))]})`, clauses]);
+      only.push(`window_size(${type})`);
+    }
+    return [...facts, ...only.map((clause) => [`sized(${clause})`, [clause]])];
+  }
+
+  /** A program, grounded once and kept. */
+  program(constants, parts, differences = false) {
+    const key = JSON.stringify([constants, parts]);
+    if (!this.programs.has(key)) this.programs.set(key, new Program(this.clingo, this.asp, constants, parts, differences));
+    return this.programs.get(key);
+  }
+
+  /** The program of a request's rooms. */
+  rooms(request) {
+    const parts = ["house", ...this.walls.map(([fact]) => fact), ...requirements(request)];
+    return this.program({ rooms: request.rooms }, parts, this.differences);
+  }
+
+  /** The program of the furniture of a room of this type. */
+  room(type, request) {
+    const parts = ["room", "capacity", ...this.lengths[type].map(([fact]) => fact), ...this.requiredIn(type, request)];
+    return this.program({ this_room: type }, parts);
+  }
+
+  /** The program of the furniture of a room whose size and doors are given. */
+  givenRoom(type, doorways, request) {
+    const facts = this.lengths[type].map(([fact]) => fact).filter((fact) => !fact.startsWith("reach("));
+    const parts = ["room", "plan", ...facts, ...doorways, ...this.requiredIn(type, request)];
+    return this.program({ this_room: type, ...GIVEN }, parts);
+  }
+
+  /** What a request requires of the furniture of a room of this type, all counts of a piece together. */
+  requiredIn(type, request) {
+    const counts = new Map();
+    for (const [, piece, [least, most]] of this.counted(type, request)) {
+      const [a, b] = counts.get(piece) ?? [0, MOST];
+      counts.set(piece, [Math.max(a, least), Math.min(b, most ?? MOST)]);
+    }
+    return [...counts.keys()].sort().map((piece) => `has(${piece},${counts.get(piece)})`);
+  }
+
+  /** What a request counts in rooms of this type: each count's name, its piece, and from how many to how many. */
+  counted(type, { furniture }) {
+    return Object.keys(furniture).sort().map((name) => [name, name.split(".").at(-1), furniture[name]])
+      .filter(([name, piece]) => (name === piece || name === `${type}.${piece}`) && this.furniture[type].includes(piece));
+  }
+
+  hasFurniture(type) {
+    return this.furniture[type].length > 0;
+  }
+
+  /** What clingo remarks on in the user's files, and what nothing derives in any program: warnings. */
+  remarks() {
+    const found = new Map(this.underived().map((each) => [`${each.file}:${each.line}:${each.column}`, each]));
+    for (const program of [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))]) {
+      program.options; // grounds it
+      for (const { kind, text, file, line, column } of this.clingo.placed)
+        if (kind && this.files[file]) found.set(`${file}:${line}:${column}`, { severity: "warning", file, line, column, text });
+    }
+    return [...found.values()];
+  }
+
+  underived() {
+    const names = derivedNames(this.asp);
+    return this.own.flatMap((file) => usedNames(file).filter(({ name }) => !names.has(name)).map(({ name, ...place }) => {
+      const meant = closest(name, names);
+      return { severity: "warning", ...place, text: `nothing derives ${name}${meant && `: did you mean ${meant}?`}` };
+    }));
+  }
+
+  /** A mistake at the place of a fact in the files. */
+  at(fact, why) {
+    const { name, args } = fact.name === "companions" ? { name: fact.args[0].name, args: fact.args.slice(1) } : fact;
+    for (const some of [args, args.slice(0, 1)]) {
+      const pattern = new RegExp(`^[^%]*?\\b${name}\\(${some.map((each) => `.*\\b${termText(each)}\\b`).join("")}`);
+      for (const { name: file, text } of this.own) {
+        const lines = text.split("\n");
+        const line = lines.findIndex((each) => pattern.test(each));
+        if (line >= 0) return new RuleError(why, file, line + 1, lines[line].indexOf(`${name}(`) + 1);
+      }
+    }
+    return new RuleError(why, this.own[0].name, 1, 1);
+  }
+}
+
+const stated = (fact) => termText(fact.name === "companions" ? { name: fact.args[0].name, args: fact.args.slice(1) } : fact);
+
+/** A mistake as the .pl core gives it. */
+export const wrong = ([file, line, column, text]) => new RuleError(text, file.replace(`${OWN}/`, ""), line, column);
+
+/** What a request requires of the rooms: see rules/request.lp. */
+export function requirements({ types }) {
+  return Object.keys(types).sort().map((type) => `among(${type},${types[type][0]},${types[type][1] ?? MOST})`);
+}
+
+/** The atom to assume where a requirement is to hold. */
+export const granted = (requirement) => `granted(${requirement})`;
+
+/** The atoms of which one holds where some room is of this type and is to be furnished. */
+export const toFurnish = (type, rooms) => Array.from({ length: rooms }, (_, number) => `bare(${number},${type})`);

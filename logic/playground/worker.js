@@ -1,0 +1,59 @@
+// Both solvers, in a worker: the page stays quick, and ends them by ending it. Not a module, as swipl-web.js is none.
+//
+// Asked { id, grammar, files, request }, it answers { id, part } for each part of the sheet, then { id, done } or
+// { id, error }. A newer question ends an older one between two houses.
+
+importScripts("swipl/swipl-web.js");
+
+let newest = 0;
+const ready = load();
+
+async function load() {
+  const [{ Clingo }, { Prolog }, { Houses }, { default: factory }] = await Promise.all(
+    ["./solver/program.js", "./solver/prolog.js", "./solver/houses.js", "./clingo/clingo.js"].map((path) => import(path)));
+  const [bundle, script, json] = await Promise.all(
+    [fetched("rules.json").then(JSON.parse), fetched("solver/program.lua"), fetched("solver/json.pl")]);
+  const clingo = new Clingo(factory, script, bundle.hints);
+  const said = [];
+  const [swipl] = await Promise.all([
+    SWIPL({
+      arguments: ["-q"],
+      locateFile: (name) => `swipl/${name}`,
+      print: (line) => said.push(line),
+      printErr: (line) => said.push(line),
+    }),
+    clingo.load(),
+  ]);
+  const core = Object.entries(bundle.rules).filter(([path]) => /^[^/]*\.pl$/.test(path));
+  return new Houses(bundle, clingo, new Prolog(swipl, Object.fromEntries(core), json));
+}
+
+async function fetched(path) {
+  const response = await fetch(path);
+  if (!response.ok) throw new Error(`${path} cannot be read: ${response.status} ${response.statusText}`);
+  return response.text();
+}
+
+/** Messages that have come meanwhile are taken. */
+const pause = () => new Promise((go) => {
+  const channel = new MessageChannel();
+  channel.port1.onmessage = go;
+  channel.port2.postMessage(0);
+});
+
+onmessage = async ({ data: { id, grammar, files, request } }) => {
+  newest = id;
+  try {
+    const houses = await ready;
+    if (id === newest) postMessage({ id, ready: true });
+    await pause();
+    for await (const part of houses.sheet(files, grammar, request)) {
+      postMessage({ id, part });
+      await pause();
+      if (id !== newest) break;
+    }
+    postMessage({ id, done: true });
+  } catch (error) {
+    postMessage({ id, error: error.message });
+  }
+};

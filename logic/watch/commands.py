@@ -1,0 +1,51 @@
+"""``vitruvius watch``: its options, and what it does. Cheap to import, as the other commands are."""
+
+import secrets
+from dataclasses import dataclass
+
+import tyro
+
+from logic.commands import say
+from logic.errors import RequestError
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Show in a browser what a grammar makes, redrawn whenever one of its files is saved. Ctrl-C ends it.
+
+    The page is served to this machine alone, at an address with a random token.
+    """
+
+    grammar: tyro.conf.Positional[str] = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    port: int = 0
+    """Port of the address; 0 for any that is free."""
+
+    open: bool = False
+    """Open the address in this machine's browser."""
+
+    seconds: float = 20.0
+    """Most seconds for a house, and for an answer about one."""
+
+    def run(self) -> int:
+        """Serve the page until Ctrl-C."""
+        from logic.grammar import folder
+        from logic.watch.server import LOOPBACK, Server, listening
+        from logic.watch.session import Session
+
+        if not 0 <= self.port < 2**16:
+            raise RequestError(f"--port {self.port}: ports are 0 to {2**16 - 1}")
+        if not 0 < self.seconds < 1e6:
+            raise RequestError(f"--seconds {self.seconds:g}: must be above 0 and below a million")
+        directory, token = folder(self.grammar), secrets.token_urlsafe(16)
+        with listening(self.port) as door:
+            session = Session(directory, self.grammar, self.seconds)
+            address = f"http://{LOOPBACK}:{door.getsockname()[1]}/{token}/"
+            say(f"{directory}: its houses are at\n  {address}\nCtrl-C ends it.")
+            if self.open:
+                import webbrowser
+
+                webbrowser.open(address)
+            Server(session, token).run(sockets=[door])
+        return 0

@@ -1,0 +1,99 @@
+// Answers about the houses: why a part is as it is, or why there is no house.
+
+import { byId, element } from "./dom.js";
+import { place } from "./rules.js";
+
+/** Begin with no answer; `onClose` is called when the user closes one. */
+export function initAnswer(onClose) {
+  const close = () => {
+    hideAnswer();
+    onClose();
+  };
+  byId("close").addEventListener("click", close);
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !byId("answer").hidden) close();
+  });
+}
+
+/** Show this text or these elements under a title. */
+export function showAnswer(title, ...content) {
+  byId("answer").hidden = false;
+  byId("answer").querySelector("h2").textContent = title;
+  byId("answer-text").replaceChildren(...content);
+  byId("answer-text").scrollTop = 0;
+}
+
+export function hideAnswer() {
+  byId("answer").hidden = true;
+}
+
+/** A minimal conflict: the statements and choices, each with its place. */
+export function showProof({ message, reasons, advice }) {
+  const [claim] = message.split("\n");
+  showAnswer("No such house", element("p", {}, claim), reasonList(reasons), ...advice ? [element("p", {}, advice)] : []);
+}
+
+/** Why a part of a house is as it is, section by section. */
+export function showWhy(why) {
+  const sections = [
+    ["Derived from facts and picks", (why.derivations ?? []).map(derivation)],
+    ["What could be instead, all other picks as they are", (why.choices ?? []).map(choice)],
+    ["Lengths, and what they could have been", (why.lengths ?? []).map(length)],
+    ["Bounds that are tight: both sides are equal here", (why.tight ?? []).map(bound)],
+  ];
+  showAnswer(`Why ${why.target}`, element("p", {}, why.about), ...sections
+    .filter(([, items]) => items.length)
+    .map(([title, items]) => element("section", {}, element("h3", {}, title), element("ul", {}, ...items))));
+}
+
+/** An atom, the rule that derives it, and below it the atoms from which it does so. */
+function derivation({ atom, rule, means, options, body = [] }) {
+  let [source, below] = [rule, body];
+  const said = [element("code", {}, atom)];
+  if (options) {
+    // The rule of all picks says nothing that the options and their own rule do not.
+    const option = body.find((each) => each.atom.startsWith("option("));
+    [source, below] = [option?.rule, option?.body ?? []];
+    said.push(element("span", { className: "pick" }, ` picked out of ${options.join(", ")}`));
+  }
+  said.push(" ", source ? reason(source) : "see above");
+  if (means) said.push(element("p", { className: "means" }, means));
+  const stated = below.filter((each) => !each.rule || each.body || !isCore(each.rule.file));
+  return element("li", {}, ...said, ...stated.length ? [element("ul", {}, ...stated.map(derivation))] : []);
+}
+
+function choice({ name, value, instead = [] }) {
+  const able = instead.filter((each) => each.possible).map((each) => each.value);
+  const others = able.length ? `, or ${able.join(", ")}` : instead.length ? "" : ", the only value";
+  return element("li", {}, element("b", {}, `${name} = ${value}`), others, element("ul", {}, ...instead
+    .filter((each) => !each.possible)
+    .map(({ value, also, because = [] }) => element("li", {},
+      `${value}: ${also?.length ? `only if ${also.join(" and ")} changed too` : "impossible"}, because of`,
+      reasonList(because)))));
+}
+
+function length({ name, value, least, greatest, no_less, no_more }) {
+  const [is, from, to] = [value, least, greatest].map((metres) => metres.toFixed(3));
+  if (from === to) return element("li", {}, element("b", {}, `${name} ${is} m`), ", no other", reasonList(no_less));
+  const same = JSON.stringify(no_less) === JSON.stringify(no_more);
+  return element("li", {}, element("b", {}, `${name} ${is} m`), `, of ${from} to ${to}`,
+    ...same ? [reasonList(no_less)] : [" no less:", reasonList(no_less), "no more:", reasonList(no_more)]);
+}
+
+const bound = ({ text, because }) => element("li", {}, element("code", {}, text), reasonList(because));
+
+/** Rules and clauses with their places, then what holds in the layout. */
+function reasonList(reasons) {
+  const stated = reasons.filter((each) => each.file);
+  const atoms = reasons.filter((each) => !each.file).map((each) => each.text);
+  const items = stated.map((each) => element("li", {}, reason(each)));
+  if (atoms.length) items.push(element("li", {}, stated.length ? "with " : "", element("code", {}, atoms.join(", "))));
+  if (!items.length) items.push(element("li", {}, "the core alone: rules/room.pl"));
+  return element("ul", { className: "reasons" }, ...items);
+}
+
+function reason({ text, file, line }) {
+  return element("span", { className: "reason" }, place(file, line), " ", element("code", {}, text));
+}
+
+const isCore = (file) => file.startsWith("rules/");

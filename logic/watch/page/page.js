@@ -1,0 +1,159 @@
+// The page of a grammar: rule files on the left, the houses that they make on the right.
+//
+// It asks an engine, which is the one thing that differs between `vitruvius watch` (engine.js here: a server
+// on this machine) and a page that works by itself. An engine.js exports `engine`, an object of this shape:
+//
+//   editable: boolean               whether the page may change the rule files: it calls write() then
+//   open(onRules, onLost)           begin: call onRules(rules) now and after each change of a rule file, and
+//                                   onLost(text) when no more will come, with what the user can do about it
+//   write(name, text)               a rule file has this text from now on; leads to onRules(rules)
+//   sheet(version, request, onPart, signal): Promise<void>
+//                                   make houses, and call onPart with each part of the answer as it is known
+//   lint(version, signal): Promise<Finding[]>
+//                                   mistakes in the rules of which sheet() says nothing
+//   why(version, house, part, signal): Promise<Why> | null
+//                                   why a part of a house is as it is; the member is null where it cannot say
+//
+// where
+//
+//   rules   = {version, saved, grammar, files: [{name, text}]}
+//             version: a number, greater for each change; saved: when, milliseconds since 1970;
+//             grammar: what --grammar takes, a name or a folder
+//   request = {rooms, seed, count, types: {bedroom: 2, hall: [0, 1]}, furniture: {"bedroom.bed": [1, null]}}
+//             a count is exact, or the least and the greatest number, null for no bound
+//   part    = {kinds: {types: {bedroom: ["bed", ...]}, most_rooms}}   comes first, where the rules are right
+//           | {findings: Finding[]}                                 the rules are wrong: the whole answer
+//           | {index, house, types, svg}   house `index`, from 0: what why() takes, its rooms' types by their
+//                                      names ({R0: "bedroom"}), and its plan, whose groups have
+//                                      data-part="R3.bed": the name by which why() is asked
+//           | {index, problem}         why there is no house `index`
+//   problem = {kind, message, reasons?, advice?}    kind Unsatisfiable: proved, so there is no house at all,
+//             by reasons: [{text, file?, line?, column?}]; LimitReached; RequestError; ...
+//   Finding = {severity: "error" | "warning", file, line, column, text}   line and column from 1
+//   Why     = what `vitruvius explain HOUSES --why R3.bed --json` prints
+//
+// `file` is a file's name, as in rules.files; a file of the shared core begins with "rules/". A promise whose
+// signal is aborted may do what it likes: the page takes no answer of it. An Error's message is shown as is.
+
+import { engine } from "./engine.js";
+import { hideAnswer, initAnswer, showAnswer, showProof, showWhy } from "./answers.js";
+import { byId, element } from "./dom.js";
+import { command, initRequest, readRequest, showKinds } from "./request.js";
+import { showFindings, showRules } from "./rules.js";
+import { initSheet, keepFirst, mark, setOutdated, showHouse, showProblem } from "./sheet.js";
+
+/** Milliseconds after which it is said that an answer is on its way. */
+const PATIENCE = 500;
+
+let rules = null;
+let linted = 0;
+let linting = new AbortController();
+let drawing = new AbortController();
+let asking = new AbortController();
+
+/** Other rules: what is shown of the old ones is out of date at once. */
+function receive(newRules) {
+  rules = newRules;
+  linting.abort();
+  byId("grammar").textContent = rules.grammar;
+  showRules(rules.files, engine.editable ? engine.write : null);
+  redraw(rules.saved);
+}
+
+/** Ask for the sheet, `since` when the user acted. A newer call ends this one, and nothing of it comes late. */
+async function redraw(since) {
+  if (!rules) return;
+  drawing.abort();
+  drawing = new AbortController();
+  const { signal } = drawing;
+  const { version, grammar } = rules;
+  const request = readRequest();
+  byId("command").firstChild.textContent = command(grammar);
+  setOutdated();
+  closeAnswer();
+  const late = setTimeout(() => signal.aborted || say("Drawing."), PATIENCE);
+  let right = true;
+  try {
+    await engine.sheet(version, request, (part) => {
+      if (!signal.aborted) right = receivePart(part, request) && right;
+    }, signal);
+  } catch (error) {
+    right = false;
+    if (!signal.aborted) say(error.message);
+  }
+  clearTimeout(late);
+  if (signal.aborted) return;
+  byId("sheet").dataset.version = version;
+  if (!right) return;
+  keepFirst(request.count);
+  say(`${request.count} houses, drawn in ${((Date.now() - since) / 1000).toFixed(2)} s.`);
+  lint(version);
+}
+
+/** Show a part of the answer; whether it is one of a sheet without mistakes and proofs. */
+function receivePart({ kinds, findings, index, house, types, svg, problem }, request) {
+  if (findings) {
+    linted = 0;
+    showFindings(findings);
+    say("The rules have a mistake: the houses are those of the last rules without one.");
+    return false;
+  }
+  if (kinds) {
+    showKinds(kinds);
+    if (linted !== rules.version) showFindings([]);
+  } else if (house) {
+    showHouse(index, house, types, svg);
+  } else if (problem.kind === "LimitReached") {
+    showProblem(index, problem.message);
+  } else {
+    if (problem.reasons) showProof(problem);
+    else showAnswer("No house", element("p", {}, problem.message));
+    say("There is no such house.");
+    return false;
+  }
+  return true;
+}
+
+/** Once for each version of the rules: what is wrong with them that houses do not show. */
+async function lint(version) {
+  if (linted === version) return;
+  linted = version;
+  linting = new AbortController();
+  const { signal } = linting;
+  try {
+    const findings = await engine.lint(version, signal);
+    if (!signal.aborted) showFindings(findings);
+  } catch (error) {
+    if (!signal.aborted) say(error.message);
+  }
+}
+
+/** Ask why a part of a house is as it is. */
+async function ask(house, part, index) {
+  if (!engine.why) return;
+  asking.abort();
+  asking = new AbortController();
+  const { signal } = asking;
+  showAnswer(`Why ${part}`, element("p", {}, `House ${index} is made again.`));
+  try {
+    const why = await engine.why(rules.version, house, part, signal);
+    if (!signal.aborted) showWhy(why);
+  } catch (error) {
+    if (!signal.aborted) showAnswer(`Why ${part}`, element("p", {}, error.message));
+  }
+}
+
+function closeAnswer() {
+  asking.abort();
+  hideAnswer();
+  mark();
+}
+
+function say(text) {
+  byId("status").textContent = text;
+}
+
+initRequest(redraw);
+initSheet(ask);
+initAnswer(closeAnswer);
+engine.open(receive, say);

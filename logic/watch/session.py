@@ -1,0 +1,241 @@
+"""A grammar that is being edited: its rule files as they are now, and the answers about them."""
+
+import asyncio
+import os
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
+from watchfiles import awatch
+
+from logic.canvas import svg
+from logic.draw import plan
+from logic.errors import Finding, GrammarError, RequestError, VitruviusError, to_record
+from logic.grammar import MOST_BYTES
+from logic.house import House
+from logic.request import MOST_ROOMS, Request
+from logic.watch.team import Spares, Stale, Team
+from logic.why import INFERENCES, file_name
+
+PLAN = 300
+"""CSS pixels: the sides of a plan's square, which the page scales."""
+
+STEP, DEBOUNCE = 10, 200
+"""Milliseconds without another change after which a save is over, and the most to wait for that."""
+
+LOOK = 1000
+"""Milliseconds after which the files are read without a change too: not all file systems tell of changes."""
+
+MOST_HOUSES = 48
+RECENT = 5.0
+"""Seconds: a file that was written so long ago was put here otherwise than by a save."""
+
+
+class Rules(msgspec.Struct, frozen=True):
+    """The rule files at one time. ``saved`` is in milliseconds since 1970."""
+
+    version: int
+    saved: float
+    grammar: str
+    files: tuple[dict[str, str], ...]
+
+
+class Sheet(msgspec.Struct, frozen=True):
+    """The houses of a contact sheet: houses 0 to ``count - 1`` of a request."""
+
+    rooms: Annotated[int, Meta(ge=1, le=MOST_ROOMS)]
+    seed: Annotated[int, Meta(ge=0, lt=2**31)]
+    count: Annotated[int, Meta(ge=1, le=MOST_HOUSES)]
+    types: dict[str, int | tuple[int, int | None]] = {}
+    furniture: dict[str, int | tuple[int, int | None]] = {}
+
+
+class Session:
+    """The rules of a directory as they are, told to all who listen, and questions about them."""
+
+    def __init__(self, directory: Path, name: str, seconds: float) -> None:
+        """Start spare processes; raises ``MissingProgram``. ``seconds`` bound each answer."""
+        self._directory, self._name, self._seconds = directory, name, seconds
+        self._ended = False
+        self._changed = asyncio.Event()
+        self._spares = Spares(directory)
+        self._spares.check()
+
+    def begin(self) -> None:
+        """Read the rules, and go on with each change of them, in the loop that runs."""
+        self.rules = self._read(1)
+        self._team = Team(self._directory, self._spares)
+        self._watching = asyncio.ensure_future(self._watch())
+
+    def end(self) -> None:
+        """End all processes, and what listens."""
+        self._ended = True
+        self._watching.cancel()
+        self._changed.set()
+        self._team.end()
+        self._spares.end()
+
+    async def versions(self) -> AsyncIterator[Rules]:
+        """The rules as they are now, then at each change, until the end: the newest always."""
+        version = 0
+        while not self._ended:
+            if self.rules.version > version:
+                version = self.rules.version
+                yield self.rules
+            else:
+                await self._changed.wait()
+
+    async def sheet(self, version: int, sheet: Sheet) -> AsyncIterator[dict[str, Any]]:
+        """The parts of an answer, as ``page/page.js`` lists them."""
+        team = self._team_of(version)
+        try:
+            opened = await team.opened()
+        except GrammarError as error:
+            where = str(error.file or self._directory)
+            opened = {
+                "findings": [Finding("error", where, error.line or 1, error.column or 1, error.message)]
+            }
+        except VitruviusError as error:
+            yield {"index": 0, "problem": problem(error)}
+            return
+        if "findings" in opened:
+            yield {"findings": _named(opened["findings"])}
+            return
+        yield {"kinds": opened["kinds"]}
+        houses = [asyncio.ensure_future(self._house(team, sheet, index)) for index in range(sheet.count)]
+        try:
+            for house in asyncio.as_completed(houses):
+                part = await house
+                yield part
+                if part.get("problem", {}).get("kind", "LimitReached") != "LimitReached":
+                    return  # No other house would fare better.
+        finally:
+            for house in houses:
+                house.cancel()
+            self._spares.refill()
+
+    async def lint(self, version: int) -> list[dict[str, Any]]:
+        """Findings in rules without errors."""
+        team = self._team_of(version)
+        found = await team.ask(
+            {"lint": True}, self._seconds, "lint reached its limit: raise it with --seconds"
+        )
+        return _named(found["findings"])
+
+    async def why(self, version: int, house: dict[str, Any], part: str) -> dict[str, Any]:
+        """Why a part of a house that these rules made is as it is; raises as ``explain_house`` does."""
+        try:
+            made = House.from_dict(house)
+        except ValueError as error:
+            raise RequestError(f"house: {error}") from None
+        question = {"why": part, "house": made.to_dict(), "inferences": INFERENCES}
+        late = f"{part} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
+        why = (await self._team_of(version).ask(question, self._seconds, late))["why"]
+        return _short_names(why)
+
+    def _team_of(self, version: int) -> Team:
+        if version != self.rules.version:
+            raise Stale
+        return self._team
+
+    async def _house(self, team: Team, sheet: Sheet, index: int) -> dict[str, Any]:
+        """House ``index`` and its plan, or why there is none."""
+        late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
+        try:
+            request = Request.read(msgspec.to_builtins(sheet)).to_dict()
+            question = {"request": request, "seed": sheet.seed, "inferences": INFERENCES, "index": index}
+            house = House.from_dict((await team.ask(question, self._seconds, late))["house"])
+        except VitruviusError as error:
+            return {"index": index, "problem": problem(error)}
+        types = {room.name: room.type for room in house.counted}
+        drawn = svg([((0, 0), plan(house, PLAN, PLAN))], PLAN, PLAN)
+        return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
+
+    async def _watch(self) -> None:
+        """Take each change of the files, also where the directory is removed and comes back."""
+        while True:
+            place = _identity(self._directory)
+            if place is None:
+                self._take()
+                await asyncio.sleep(LOOK / 1000)
+                continue
+            events = awatch(
+                self._directory,
+                step=STEP,
+                debounce=DEBOUNCE,
+                recursive=False,
+                rust_timeout=LOOK,
+                yield_on_timeout=True,
+            )
+            async for _ in events:
+                self._take()
+                if _identity(self._directory) != place:
+                    break
+
+    def _take(self) -> None:
+        """Go on with the files as they are, if they have changed."""
+        rules = self._read(self.rules.version + 1)
+        if rules.files == self.rules.files:
+            return
+        self._team.end()
+        self.rules, self._team = rules, Team(self._directory, self._spares)
+        self._changed.set()
+        self._changed.clear()
+
+    def _read(self, version: int) -> Rules:
+        """The rule files, ``.lp`` before ``.pl``, and when the last of them was saved."""
+        now, files, saved = time.time(), [], 0.0
+        for file in _rule_files(self._directory):
+            try:
+                saved = max(saved, file.stat().st_mtime)
+                files.append({"name": file.name, "text": file.read_text("utf-8", "replace")})
+            except OSError:
+                continue  # What is wrong with it, the solver process says.
+        saved = saved if now - RECENT < saved < now else now
+        return Rules(version, round(1000 * saved, 1), self._name, tuple(files))
+
+
+def problem(error: VitruviusError) -> dict[str, Any]:
+    """An error as the page shows it."""
+    return _short_names(to_record(error))
+
+
+def _rule_files(directory: Path) -> list[Path]:
+    """Files whose text may be shown: ``grammar.find`` refuses others, and says so."""
+    found = []
+    for suffix in (".lp", ".pl"):
+        for file in sorted(directory.glob(f"*{suffix}")):
+            inside = Path(os.path.realpath(file)).parent == directory
+            if (
+                inside
+                and not file.name.startswith(".")
+                and file.is_file()
+                and file.stat().st_size <= MOST_BYTES
+            ):
+                found.append(file)
+    return found
+
+
+def _identity(directory: Path) -> tuple[int, int] | None:
+    try:
+        found = directory.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _named(findings: list[Any]) -> list[dict[str, Any]]:
+    return _short_names(msgspec.to_builtins(findings))
+
+
+def _short_names(record: Any) -> Any:
+    """The same JSON with rule files in short, as in ``rooms.lp`` and ``rules/room.lp``."""
+    if isinstance(record, dict):
+        return {
+            key: file_name(value) if key == "file" and value else _short_names(value)
+            for key, value in record.items()
+        }
+    return [_short_names(each) for each in record] if isinstance(record, list | tuple) else record

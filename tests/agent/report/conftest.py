@@ -1,0 +1,34 @@
+"""Runs small enough to be reported often."""
+
+import pytest
+
+from agent import checkpoint
+from agent.build import network_of
+from agent.checkpoint import Checkpoint
+from agent.config import PQNConfig
+from agent.evaluation.film import watch
+from agent.report import trace
+from agent.report.recorder import Recorder
+from tests import sample_houses
+
+HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
+STEPS = 60
+
+
+def untrained() -> Checkpoint:
+    """An agent without a map that has learnt nothing, so that the avoidance layer has much to forbid."""
+    config = PQNConfig()
+    return Checkpoint(network_of(config), config, 0, "untrained", "")
+
+
+def recorded(agent: Checkpoint) -> Recorder:
+    """The first steps of an agent's episode in the house."""
+    recorder = Recorder(agent.name, "main", 3)
+    watch(agent, HOUSE, [recorder], seed=3, steps=STEPS)
+    return recorder
+
+
+@pytest.fixture(scope="session")
+def mapped() -> trace.Trace:
+    """An episode of an agent that keeps a map."""
+    return recorded(checkpoint.load("pqn-map")).trace

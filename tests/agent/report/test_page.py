@@ -1,0 +1,240 @@
+"""A report in a real browser: opened as a file, filtered, played, scrubbed by the keyboard; it asks nobody.
+
+The fixture ``page`` fails a test where the page logs an error or a warning, or asks of another host.
+"""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+from playwright.sync_api import Page, expect
+
+from agent.banks import benchmark
+from agent.report import trace
+from agent.report.folder import write_report
+from agent.report.trace import Trace
+from logic import House, save
+from tests.agent.report.conftest import STEPS, recorded, untrained
+from tests.agent.report.test_report import LINE, measured, metrics
+
+
+@pytest.fixture(scope="module")
+def houses() -> list[House]:
+    """30 houses of family, of 2 to 6 rooms, and a flat."""
+    return [*benchmark("test-v1")[:30], benchmark("home-test-v1")[0]]
+
+
+@pytest.fixture(scope="module")
+def vetoed() -> Trace:
+    """An episode with vetoes, without a map."""
+    return recorded(untrained()).trace
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory, houses, mapped, vetoed) -> Path:
+    """A report of houses, runs, scores and two episodes."""
+    folder = tmp_path_factory.mktemp("run")
+    metrics(folder, msgspec.json.encode(LINE).decode())
+    measured(folder)
+    save(houses[:-1], folder / "stars.jsonl")
+    save(houses[-1:], folder / "homes.jsonl")
+    trace.save(mapped, folder / "a.trace.json")
+    trace.save(vetoed, folder / "b.trace.json")
+    return write_report(folder)
+
+
+@pytest.fixture
+def opened(page: Page, file: Path) -> Page:
+    page.goto(file.as_uri())
+    page.wait_for_selector(".plans[data-ready]")
+    page.wait_for_selector(".episode:nth-of-type(2)[data-ready]")
+    return page
+
+
+def inked(page: Page, episode: int = 0) -> str:
+    """What is drawn on an episode's canvas."""
+    return page.evaluate(
+        """(episode) => {
+            const canvas = document.querySelectorAll(".stage canvas")[episode];
+            return canvas.toDataURL();
+        }""",
+        episode,
+    )
+
+
+def test_nothing_is_fetched_but_the_file_itself(page: Page, file: Path) -> None:
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(file.as_uri())
+    page.wait_for_selector(".plans[data-ready]")
+    page.wait_for_selector(".episode[data-ready]")
+    assert asked == [file.as_uri()]
+
+
+def test_houses_are_filtered_by_what_they_are(opened: Page, houses) -> None:
+    cards, count = opened.locator(".sheet li"), opened.locator(".filters output")
+    expect(count).to_have_text("31 of 31 houses")
+    expect(cards).to_have_count(24)
+    opened.get_by_role("button", name="Show more (7 left)").click()
+    expect(cards).to_have_count(31)
+    opened.get_by_label("Grammar").select_option("home")
+    expect(cards).to_have_count(1)
+    opened.get_by_role("button", name="All houses").click()
+    expect(count).to_have_text("31 of 31 houses")
+    opened.locator("select[name=most]").select_option("2")
+    expect(cards).to_have_count(6)
+    opened.get_by_role("button", name="All houses").click()
+    opened.get_by_label("With room").select_option("bedroom")
+    many = sum(sum(room.type == "bedroom" for room in house.counted) >= 2 for house in houses)
+    opened.get_by_label("at least").select_option("2")
+    assert 0 < many < 31
+    expect(count).to_have_text(f"{many} of 31 houses")
+    piece = "sofa"
+    opened.get_by_role("button", name="All houses").click()
+    opened.get_by_label("With furniture").select_option(piece)
+    some = sum(any(each.type == piece for room in house.rooms for each in room.pieces) for house in houses)
+    expect(count).to_have_text(f"{some} of 31 houses")
+    opened.get_by_role("button", name="All houses").click()
+    opened.get_by_label("Order").select_option("small")
+    areas = [round(sum(room.area for room in house.rooms), 1) for house in houses]
+    assert areas.index(min(areas)) == 30
+    words = f"homes.jsonl, house 0: 4 rooms, {min(areas):g} m²"
+    expect(cards.first.locator("button")).to_have_attribute("aria-label", words)
+
+
+def test_a_house_is_enlarged_and_the_keys_go_on_to_the_next(opened: Page) -> None:
+    opened.locator(".sheet button").nth(2).press("Enter")
+    large = opened.locator("dialog p")
+    first = large.text_content()
+    opened.keyboard.press("ArrowRight")
+    assert large.text_content() != first
+    opened.keyboard.press("ArrowLeft")
+    expect(large).to_have_text(first or "")
+    opened.keyboard.press("Escape")
+    expect(opened.locator("dialog")).not_to_be_visible()
+    expect(opened.locator(".sheet button").nth(2)).to_be_focused()
+
+
+def test_an_episode_plays_to_its_end_and_stops(opened: Page) -> None:
+    episode = opened.locator(".episode").first
+    place = episode.locator(".place")
+    expect(place).to_have_text(f"step 0 of {STEPS}, 0 targets")
+    episode.get_by_label("Speed").select_option("100")
+    episode.get_by_role("button", name="Play").click()
+    expect(episode.get_by_role("button", name="Pause")).to_be_visible()
+    expect(place).to_contain_text(f"step {STEPS} of {STEPS}")
+    expect(episode.get_by_role("button", name="Play")).to_be_visible()
+    expect(episode.locator(".choice .words")).to_have_text("The episode is over.")
+
+
+def test_an_episode_is_scrubbed_and_played_by_the_keyboard_alone(opened: Page, mapped) -> None:
+    episode = opened.locator(".episode").first
+    bar, place = episode.get_by_label("Step of the episode"), episode.locator(".place")
+    bar.focus()
+    for key, step in (
+        ("ArrowRight", 1),
+        ("Shift+ArrowRight", 26),
+        ("ArrowLeft", 25),
+        ("Home", 0),
+        ("End", STEPS),
+    ):
+        opened.keyboard.press(key)
+        expect(place).to_contain_text(f"step {step} of")
+        expect(bar).to_have_value(str(step))
+    found = mapped.column("found")
+    expect(bar).to_have_attribute("aria-valuetext", place.text_content() or "")
+    opened.keyboard.press("Home")
+    opened.keyboard.press("n")
+    expect(place).to_contain_text(f"step {int((found > 0).argmax())} of {STEPS}, 1 target")
+    episode.locator(".stage").focus()
+    opened.keyboard.press("Home")
+    opened.keyboard.press("Space")
+    expect(episode.get_by_role("button", name="Pause")).to_be_visible()
+    expect(bar).not_to_have_value("0")
+    opened.keyboard.press("Space")
+    expect(episode.get_by_role("button", name="Play")).to_be_visible()
+
+
+def test_each_layer_is_drawn_until_its_key_switches_it_off(opened: Page, mapped) -> None:
+    episode = opened.locator(".episode").first
+    plan, bar = episode.locator(".stage > svg"), episode.get_by_label("Step of the episode")
+    every, believed = mapped.map.every, mapped.map.belief.array().any(axis=(1, 2))
+    sought = mapped.column("goal_kind")[::every] == 1
+    bar.fill(str(every * int((believed & sought).nonzero()[0][-1])))
+    bar.focus()
+    for number in range(2, 8):
+        opened.keyboard.press(str(number))
+    nothing = inked(opened)
+    for number, name in enumerate(("target", "path", "rays", "map", "belief", "goal"), start=2):
+        box = episode.locator(f"input[name={name}]")
+        opened.keyboard.press(str(number))
+        expect(box).to_be_checked()
+        assert inked(opened) != nothing, name
+        opened.keyboard.press(str(number))
+        expect(box).not_to_be_checked()
+        assert inked(opened) == nothing, name
+    expect(plan).to_be_visible()
+    opened.keyboard.press("1")
+    expect(plan).not_to_be_visible()
+
+
+def test_values_and_vetoes_are_said_for_each_step(opened: Page, vetoed) -> None:
+    episode = opened.locator(".episode").nth(1)
+    wanted, action = vetoed.column("wanted"), vetoed.column("action")
+    step = int((wanted != action).argmax())
+    values = vetoed.column("values")[step] * vetoed.value_unit
+    episode.get_by_label("Step of the episode").focus()
+    if wanted[0] == action[0]:
+        opened.keyboard.press("v")
+    expect(episode.locator(".place")).to_contain_text(f"step {step} of")
+    words = episode.locator(".choice .words")
+    names = vetoed.actions
+    expect(words).to_contain_text(
+        f"Veto: it preferred “{names[wanted[step]]}”, the avoidance layer left “{names[action[step]]}”."
+    )
+    cells = episode.locator(".choice tbody td:nth-child(2)")
+    expect(cells).to_have_text([f"{value:.3f}" for value in values])
+    expect(episode.locator(".choice tbody tr").nth(int(wanted[step])).locator("td").last).to_have_text(
+        "forbidden"
+    )
+    inked_before = inked(opened, 1)
+    opened.keyboard.press("9")
+    assert inked(opened, 1) != inked_before
+    expect(words).not_to_contain_text("Veto")
+    opened.keyboard.press("8")
+    expect(cells).to_have_text(["", "", ""])
+    expect(episode.locator("input[name=map]")).to_be_disabled()
+
+
+def test_a_table_is_sorted_by_the_column_that_is_clicked(opened: Page) -> None:
+    table = opened.locator("#evaluation table.figures").last
+    names = table.locator("tbody th")
+    expect(names).to_have_text(["agent", "explorer", "oracle"])
+    table.get_by_role("button", name="targets").press("Enter")
+    expect(names).to_have_text(["oracle", "explorer", "agent"])
+    table.get_by_role("button", name="targets").press("Enter")
+    expect(names).to_have_text(["agent", "explorer", "oracle"])
+
+
+def test_the_theme_can_be_chosen_and_follows_the_system(opened: Page) -> None:
+    def paper() -> str:
+        return opened.evaluate("getComputedStyle(document.body).backgroundColor")
+
+    assert paper() == "rgb(255, 255, 255)"
+    opened.emulate_media(color_scheme="dark")
+    dark = paper()
+    assert dark != "rgb(255, 255, 255)"
+    opened.get_by_role("button", name="Theme: system").click()
+    expect(opened.get_by_role("button", name="Theme: light")).to_be_visible()
+    assert paper() == "rgb(255, 255, 255)"
+    opened.emulate_media(media="print", color_scheme="dark")
+    assert paper() == "rgb(255, 255, 255)"
+    expect(opened.locator(".filters")).not_to_be_visible()
+
+
+def test_a_browser_that_cannot_unpack_says_so_in_one_line(page: Page, file: Path) -> None:
+    page.add_init_script("delete window.DecompressionStream")
+    page.goto(file.as_uri())
+    line = page.locator(".episode").first.get_by_role("alert")
+    expect(line).to_have_text("This part cannot be shown: this browser is older than 2023: use a newer one")
+    expect(page.locator("#evaluation table").last).to_be_visible()

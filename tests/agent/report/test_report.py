@@ -1,0 +1,215 @@
+"""A report holds what its folder does, whole, and says in one line where there is nothing to report."""
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import msgspec
+import pytest
+
+from agent.evaluation.scores import Bank, ScoreFile, modes_of
+from agent.report import trace
+from agent.report.commands import Report
+from agent.report.folder import describe, report, write_report
+from agent.report.page import ReportError
+from agent.report.plots import Axis, Series, line_plot
+from agent.report.trace import Trace, TraceError
+from logic import HouseFileError, save
+from tests.agent.evaluation.cases import result, scores
+from tests.agent.report.conftest import HOUSE
+from tests.benchmarks.reports import report as timed
+from tests.benchmarks.reports import simulator_report
+
+LINE = {
+    "steps": 1000,
+    "seconds": 2.0,
+    "fraction": 0.5,
+    "targets": 7.5,
+    "loss": 0.01,
+    "epsilon": 0.1,
+    "overruled": 0.05,
+    "simulator": 1e6,
+    "learner": 2e4,
+}
+
+
+def metrics(folder: Path, *lines: str) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "metrics.jsonl").write_text("\n".join(lines))
+
+
+def measured(folder: Path, mode: str = "secondary") -> None:
+    one = result(scores([5, 8]), others={"explorer": scores([6, 10])}, mode=mode)
+    (folder / "evaluation.json").write_bytes(ScoreFile(Bank("abc", "b.jsonl", 2), 0, modes_of([one])).json())
+
+
+@pytest.fixture
+def run(tmp_path, mapped) -> Path:
+    """A folder with something of everything."""
+    metrics(tmp_path / "training", json.dumps(LINE), json.dumps(LINE | {"steps": 2000, "fraction": 1.0}))
+    measured(tmp_path)
+    save([HOUSE, HOUSE], tmp_path / "houses.jsonl")
+    trace.save(mapped, tmp_path / "e.trace.json")
+    (tmp_path / "generator.json").write_text(json.dumps(timed()))
+    (tmp_path / "simulator.json").write_text(json.dumps(simulator_report()))
+    (tmp_path / "homes.json").write_text('[{"rooms": 4, "bare": [0.1, 0.2], "whole": [0.3, 0.4]}]')
+    describe(tmp_path, "A <run>", "It was **good**: `x < y`.")
+    return tmp_path
+
+
+class Outline(HTMLParser):
+    """The sections of a page, and whether each element is closed."""
+
+    VOID = frozenset({"meta", "input", "link", "br"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open, self.sections, self.text = list[str](), list[str](), ""
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "section":
+            self.sections.append(dict(attrs)["id"] or "")
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def test_a_report_has_a_section_for_each_kind_of_file(run) -> None:
+    outline = Outline(report(run).decode())
+    assert outline.sections == ["evaluation", "learning", "episodes", "scaling", "homes", "plans"]
+    assert "A <run>" in outline.text
+    assert "x < y" in outline.text
+    for said in (
+        "0.50",
+        "2,000",
+        "finished",
+        "time ~ size",
+        "2 houses in 1 file",
+        "Targets in secondary rooms",
+    ):
+        assert said in outline.text
+
+
+def test_the_same_run_gives_the_same_bytes_wherever_it_is_and_again_with_its_report_in_it(
+    run, tmp_path
+) -> None:
+    first = report(run)
+    assert write_report(run) == run / "report.html"
+    assert report(run) == first == (run / "report.html").read_bytes()
+    moved = run.rename(tmp_path.parent / "elsewhere")
+    assert report(moved) == first
+
+
+def test_a_report_names_no_other_place(run) -> None:
+    text = report(run).decode()
+    assert not re.findall(r'(?:src|href)="(?!#)', text)
+    assert set(re.findall(r"https?://[^\s\"'<]+", text)) <= {"http://www.w3.org/2000/svg"}
+    assert "default-src 'none'" in text
+
+
+def test_of_an_interrupted_training_there_is_what_there_is(tmp_path) -> None:
+    metrics(tmp_path, json.dumps(LINE), '{"steps": 20')
+    (tmp_path / "config.json").write_text('{"preset": "pqn", "algorithm": "pqn", "config": {"steps": 2000}}')
+    assert "stopped at 50%: vitruvius train --resume continues it" in Outline(report(tmp_path).decode()).text
+    (tmp_path / "metrics.jsonl").unlink()
+    assert "no report yet" in Outline(report(tmp_path).decode()).text
+
+
+def test_names_from_files_are_text_in_a_report(run, mapped) -> None:
+    evil = "</script><script>alert(1)</script>"
+    record = msgspec.to_builtins(mapped) | {"agent": evil}
+    trace.save(msgspec.convert(record, Trace), run / "e.trace.json")
+    (run / "training" / "config.json").write_text(json.dumps({"preset": evil, "config": {evil: evil}}))
+    text = report(run).decode()
+    Outline(text)
+    assert text.count("<script>") == 1
+    assert "alert(1)" in text
+
+
+def _no_run(folder: Path) -> Path:
+    (folder / "notes.txt").write_text("mine")
+    return folder
+
+
+def _file(folder: Path) -> Path:
+    (folder / "x").write_text("mine")
+    return folder / "x"
+
+
+def _newer_trace(folder: Path) -> Path:
+    (folder / "x.trace.json").write_text('{"format": "vitruvius-trace-9"}')
+    return folder
+
+
+def _torn_houses(folder: Path) -> Path:
+    save([HOUSE, HOUSE], folder / "houses.jsonl")
+    content = (folder / "houses.jsonl").read_bytes()
+    (folder / "houses.jsonl").write_bytes(content[: len(content) - 40])
+    return folder
+
+
+def _other(name: str, content: str = "[]"):
+    def make(folder: Path) -> Path:
+        (folder / name).write_text(content)
+        return folder
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "says"),
+    [
+        (_no_run, ReportError, r"is no run: nothing here can be reported"),
+        (lambda folder: folder / "absent", ReportError, r"absent: there is no such folder"),
+        (_file, ReportError, r"x: is a file. Name the folder of a run"),
+        (_newer_trace, TraceError, r"x.trace.json: a trace of version vitruvius-trace-9: this is"),
+        (_torn_houses, HouseFileError, r"houses.jsonl:2: not a house"),
+        (_other("generator.json"), ReportError, r"generator.json: no report of a study"),
+        (_other("homes.json", "{}"), ReportError, r"homes.json: no times of homes"),
+        (_other("config.json", "{"), ReportError, r"config.json: no configuration of a run"),
+        (_other("config.json", "[1]"), ReportError, r"config.json: no configuration of a run"),
+        (_other("metrics.jsonl", "{}"), ReportError, r"is no run"),
+        (_other("config.json", '{"name": "another program"}'), ReportError, r"is no run"),
+        (_other("evaluation.json", "{}"), Exception, r"evaluation.json: no scores"),
+    ],
+)
+def test_what_cannot_be_reported_is_said_in_one_line(tmp_path, make, error, says) -> None:
+    with pytest.raises(error, match=says) as raised:
+        Report(make(tmp_path)).run()
+    assert "\n" not in str(raised.value)
+    assert raised.value.exit_code == 5
+    assert not list(tmp_path.glob("*.html"))
+
+
+def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:
+    save([HOUSE], tmp_path / "houses.jsonl")
+    (tmp_path / "games.jsonl").write_text('{"format": "vitruvius-game-1"}\n')
+    (tmp_path / "empty.jsonl").write_text("")
+    assert Outline(report(tmp_path).decode()).sections == ["plans"]
+
+
+@pytest.mark.parametrize("log", [False, True])
+@pytest.mark.parametrize("values", [[0.0], [0.002, 0.002], [1e-9, 1e9], [3.0, -4.0, 0.0], [5.0, 6.0, 7.0]])
+def test_a_plot_is_sound_svg_within_its_box_for_any_numbers(log, values) -> None:
+    points = list(range(1, len(values) + 1))
+    lines = [Series("a < b", points, values, [v - abs(v) / 2 for v in values], [v + 1 for v in values])]
+    figure = line_plot("A & B", Axis("x", log), Axis("y", log), lines)
+    tree = ElementTree.fromstring(f"<x>{figure}</x>")
+    svg = next(tree.iter("svg"))
+    _, _, width, height = map(float, svg.attrib["viewBox"].split())
+    for line in svg.iter("line"):
+        assert all(0 <= float(line.attrib[key]) <= width for key in ("x1", "x2"))
+        assert all(0 <= float(line.attrib[key]) <= height for key in ("y1", "y2"))
+    assert 2 <= len([line for line in svg.iter("line") if line.attrib["x1"] == line.attrib["x2"]]) <= 12

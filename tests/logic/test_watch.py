@@ -1,0 +1,395 @@
+"""The page of ``vitruvius watch``, in a browser and by bare requests: rule files are saved, houses change."""
+
+import http.client
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Page, Route, expect
+
+from agent.cli import main
+from logic import generate
+from logic.canvas import svg
+from logic.draw import plan
+from logic.grammar import SHIPPED
+
+WHOLE = 20_000
+"""Milliseconds for an answer on a machine with much else to do; it comes in a fraction of a second."""
+
+expect.set_options(timeout=WHOLE)
+
+
+@dataclass
+class Watched:
+    """A grammar that a process watches, and the page's address."""
+
+    folder: Path
+    address: str
+    process: subprocess.Popen[str]
+
+    def save(self, name: str, text: str) -> None:
+        """Save a file as many editors do: beside it, and renamed."""
+        (self.folder / "new").write_text(text)
+        (self.folder / "new").rename(self.folder / name)
+
+    def restore(self) -> None:
+        """All files as they are shipped."""
+        for file in (SHIPPED / "family").iterdir():
+            if (self.folder / file.name).read_text() != file.read_text():
+                self.save(file.name, file.read_text())
+
+    def ask(self, path: str = "", body: object = None, **headers: str) -> tuple[int, str]:
+        """The status and the text of an answer, by a bare request."""
+        url = urlsplit(self.address)
+        connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
+        method = "GET" if body is None else "POST"
+        text = body if isinstance(body, str) or body is None else json.dumps(body)
+        connection.request(method, path if path[:1] == "/" else url.path + path, text, headers)
+        answer = connection.getresponse()
+        return answer.status, answer.read().decode()
+
+
+@contextmanager
+def watching(folder: Path) -> Iterator[Watched]:
+    """The command at work on a copy of a grammar."""
+    shutil.copytree(SHIPPED / "family", folder)
+    command = [sys.executable, "-m", "agent.cli", "watch", str(folder)]
+    root = str(Path(__file__).parents[2])
+    environment = os.environ | {"PYTHONPATH": root}
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=root, env=environment) as process:
+        assert process.stderr
+        said = [process.stderr.readline() for _ in range(3)]
+        yield Watched(folder, said[1].strip(), process)
+        process.kill()
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watched]:
+    with watching(tmp_path_factory.mktemp("grammars") / "mine") as watched:
+        yield watched
+
+
+@pytest.fixture
+def watched(server: Watched, page: Page) -> Watched:
+    """The page open, its first sheet drawn, four houses of the shipped rules."""
+    server.restore()
+    page.goto(f"{server.address}#rooms=4&seed=0&count=4&size=260")
+    drawn(page, 4)
+    return server
+
+
+def drawn(page: Page, houses: int) -> None:
+    """Wait until the page shows so many houses of the rules as they are."""
+    expect(page.locator("#status")).to_contain_text(f"{houses} houses, drawn in")
+    expect(page.locator("#sheet li:not(.old) svg")).to_have_count(houses)
+    expect(page.locator("#sheet .old")).to_have_count(0)
+
+
+def rooms(page: Page, type_: str) -> int:
+    """How many rooms of a type all houses of the page have together."""
+    return (
+        page.locator(f'#sheet [data-part][aria-label$=", {type_}"]')
+        .and_(page.locator('[data-part]:not([data-part*="."])'))
+        .count()
+    )
+
+
+def test_saving_a_rule_file_draws_the_houses_of_the_new_rules(watched: Watched, page: Page) -> None:
+    assert rooms(page, "hall") > 0
+    rules = (watched.folder / "rooms.lp").read_text()
+    watched.save("rooms.lp", f"{rules}\n:- room(_,hall).\n")
+    expect(page.locator("#code .here")).to_contain_text(":- room(_,hall).")
+    drawn(page, 4)
+    assert rooms(page, "hall") == 0
+    assert page.locator('[role="tab"][aria-selected="true"]').inner_text() == "rooms.lp"
+
+
+def test_a_mistake_stands_at_its_line_beside_the_last_good_houses(watched: Watched, page: Page) -> None:
+    shown = page.locator("#sheet svg").evaluate_all("(all) => all.map((each) => each.outerHTML)")
+    rules = (watched.folder / "rooms.lp").read_text()
+    watched.save("rooms.lp", rules.replace("type(bedroom; bathroom", "type(bedroom bathroom"))
+    note = page.locator("#code .note.error")
+    expect(note).to_contain_text("rooms.lp:3:14: error: syntax error")
+    assert page.locator("#code .line.error").get_attribute("data-line") == "3"
+    expect(page.locator("#sheet li.old")).to_have_count(4)
+    assert page.locator("#sheet svg").evaluate_all("(all) => all.map((each) => each.outerHTML)") == shown
+    watched.save("rooms.lp", rules)
+    drawn(page, 4)
+    expect(note).to_have_count(0)
+
+
+def test_what_lint_warns_of_stands_at_its_line(watched: Watched, page: Page) -> None:
+    rules = (watched.folder / "rooms.lp").read_text()
+    watched.save("rooms.lp", f"{rules}\n:- rooms < 0.\n")
+    expect(page.locator("#code .note.warning")).to_contain_text("this rule never binds")
+    drawn(page, 4)
+
+
+def test_a_proof_names_the_rules_that_conflict_and_leads_to_their_lines(watched: Watched, page: Page) -> None:
+    page.get_by_label("bathroom", exact=True).fill("4")
+    answer = page.locator("#answer")
+    expect(answer).to_contain_text("no house of mine has 4 rooms, 4 of type bathroom")
+    expect(answer).to_contain_text("There is a house with --rooms 6")
+    page.get_by_role("button", name="rooms.lp:10").click()
+    assert page.locator("#code .here").inner_text().split() == [
+        "10", ":-", "rooms", ">=", "3,", "basic(T),", "not", "room(_,T).",
+    ]  # fmt: skip
+    page.get_by_label("bathroom", exact=True).fill("")
+    drawn(page, 4)
+    expect(answer).to_be_hidden()
+
+
+def test_a_click_on_a_piece_says_by_which_picks_and_rules_it_stands_there(
+    watched: Watched, page: Page
+) -> None:
+    piece = page.locator('#sheet li:first-child [data-part="R0.bed"], #sheet [data-part*=".bed"]').first
+    name = piece.get_attribute("data-part") or ""
+    piece.click()
+    answer = page.locator("#answer")
+    expect(answer.locator("h2")).to_have_text(f"Why {name}")
+    expect(answer).to_contain_text("picked out of")
+    page.get_by_role("button", name=re.compile(r"^furniture\.lp:\d+")).first.click()
+    place = page.locator("#code .here")
+    assert (place.get_attribute("data-line") or "0") > "0"
+    assert "bed" in place.inner_text()
+
+
+def test_all_of_it_works_by_the_keyboard(watched: Watched, page: Page) -> None:
+    first = page.locator("#sheet li").first.locator("[data-part]")
+    names = first.evaluate_all("(all) => all.map((each) => each.dataset.part)")
+    first.first.focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    answer = page.locator("#answer")
+    expect(answer.locator("h2")).to_have_text(f"Why {names[1]}")
+    expect(answer.locator("section").first).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(answer).to_be_hidden()
+    page.keyboard.press("ArrowDown")
+    assert page.evaluate(
+        "[...document.querySelectorAll('#sheet li')].indexOf(document.activeElement.closest('li'))"
+    )
+    page.get_by_role("tab").first.focus()
+    page.keyboard.press("End")
+    expect(page.locator('[role="tab"][aria-selected="true"]')).to_have_text("sizes.pl")
+    page.get_by_label("Rooms", exact=True).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#sheet li").first).to_contain_text("5 rooms")
+    page.get_by_label("hall", exact=True).focus()
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")
+    expect(page.locator("#command")).to_contain_text("--rooms 5 --type hall=1")
+
+
+def test_sliders_and_boxes_ask_for_other_houses_and_outlive_a_reload(watched: Watched, page: Page) -> None:
+    page.get_by_label("Houses", exact=True).fill("3")
+    page.get_by_label("Seed", exact=True).fill("5")
+    page.get_by_label("bedroom", exact=True).fill("2")
+    page.get_by_text("Pieces").click()
+    page.get_by_label("wardrobe", exact=True).fill("1..")
+    command = "--rooms 4 --type bedroom=2 --piece bedroom.wardrobe=1.. --seed 5 --count 3"
+    expect(page.locator("#command")).to_contain_text(command)
+    drawn(page, 3)
+    assert rooms(page, "bedroom") == 6
+    page.reload()
+    drawn(page, 3)
+    expect(page.locator("#command")).to_contain_text(command)
+    assert rooms(page, "bedroom") == 6
+
+
+def test_the_page_shows_the_houses_that_generate_makes(watched: Watched, page: Page) -> None:
+    question = {"version": version(watched), "request": {"rooms": 4, "seed": 7, "count": 3}}
+    answer = [json.loads(line) for line in watched.ask("sheet", question)[1].splitlines()]
+    houses = list(generate(rooms=4, seed=7, count=3, grammar=watched.folder))
+    parts = sorted((part for part in answer if "house" in part), key=lambda part: part["index"])
+    assert [part["house"] for part in parts] == [house.to_dict() for house in houses]
+    assert parts[0]["svg"] == svg([((0, 0), plan(houses[0], 300, 300))], 300, 300)
+
+
+def version(watched: Watched) -> int:
+    """The rules' version, as the stream of events says it."""
+    url = urlsplit(watched.address)
+    connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
+    connection.request("GET", f"{url.path}events")
+    lines = connection.getresponse()
+    lines.readline()
+    return json.loads(lines.readline().removeprefix(b"data: "))["version"]
+
+
+SLOW = """
+let told;
+window.answers = [];
+export const engine = {
+  editable: false,
+  open(onRules) { onRules({version: 1, saved: Date.now(), grammar: "fake", files: []}); },
+  // Deaf to the signal: each answer waits until the test gives it.
+  sheet(version, request, onPart) {
+    return new Promise((resolve) => window.answers.push(() => {
+      const svg = `<svg xmlns="http://www.w3.org/2000/svg"><text>seed ${request.seed}</text></svg>`;
+      onPart({kinds: {types: {}, most_rooms: 9}});
+      onPart({index: 0, house: {}, types: {}, svg});
+      resolve();
+    }));
+  },
+  async lint() { return []; },
+  why: null,
+};
+"""
+
+
+def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, page: Page) -> None:
+    def engine(route: Route) -> None:
+        route.fulfill(body=SLOW, content_type="text/javascript")
+
+    page.route("**/engine.js", engine)
+    page.goto(f"{server.address}#count=1")
+    page.get_by_label("Seed", exact=True).fill("1")
+    page.wait_for_timeout(150)
+    page.evaluate("answers[1]()")
+    expect(page.locator("#sheet")).to_have_text("seed 1")
+    page.evaluate("answers[0]()")
+    page.wait_for_timeout(50)
+    assert page.locator("#sheet").inner_text() == "seed 1"
+
+
+def test_many_saves_in_a_row_end_in_the_houses_of_the_last(watched: Watched, page: Page) -> None:
+    rules = (watched.folder / "rooms.lp").read_text()
+    for barred in ("bedroom", "kitchen", "hall"):
+        watched.save("rooms.lp", f"{rules}\n:- room(R,{barred}), R > 0.\n")
+        page.wait_for_timeout(120)
+    drawn(page, 4)
+    expect(page.locator("#code")).to_contain_text("room(R,hall)")
+    assert rooms(page, "bedroom") > 4
+    assert rooms(page, "hall") <= 4
+
+
+@pytest.mark.parametrize(
+    ("path", "headers", "said"),
+    [
+        ("/", {}, "the token in this address is not that of this page"),
+        ("/wrong/events", {}, "the token in this address is not that of this page"),
+        ("", {"Host": "rebound.example:80"}, "the host rebound.example:80 is not this machine"),
+    ],
+)
+def test_only_this_machine_with_the_token_is_answered(
+    server: Watched, path: str, headers: dict[str, str], said: str
+) -> None:
+    status, text = server.ask(path, **headers)
+    assert status == 403
+    assert text.startswith(said)
+    assert text.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("{", "Input data was truncated"),
+        (
+            {"version": 1, "request": {"rooms": 0, "seed": 0, "count": 1}},
+            "Expected `int` >= 1 - at `$.request.rooms`",
+        ),
+        ({"version": 1}, "sheet: say by request what houses"),
+    ],
+)
+def test_what_is_no_question_is_refused_by_a_line(server: Watched, body: object, said: str) -> None:
+    assert server.ask("sheet", body) == (400, f"{said}\n")
+
+
+def test_the_page_is_served_to_this_machine_alone(server: Watched) -> None:
+    port = urlsplit(server.address).port
+    with socket.socket() as other, pytest.raises(OSError):  # noqa: PT011
+        other.bind(("127.0.0.1", port or 0))
+    addresses = {line.split()[1] for line in Path("/proc/net/tcp").read_text().splitlines()[1:]}
+    assert {each.split(":")[0] for each in addresses if each.endswith(f":{port:04X}")} == {"0100007F"}
+
+
+def test_ctrl_c_ends_it_at_once_with_all_processes(tmp_path: Path) -> None:
+    with watching(tmp_path / "mine") as watched:
+        url = urlsplit(watched.address)
+        streams = []
+        for path, body in (
+            ("events", None),
+            ("sheet", {"version": 1, "request": {"rooms": 9, "seed": 0, "count": 48}}),
+        ):
+            connection = http.client.HTTPConnection(url.hostname or "", url.port, timeout=WHOLE / 1000)
+            connection.request("POST" if body else "GET", url.path + path, json.dumps(body))
+            streams.append(connection.getresponse())
+        assert "kinds" in streams[1].readline().decode()
+        workers = children(watched.process.pid)
+        assert workers
+        watched.process.send_signal(signal.SIGINT)
+        assert watched.process.wait(10) == 130
+        assert watched.process.stderr
+        assert watched.process.stderr.read() == "interrupted\n"
+        assert not [worker for worker in workers if is_alive(worker)]
+
+
+def children(parent: int) -> list[int]:
+    """Processes of this one."""
+    listed = Path(f"/proc/{parent}/task").glob("*/children")
+    return [int(child) for each in listed for child in each.read_text().split()]
+
+
+def is_alive(process: int) -> bool:
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{process}/status").read_text()
+    except FileNotFoundError:
+        return False
+
+
+def test_a_folder_that_goes_and_comes_back_is_watched_on(tmp_path: Path, page: Page) -> None:
+    with watching(tmp_path / "mine") as watched:
+        page.goto(f"{watched.address}#count=2")
+        drawn(page, 2)
+        watched.folder.rename(tmp_path / "away")
+        expect(page.locator("#findings")).to_contain_text("there is no such directory")
+        (tmp_path / "away").rename(watched.folder)
+        drawn(page, 2)
+        rules = (watched.folder / "rooms.lp").read_text()
+        watched.save("rooms.lp", f"{rules}\n:- room(_,hall).\n")
+        expect(page.locator("#code .here")).to_contain_text(":- room(_,hall).")
+        drawn(page, 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ("famly", 5, "there is no such directory, and there is no grammar famly: did you mean family?"),
+        ("--port 70000", 2, "--port 70000: ports are 0 to 65535"),
+        ("--seconds 0", 2, "--seconds 0: must be above 0"),
+    ],
+)
+def test_a_wrong_command_is_answered_by_a_line(
+    arguments: str, code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["watch", *arguments.split()])
+    assert end.value.code == code
+    assert said in capsys.readouterr().err
+
+
+def test_a_port_in_use_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(SystemExit) as end:
+            main(["watch", "--port", str(port)])
+    assert end.value.code == 2
+    assert f"--port {port}: Address already in use: take another one" in capsys.readouterr().err
+
+
+def test_without_its_packages_it_names_the_extra() -> None:
+    code = "import sys; sys.modules['starlette'] = None; from agent.cli import main; main(['watch'])"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert ended.returncode == 69
+    assert ended.stderr == "error: vitruvius watch needs starlette: pip install vitruvius[web]\n"
