@@ -1,4 +1,4 @@
-"""The documentation as a site: ``./run docs`` writes it into ``site/``, to be opened as a file or served.
+"""The documentation as a site: ``./run docs`` writes it into ``runs/docs``, to be opened as a file or served.
 
 Pages are Markdown files of the checkout, which read as well where they lie. Here they are copied, with all
 that they link to, and pages that are made from code are put beside them (``pages.py``). Zensical makes HTML
@@ -147,7 +147,7 @@ def build(out: Path) -> None:
         shutil.move(folder / "site", out)
 
 
-def main(out: Path = ROOT / "site") -> None:
+def main(out: Path = ROOT / "runs" / "docs") -> None:
     """Build the documentation as a site, which a browser opens without a server or a network."""
     try:
         build(out)

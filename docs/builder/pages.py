@@ -1,12 +1,10 @@
 """Pages that are made from code when the site is built, so that they cannot drift from it."""
 
 import ast
-import io
 import json
 import os
 from base64 import b64decode
 from collections.abc import Callable, Iterator
-from contextlib import redirect_stdout
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,9 +12,6 @@ from types import FunctionType
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-WIDTH = "84"
-"""Characters of a line of help: what a block of code shows without a scroll bar."""
-
 AGENT = (
     *("agent.world", "agent.actions", "agent.avoidance", "agent.policies", "agent.checkpoint", "agent.banks"),
     *("agent.config", "agent.evaluation.episodes", "agent.evaluation.protocol", "agent.evaluation.result"),
@@ -27,35 +22,6 @@ AGENT = (
 def fenced(text: str, language: str = "text") -> str:
     """A block of code, whatever fences it has in it."""
     return f"````{language}\n{text.strip()}\n````\n"
-
-
-def commands(_: Path) -> str:
-    """The help of every command and of every study."""
-    from agent.cli import COMMANDS
-    from benchmarks import STUDIES
-
-    page = ["# Commands", "This page is the output of `--help`; `./run` and `vitruvius` take the same.", ""]
-    page += [fenced(_help())]
-    for name in COMMANDS:
-        page += [f"## {name}", fenced(_help(name))]
-        if name == "bench":
-            page += [f"### bench {study}\n{fenced(_help(name, study))}" for study in STUDIES]
-    return "\n".join(page)
-
-
-def _help(*words: str) -> str:
-    """What a command prints when it is asked for help."""
-    from agent.cli import main
-
-    said = io.StringIO()
-    os.environ["COLUMNS"] = WIDTH
-    with redirect_stdout(said):
-        try:
-            main([*words, "--help"])
-        except SystemExit as end:
-            if end.code:
-                raise RuntimeError(f"{words} --help ended with {end.code}") from end
-    return said.getvalue()
 
 
 def schema(_: Path) -> str:
@@ -207,7 +173,6 @@ def _items(folder: Path) -> Iterator[str]:
 
 
 MADE: dict[str, Callable[[Path], str]] = {
-    "docs/reference/commands.md": commands,
     "docs/reference/schema.md": schema,
     "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
     "docs/reference/sim.md": package("sim", "Environments, tasks, baselines, backends.", "sim.backend"),
