@@ -52,9 +52,8 @@ class Block(NamedTuple):
         return Path(named[1]) if named else None
 
 
-def blocks(page: Path) -> Iterator[Block]:
+def blocks(text: str) -> Iterator[Block]:
     """The blocks of a page, in order, each with the output that is shown right after it."""
-    text = page.read_text()
     found = list(BLOCK.finditer(text))
     for block, after in zip(found, [*found[1:], None], strict=False):
         shows = after and after[1] == "text" and not text[block.end() : after.start()].strip()
@@ -88,7 +87,7 @@ class Reader:
 
     def follow(self, page: Path) -> None:
         """Do all that a page says; fails by the line of the page that does not hold."""
-        for block in blocks(page):
+        for block in blocks(page.read_text()):
             try:
                 code, said = self.do(block)
             except Exception as error:

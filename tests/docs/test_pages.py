@@ -1,13 +1,16 @@
 """What pages tell their readers to write and to run, written and run; and all other commands, parsed."""
 
+import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from agent.cli import parse
 from logic import House, load
 from tests.agent.evaluation.cases import short_episodes
-from tests.docs.reader import ROOT, Reader, pictures
+from tests.docs.reader import ROOT, Block, Reader, blocks, commands, pictures
 
 DOCS = ROOT / "docs"
 PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS / "plans.md"]
@@ -23,6 +26,45 @@ def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
         same = file.read_bytes() == picture.read_bytes()
         assert same, f"{picture.name} is another: ./run python -m tests.docs.reader draws all pictures again"
     CLAIMS.get(page.stem, lambda: None)()
+
+
+ELSEWHERE = {"demo", "test", "docs", "play", "info", "report", "playground", "train", "evaluate", "bench"}
+"""Commands of the README that take minutes or a window: other tests run them, and the tutorials in small."""
+
+
+def test_the_readme_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its commands with fewer houses; ``test_examples`` has its layer of behaviour."""
+    reader = Reader(tmp_path, monkeypatch)
+    use, rules = (section(ROOT / "README.md", title) for title in ("## Use", "## Your own rules"))
+    for block in use:
+        for line in commands(block.text) if block.language == "sh" else ():
+            for command in line.replace("--count 100", "--count 2").split(" && "):
+                if command.split()[1] not in ELSEWHERE:
+                    code, said = reader.run(command)
+                    assert not code, f"{command}: {said}"
+        if block.language == "python":
+            reader.python(block.text)
+    shown = [block for block in rules if block.shown]
+    assert [reader.matches(block.shown or "", reader.do(block)[1]) for block in shown] == [True]
+
+
+def section(page: Path, title: str) -> list[Block]:
+    """The blocks of one section of a page."""
+    (text,) = re.findall(rf"^{title}\n(.*?)(?=^## |\Z)", page.read_text(), re.DOTALL | re.MULTILINE)
+    return [*blocks(text)]
+
+
+COMMAND = re.compile(r"^(?: {4}|[$] )?(?:\./run|vitruvius) (?!python |test|docs)(.*)$", re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", [*sorted(DOCS.glob("*.md")), ROOT / "README.md"], ids=lambda page: page.stem)
+def test_every_command_of_a_page_is_one_that_the_command_line_takes(page: Path) -> None:
+    """Studies of days and windows among them, so they are read and not run."""
+    for command in COMMAND.findall(page.read_text().replace("\\\n", " ")):
+        for part in command.partition("#")[0].split(" && "):
+            words = shlex.split(part.removeprefix("./run ").split(" | ")[0].split(" > ")[0])
+            if words and not {*words} & {"...", "FILE", "GRAMMAR", "COMMAND"}:
+                parse(words)
 
 
 def entered_from(house: House, type_: str) -> set[str]:
