@@ -195,7 +195,7 @@ def _measured(
     filmed = _typical(result, name)
     recorder = Recorder(name, mode, seed + filmed)
     with progress(f"filming, {mode}", LINES) as report:
-        how = {"targets": mode, "seed": seed + filmed, "others": [recorder]}
+        how = {"targets": mode, "seed": seed + filmed, "watchers": [recorder]}
         record(agent, houses[filmed], film, report=report, **how)
     trace.save(recorder.trace, film.with_suffix(trace.ENDING))
     return Part(result, name, filmed)

@@ -23,15 +23,23 @@ Ground = tuple[dict[str, Any], str]
 
 
 def findings(grammar: Grammar) -> list[Finding]:
-    """All that is wrong with a grammar: errors, for which ``generate`` refuses it and ``draw`` its looks, or
-    else warnings.
-    """
+    """All that is wrong with a grammar: errors, or else warnings."""
     loaded = LoadedGrammar(grammar)
+    return errors(grammar, loaded) or all_warnings(grammar, loaded)
+
+
+def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
+    """For which ``generate`` refuses a grammar, and ``draw`` its looks."""
     looks = grammar.directory / NAME
     wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
-    if loaded.errors or wrong:
-        return all_as("error", [*loaded.errors, *wrong], grammar)
-    return warnings(grammar, loaded) + all_as("warning", _unseen(looks, loaded), grammar)
+    return _findings("error", [*loaded.errors, *wrong], grammar)
+
+
+def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
+    """What is of no use in the rules and the looks of a grammar without errors."""
+    return warnings(grammar, loaded) + _findings(
+        "warning", _unseen(grammar.directory / NAME, loaded), grammar
+    )
 
 
 def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
@@ -42,14 +50,14 @@ def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
 
 
 def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
-    """What is of no use in a grammar without errors."""
+    """What is of no use in rules without errors."""
     programs: list[Ground] = [({"rooms": rooms}, UNITS) for rooms in BUILDINGS if loaded.depths]
     programs += [({"rooms": rooms}, "house") for rooms in SIZES]
     furnished: list[Ground] = [({"this_room": str(type_)}, "room") for type_ in loaded.types]
-    return all_as("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
+    return _findings("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
 
 
-def all_as(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
+def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
     """Findings of one severity; what has no place is of the grammar's directory."""
     return [
         Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)

@@ -68,9 +68,9 @@ class Worker:
             yield {"why": msgspec.to_builtins(witness.why(request["why"]))}
             return
         if "lint" in request:
-            from logic.linter import warnings
+            from logic.linter import all_warnings
 
-            yield {"findings": msgspec.to_builtins(warnings(self._builder.grammar, self._builder.loaded))}
+            yield {"findings": msgspec.to_builtins(all_warnings(self._builder.grammar, self._builder.loaded))}
             return
         wanted = Request.read(request["request"])
         if "count" in request:
@@ -87,7 +87,7 @@ class Worker:
         _prepare(request["grammar"])
         from logic.builder import Builder
         from logic.grammar import find
-        from logic.linter import SIZES, all_as, findings, warnings
+        from logic.linter import SIZES, errors, findings, warnings
         from logic.loaded import LoadedGrammar
 
         grammar = find(request["grammar"])
@@ -103,9 +103,9 @@ class Worker:
         if "lint" in request:
             yield {"findings": msgspec.to_builtins(findings(grammar))}
             return
-        loaded = LoadedGrammar(grammar, request["cell"])
-        if loaded.errors and "errors" in request:
-            yield {"findings": msgspec.to_builtins(all_as("error", loaded.errors, grammar))}
+        loaded = LoadedGrammar(grammar, request["cell"], remarks=not request.get("hasty"))
+        if "errors" in request and (wrong := errors(grammar, loaded)):
+            yield {"findings": msgspec.to_builtins(wrong)}
             return
         self._builder = Builder(grammar, request["cell"], loaded)
         found = warnings(grammar, loaded) if request.get("warn") else []

@@ -232,8 +232,9 @@ class Record:
         from logic.files import require_file
         from sim.film import FILMS, require_film
 
-        shape = self._mosaic()
-        is_trace = self.out.name.endswith(trace.ENDING)
+        shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
+        if shape and is_trace:
+            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment")
         try:
             if not is_trace:
                 require_film(self.out)
@@ -253,8 +254,6 @@ class Record:
         ):
             if value < least:
                 raise RequestError(f"--{name} must be {least} or more, not {value}")
-        if is_trace and shape:
-            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment, a film of many")
         house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
         look = {"stride": self.stride, "width": width}
         with progress("filming") as report:

@@ -1,10 +1,11 @@
-"""Play an agent's episode before watchers: one films it, the body, its rays and its trail in the house and
-beside it the agent's map; another writes its trace (``agent.report.recorder``).
+"""Film an agent's episode: the body, its rays and its trail in the house; beside it the agent's map.
+
+Others may look on: what writes an episode's trace, for one (``agent.report.recorder``).
 """
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -16,7 +17,7 @@ from agent.checkpoint import Checkpoint
 from agent.evaluation.commands import WIDTH
 from agent.evaluation.episodes import reset
 from agent.evaluation.map_picture import MapPicture, beside
-from agent.policies import Policy, QPolicy
+from agent.policies import QPolicy
 from agent.progress import Report
 from agent.simulator import sensor
 from agent.world import make_envs
@@ -28,23 +29,27 @@ STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
 
 
+class Moment(NamedTuple):
+    """What a watcher is told of E environments, before each step and after the last one."""
+
+    step: int
+    ended: np.ndarray
+    """(E,) bool: which episodes have ended."""
+    actions: Tensor | None
+    """(E,) int64: what the policy has chosen to do, None after the last step."""
+    blocked: Tensor
+    """(E,) bool: whether the actions before came to nothing."""
+
+
 class Watcher(Protocol):
     """What looks on while an episode is played in one environment."""
 
     def begin(self, envs: HouseVectorEnv, policy: QPolicy) -> None:
-        """An episode begins."""
+        """An episode is to begin."""
         ...
 
-    def chose(self, step: int, action: int) -> None:
-        """The policy has chosen; its action is not made yet."""
-        ...
-
-    def moved(self, blocked: bool) -> None:
-        """The action is made."""
-        ...
-
-    def end(self) -> None:
-        """The episode is over, or watched for as long as it should be."""
+    def note(self, moment: Moment) -> None:
+        """Look at the environment and the policy, as they are now."""
         ...
 
 
@@ -58,66 +63,14 @@ def watch(
     steps: int | None = None,
     report: Report = lambda done, words: None,
 ) -> None:
-    """Play the agent's episode in the house, whole or its first ``steps``.
-
-    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
-    """
+    """Play the agent's episode in the house, whole or its first ``steps``: see ``record``."""
     envs = make_envs([house], 1, targets, preset=sensor(agent.config))
-    length = min(steps or envs.config.steps, envs.config.steps)
-    observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)
-    policy.begin(1)
-    blocked = torch.zeros(1, dtype=torch.bool)
     for watcher in watchers:
         watcher.begin(envs, policy)
-    for step in range(length):
-        actions: Tensor = policy(observation, blocked)
+    for moment in _played(envs, policy, seed, steps, report):
         for watcher in watchers:
-            watcher.chose(step, int(actions[0]))
-        observation, _, terminated, truncated, info = envs.step_torch(actions)
-        blocked = info["blocked"]
-        for watcher in watchers:
-            watcher.moved(bool(blocked[0]))
-        report((step + 1) / length, f"step {step + 1}")
-        if terminated | truncated:
-            break
-    for watcher in watchers:
-        watcher.end()
-
-
-class Filming:
-    """Draws every ``stride``-th step, and the last state."""
-
-    def __init__(self, stride: int = STRIDE, width: int = WIDTH) -> None:
-        """Draw pictures of this width, in pixels."""
-        self.stride, self.width, self.frames = stride, width, list[Image.Image]()
-
-    def begin(self, envs: HouseVectorEnv, policy: QPolicy) -> None:
-        """See ``Watcher``."""
-        self.envs, self.policy = envs, policy
-        self.camera, self.map = Camera(envs, width=self.width), MapPicture(envs.houses[0], self.width)
-
-    def chose(self, step: int, action: int) -> None:
-        """See ``Watcher``."""
-        tracker = self.policy.tracker
-        if tracker and tracker.planner.read("time")[0] == 1:
-            self.map.begin(
-                self.envs.scene(0).pose
-            )  # again where only the first wall shows how the body stands
-        if step % self.stride == 0:
-            self.shoot()
-
-    def moved(self, blocked: bool) -> None:
-        """See ``Watcher``."""
-
-    def end(self) -> None:
-        """See ``Watcher``."""
-        self.shoot()
-
-    def shoot(self) -> None:
-        """Draw the environment, and the map if there is one."""
-        shot, tracker = self.camera.shoot(), self.policy.tracker
-        self.frames.append(beside(shot, self.map.drawn(tracker.planner)) if tracker else shot)
+            watcher.note(moment)
 
 
 def record(
@@ -131,14 +84,31 @@ def record(
     stride: int = STRIDE,
     width: int = WIDTH,
     report: Report = lambda done, words: None,
-    others: Sequence[Watcher] = (),
+    watchers: Sequence[Watcher] = (),
 ) -> Path:
-    """Write a GIF of the agent's episode in the house, as ``watch`` plays it, before ``others`` beside the
-    camera; its path.
+    """Write a film of the agent's episode in the house, whole or its first ``steps``; its path. ``watchers``
+    look on.
+
+    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    filming = Filming(stride, width)
-    watch(agent, house, [filming, *others], targets=targets, seed=seed, steps=steps, report=report)
-    return film(filming.frames, path)
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    camera, map_picture = Camera(envs, width=width), MapPicture(house, width)
+    for watcher in watchers:
+        watcher.begin(envs, policy)
+
+    def shots() -> Iterator[Image.Image]:
+        for moment in _played(envs, policy, seed, steps, report):
+            for watcher in watchers:
+                watcher.note(moment)
+            if policy.tracker and policy.tracker.planner.read("time")[0] == 1:
+                # again where only the first wall shows how the body stands
+                map_picture.begin(envs.scene(0).pose)
+            if moment.step % stride == 0 or moment.ended.all():
+                shot = camera.shoot()
+                yield beside(shot, map_picture.drawn(policy.tracker.planner)) if policy.tracker else shot
+
+    return film(shots(), path)
 
 
 def record_mosaic(
@@ -170,7 +140,7 @@ def record_mosaic(
 
     def frames() -> Iterator[np.ndarray]:
         over = np.zeros(count, bool)
-        for step, ended in _played(envs, policy, seed, steps, report):
+        for step, ended, *_ in _played(envs, policy, seed, steps, report):
             due = step % stride == 0 or bool(ended.all())
             for index in np.flatnonzero(~over & (due | ended)):
                 shots[index] = np.asarray(cameras[index].shoot())
@@ -182,22 +152,20 @@ def record_mosaic(
 
 
 def _played(
-    envs: HouseVectorEnv, policy: Policy, seed: int, steps: int | None, report: Report
-) -> Iterator[tuple[int, np.ndarray]]:
-    """Play an episode in each environment: before each step and after the last one, yields its number, and
-    which episodes have ended, (E,) bool.
-    """
+    envs: HouseVectorEnv, policy: QPolicy, seed: int, steps: int | None, report: Report
+) -> Iterator[Moment]:
+    """Play an episode in each environment."""
     observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)
     policy.begin(envs.num_envs)
     blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
     ended = np.zeros(envs.num_envs, bool)
     for step in range(length):
         actions = policy(observation, blocked)
-        yield step, ended
+        yield Moment(step, ended, actions, blocked)
         observation, _, terminated, truncated, info = envs.step_torch(actions)
         blocked = info["blocked"]
         ended = ended | (terminated | truncated).numpy()
         report((step + 1) / length, f"step {step + 1}")
         if ended.all():
             break
-    yield length, np.ones(envs.num_envs, bool)
+    yield Moment(length, np.ones(envs.num_envs, bool), None, blocked)

@@ -11,7 +11,9 @@ from agent.report.page import Section
 from agent.report.trace import AROUND, Trace, load
 from logic import House
 from logic.canvas import Drawing, svg
+from logic.door_leaves import door_leaves
 from logic.labels import room_names
+from logic.palettes import style
 from logic.plan import Frame, extent, house_shapes
 
 SIZE = 640
@@ -32,8 +34,10 @@ def _player(path: Path, trace: Trace) -> str:
     scale = SIZE / (max(east - west, south - north) + 2 * AROUND)
     frame = Frame(scale, scale * (AROUND - west), scale * (AROUND - north))
     width, height = (round(scale * (side + 2 * AROUND)) for side in (east - west, south - north))
-    names = [name for name in room_names(house, frame, {}) if name is not None]
-    plan = svg([((0, 0), Drawing(width, height, (*house_shapes(house, frame), *names)))], width, height)
+    look = style([house])
+    names = (word for name in room_names(house, frame, look, {}) for word in name)
+    shapes = (*house_shapes(house, frame, look, door_leaves(house)), *names)
+    plan = svg([((0, 0), Drawing(width, height, shapes))], width, height)
     where = WHERE.get(trace.mode, trace.mode)
     found = int(trace.column("found")[-1])
     title = f"{trace.agent}, targets in {where}: {found} target{'s' * (found != 1)} in {trace.length} steps"

@@ -24,7 +24,7 @@ SECTIONS = (
     (("*.trace.json",), "agent.report.episodes:section"),
     (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
     (("homes.json",), "benchmarks.generator.section:homes"),
-    (("*.jsonl", "*.jsonl.gz"), "agent.report.plans:section"),
+    (("*.jsonl", "*.jsonl.gz", "evaluation.json"), "agent.report.plans:section"),
 )
 """In the order of the page: names of files, and what makes a section of them, ``module:function``; it is
 imported where there are such files.

@@ -94,6 +94,12 @@ async function showPlans(place) {
   offer("most", rooms);
   offer("type", plans.flatMap((plan) => Object.keys(plan.types)), "any");
   offer("piece", plans.flatMap((plan) => Object.keys(plan.pieces)), "any");
+  const policies = [...new Set(plans.flatMap((plan) => Object.keys(plan.ratios)))];
+  if (policies.length) {
+    const group = made("optgroup", { label: "lowest ratio to the oracle first" });
+    group.append(...policies.map((policy) => made("option", { value: policy }, policy)));
+    fields.order.append(group);
+  }
   // What a form's reset goes back to.
   fields.most.options[fields.most.options.length - 1].defaultSelected = true;
   fields.most.selectedIndex = fields.most.options.length - 1;
@@ -113,7 +119,8 @@ async function showPlans(place) {
   function card(plan, place) {
     const where = `${plan.file}, house ${plan.index}`;
     const button = made("button", { type: "button", "aria-label": `${where}: ${plan.rooms} rooms, ${plan.area} m²` });
-    button.append(picture(plan.svg), made("span", {}, where));
+    const ratio = plan.ratios[fields.order.value];
+    button.append(picture(plan.svg), made("span", {}, ratio === undefined ? where : `${where}: ratio ${ratio ?? "none"}`));
     button.addEventListener("click", () => enlarge(place));
     return made("li", {}, button);
   }
@@ -128,7 +135,10 @@ async function showPlans(place) {
   function filter() {
     chosen = plans.filter(suits);
     const order = fields.order.value;
-    if (order !== "file") chosen.sort((a, b) => (order === "small" ? a.area - b.area : b.area - a.area));
+    const ratio = (plan) => plan.ratios[order] ?? Infinity; // what was not measured comes last
+    if (order === "small") chosen.sort((a, b) => a.area - b.area);
+    else if (order === "large") chosen.sort((a, b) => b.area - a.area);
+    else if (order !== "file") chosen.sort((a, b) => (ratio(a) < ratio(b) ? -1 : Number(ratio(a) > ratio(b))));
     fields.count.disabled = !fields.type.value;
     form.querySelector("output").textContent = `${chosen.length} of ${plans.length} houses`;
     sheet.replaceChildren();

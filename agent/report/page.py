@@ -90,7 +90,8 @@ def _cell(cell: Cell, first: bool) -> str:
     order = f' data-order="{cell.order:.6g}"' if cell.order is not None else ""
     below = f" <small>{escape(cell.below)}</small>" if cell.below else ""
     content = f"{order}>{escape(cell.text)}{below}"
-    return f'<th scope="row"{content}</th>' if first else f"<td{content}</td>"
+    kind = ' class="words"' if any(map(str.isalpha, cell.text)) else ""
+    return f'<th scope="row"{content}</th>' if first else f"<td{kind}{content}</td>"
 
 
 def details(summary: str, html: str) -> str:

@@ -6,7 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 
+from agent.banks import BANKS, bank_hash, benchmark
+from agent.evaluation import scores
+from agent.evaluation.tables import LABELS, WHERE
 from agent.report.page import Section, data
 from logic import House, load
 from logic.draw import plan_svg
@@ -31,20 +35,49 @@ def holds_houses(path: Path) -> bool:
 
 
 def section(files: Sequence[Path], folder: Path) -> Section | None:
-    """Of these house files. Raises ``HouseFileError`` for one that is damaged."""
+    """Of these house files, and of the benchmark's banks that agents were measured in (``evaluation.json``),
+    with what each policy did in each house. Raises ``HouseFileError`` for a file that is damaged.
+    """
+    measured = [scores.load(path) for path in files if path.name == "evaluation.json"]
     banks = {str(path.relative_to(folder)): load(path) for path in files if holds_houses(path)}
+    banks |= {each.bank.file: benchmark(each.bank.file) for each in measured if each.bank.file in BANKS}
     if not banks:
         return None
     whole = sum(map(len, banks.values()))
     every = -(-whole // MOST)
-    plans = [
-        plan_of(file, index, houses[index])
-        for file, houses in banks.items()
-        for index in range(0, len(houses), every)
-    ]
+    plans = []
+    for file, houses in banks.items():
+        hash_ = bank_hash(houses) if measured else ""
+        ratios = [_ratios(each, len(houses)) for each in measured if each.bank.hash == hash_]
+        for index in range(0, len(houses), every):
+            found = {key: values[index] for one in ratios for key, values in one.items()}
+            plans.append(plan_of(file, index, houses[index]) | {"ratios": found})
     left_out = f" Of each file every {every}th house is shown." if every > 1 else ""
     words = f"<p>{whole:,} houses in {len(banks)} file{'s' * (len(banks) > 1)}.{left_out}</p>"
     return Section("plans", "The houses", f'{words}<div class="plans"></div>\n{data("plans-data", plans)}')
+
+
+def _ratios(file: scores.ScoreFile, houses: int) -> dict[str, list[float | None]]:
+    """By mode and policy the share of the oracle's targets in each house, over all runs and episodes; None
+    where the oracle picks up none.
+    """
+    found = {}
+    for mode, scored in file.targets.items():
+        runs = [run for each in scored.policies.values() for run in each.runs]
+        if "oracle" not in scored.policies or any(len(run.targets) % houses for run in runs):
+            continue  # scores of another program, which need not be whole
+        # Episode i is in house i % houses.
+        counts = {
+            policy: np.array([run.targets for run in each.runs]).reshape(len(each.runs), -1, houses)
+            for policy, each in scored.policies.items()
+        }
+        oracle = counts.pop("oracle").mean(axis=(0, 1))
+        for policy, each in counts.items():
+            ratio = each.mean(axis=(0, 1)) / np.where(oracle > 0, oracle, np.nan)
+            found[f"{LABELS.get(policy, policy)}, targets in {WHERE.get(mode, mode)}"] = [
+                None if np.isnan(value) else round(float(value), 3) for value in ratio
+            ]
+    return found
 
 
 def plan_of(file: str, index: int, house: House) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from collections import defaultdict
 import msgspec
 import numpy as np
 
+from agent.evaluation.film import Moment
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.whereabouts import Whereabouts
 from agent.policies import QPolicy
@@ -35,24 +36,25 @@ class Recorder:
         tracker = policy.tracker
         self.map = _MapNotes(self.house, tracker.planner) if tracker else None
 
-    def chose(self, step: int, action: int) -> None:
+    def note(self, moment: Moment) -> None:
         """See ``Watcher``."""
-        scene, columns, choice = self._state(), self.columns, self.policy.choice
+        if moment.step:
+            self.columns["blocked"].append(bool(moment.blocked[0]))
+        scene = self._state()
+        if moment.actions is not None:
+            self._choice(int(moment.actions[0]))
+            if self.map:
+                self.map.note(moment.step, scene)
+
+    def _choice(self, action: int) -> None:
+        """Note what the policy has chosen, and why."""
+        columns, choice = self.columns, self.policy.choice
         columns["action"].append(action)
         columns["allowed"].append(sum(1 << a for a, free in enumerate(choice.allowed[0].tolist()) if free))
         columns["wanted"].append(int(choice.preference[0].argmax()))
         columns["values"].append(choice.values[0].tolist())
         if self.map:
             columns["advice"].append(int(self.map.planner.advice[0]))
-            self.map.note(step, scene)
-
-    def moved(self, blocked: bool) -> None:
-        """See ``Watcher``."""
-        self.columns["blocked"].append(blocked)
-
-    def end(self) -> None:
-        """See ``Watcher``."""
-        self._state()
 
     def _state(self) -> Scene:
         """Note what the environment is like."""

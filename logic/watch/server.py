@@ -1,6 +1,7 @@
 """The page's server: on this machine alone, for those who know its token."""
 
 import contextlib
+import os
 import secrets
 import socket
 from collections.abc import AsyncIterator, Awaitable
@@ -157,7 +158,8 @@ def listening(port: int) -> socket.socket:
     try:
         return socket.create_server((LOOPBACK, port))
     except OSError as error:
-        why = f"--port {port}: {error.strerror}: take another one, or leave it out for any that is free"
+        what = os.strerror(error.errno or 0).lower()
+        why = f"--port {port}: {what}: take another one, or leave it out for any that is free"
         raise RequestError(why) from None
 
 

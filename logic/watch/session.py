@@ -11,11 +11,13 @@ import msgspec
 from msgspec import Meta
 from watchfiles import awatch
 
+from logic import looks
 from logic.canvas import svg
 from logic.draw import plan
 from logic.errors import Finding, GrammarError, RequestError, VitruviusError, to_record
 from logic.grammar import MOST_BYTES
 from logic.house import House
+from logic.palettes import style
 from logic.request import MOST_ROOMS, Request
 from logic.watch.team import Spares, Stale, Team
 from logic.why import INFERENCES, file_name
@@ -91,22 +93,12 @@ class Session:
     async def sheet(self, version: int, sheet: Sheet) -> AsyncIterator[dict[str, Any]]:
         """The parts of an answer, as ``page/page.js`` lists them."""
         team = self._team_of(version)
-        try:
-            opened = await team.opened()
-        except GrammarError as error:
-            where = str(error.file or self._directory)
-            opened = {
-                "findings": [Finding("error", where, error.line or 1, error.column or 1, error.message)]
-            }
-        except VitruviusError as error:
-            yield {"index": 0, "problem": problem(error)}
-            return
-        if "findings" in opened:
-            yield {"findings": _named(opened["findings"])}
-            return
-        yield {"kinds": opened["kinds"]}
         houses = [asyncio.ensure_future(self._house(team, sheet, index)) for index in range(sheet.count)]
         try:
+            said = await self._verdict(team)
+            yield said
+            if "kinds" not in said:
+                return
             for house in asyncio.as_completed(houses):
                 part = await house
                 yield part
@@ -116,6 +108,18 @@ class Session:
             for house in houses:
                 house.cancel()
             self._spares.refill()
+
+    async def _verdict(self, team: Team) -> dict[str, Any]:
+        """The part of an answer that says whether the rules are right."""
+        try:
+            said = await team.verdict()
+        except GrammarError as error:
+            where = str(error.file or self._directory)
+            finding = Finding("error", where, error.line or 1, error.column or 1, error.message)
+            return {"findings": _named([finding])}
+        except VitruviusError as error:
+            return {"index": 0, "problem": problem(error)}
+        return {"findings": _named(said["findings"])} if "findings" in said else {"kinds": said["kinds"]}
 
     async def lint(self, version: int) -> list[dict[str, Any]]:
         """Findings in rules without errors."""
@@ -148,10 +152,11 @@ class Session:
             request = Request.read(msgspec.to_builtins(sheet)).to_dict()
             question = {"request": request, "seed": sheet.seed, "inferences": INFERENCES, "index": index}
             house = House.from_dict((await team.ask(question, self._seconds, late))["house"])
+            drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
             return {"index": index, "problem": problem(error)}
         types = {room.name: room.type for room in house.counted}
-        drawn = svg([((0, 0), plan(house, PLAN, PLAN))], PLAN, PLAN)
+        drawn = svg([((0, 0), drawing)], PLAN, PLAN)
         return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
 
     async def _watch(self) -> None:
@@ -186,7 +191,7 @@ class Session:
         self._changed.clear()
 
     def _read(self, version: int) -> Rules:
-        """The rule files, ``.lp`` before ``.pl``, and when the last of them was saved."""
+        """The rule files, ``.lp`` before ``.pl``, then the looks, and when the last of them was saved."""
         now, files, saved = time.time(), [], 0.0
         for file in _rule_files(self._directory):
             try:
@@ -206,8 +211,8 @@ def problem(error: VitruviusError) -> dict[str, Any]:
 def _rule_files(directory: Path) -> list[Path]:
     """Files whose text may be shown: ``grammar.find`` refuses others, and says so."""
     found = []
-    for suffix in (".lp", ".pl"):
-        for file in sorted(directory.glob(f"*{suffix}")):
+    for pattern in ("*.lp", "*.pl", looks.NAME):
+        for file in sorted(directory.glob(pattern)):
             inside = Path(os.path.realpath(file)).parent == directory
             if (
                 inside

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from logic.errors import VitruviusError
+from logic.errors import RequestError, VitruviusError
 from logic.solver import Solver
 
 SIZE = min(4, os.cpu_count() or 1)
@@ -70,25 +70,30 @@ class Spares:
 
 
 class Team:
-    """Processes that load the same rules; a question goes to the first that is free."""
+    """Processes that load the same rules; a question goes to the first that is free.
+
+    One of them says what is wrong with the rules. The others take no time for that, and so have the first
+    houses when it is known that the rules are right.
+    """
 
     def __init__(self, directory: Path, spares: Spares) -> None:
         """Let them load a grammar's directory as it is now."""
         self._opening = {"grammar": str(directory), "cell": 0.0, "errors": "all"}
         self._spares, self._ended = spares, False
         self._busy: set[Solver] = set()
-        # What a process that cannot load the rules has raised stands in its place.
+        self._left = SIZE
+        # Or the error that stands in the place of all of them.
         self._free: asyncio.Queue[Solver | VitruviusError | Stale] = asyncio.Queue()
-        self._opened = [asyncio.ensure_future(self._open()) for _ in range(SIZE)]
-        for each in self._opened:
+        self._verdict, *others = (asyncio.ensure_future(self._open(hasty=bool(each))) for each in range(SIZE))
+        for each in (self._verdict, *others):
             each.add_done_callback(_heard)
 
-    async def opened(self) -> dict[str, Any]:
-        """What the first process says of the rules: see ``worker.py``. Raises what they raise, ``Stale``."""
-        await asyncio.wait(self._opened, return_when=asyncio.FIRST_COMPLETED)
+    async def verdict(self) -> dict[str, Any]:
+        """What is said of the rules: see ``worker.py``. Raises what they raise, and ``Stale``."""
+        await asyncio.wait([self._verdict])
         if self._ended:
             raise Stale
-        return next(each for each in self._opened if each.done()).result()
+        return self._verdict.result()
 
     async def ask(self, question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
         """The answer to a question; raises ``LimitReached`` with ``late`` past the seconds, and ``Stale``.
@@ -129,32 +134,44 @@ class Team:
                 worker.end()
         self._free.put_nowait(Stale())
 
-    async def _open(self) -> dict[str, Any]:
+    async def _open(self, hasty: bool = True) -> dict[str, Any]:
         """Add a process, and say what it says of the rules."""
         worker = self._spares.take()
 
         def loaded() -> dict[str, Any]:
             worker.prepared()
-            worker.open(self._opening)
+            worker.open(self._opening | {"hasty": hasty})
             return worker.loaded()
 
         self._busy.add(worker)
         try:
-            return await asyncio.to_thread(loaded)
+            answer = await asyncio.to_thread(loaded)
         except VitruviusError as error:
-            self._free.put_nowait(error)
+            self._lose(worker, error)
             raise
-        finally:
-            self._release(worker, again=False)
+        if "findings" in answer:
+            self._lose(worker, RequestError("the rules have a mistake"))
+        else:
+            self._release(worker)
+        return answer
 
-    def _release(self, worker: Solver, again: bool = True) -> None:
+    def _lose(self, worker: Solver, why: VitruviusError) -> None:
+        """One process less; where none is left, what is asked is answered by this error."""
+        self._busy.discard(worker)
+        worker.end()
+        self._left -= 1
+        if not self._left:
+            self._free.put_nowait(why)
+
+    def _release(self, worker: Solver) -> None:
         """The process is free, or where it is of no use any more, another one takes its place."""
         self._busy.discard(worker)
-        if not self._ended and worker.is_alive() and not worker.unanswered:
+        if self._ended:
+            worker.end()
+        elif worker.is_alive() and not worker.unanswered:
             self._free.put_nowait(worker)
-            return
-        worker.end()
-        if again and not self._ended:
+        else:
+            worker.end()
             asyncio.ensure_future(self._open()).add_done_callback(_heard)
 
     def _hurry(self, worker: Solver, answer: asyncio.Future[Any]) -> None:
@@ -163,6 +180,7 @@ class Team:
 
 
 def _heard(future: asyncio.Future[Any]) -> None:
-    """Errors of what nobody waits for any more are of no use."""
-    if not future.cancelled():
-        future.exception()
+    """Errors of what nobody waits for any more are of no use, but for our own."""
+    error = None if future.cancelled() else future.exception()
+    if error and not isinstance(error, VitruviusError):
+        raise error

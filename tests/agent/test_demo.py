@@ -13,6 +13,7 @@ from agent.banks import geometry_hash
 from agent.checkpoint import load as load_checkpoint
 from agent.demo import FILES, banks, demo, gain
 from agent.evaluation.commands import Record
+from agent.report.folder import report
 from logic import House, Rect, RequestError, Star, check, load
 from sim.film import SHARP, framed, largest, plan
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
@@ -67,6 +68,13 @@ def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
         assert f"]({picture})" in page
         with Image.open(made[0] / picture) as image:
             image.verify()
+
+
+def test_the_page_of_the_demo_is_that_of_its_folder_and_plays_both_episodes(made):
+    page = (made[0] / "report.html").read_bytes()
+    assert page == report(made[0])
+    assert len(page) < 5e6
+    assert page.count(b'class="episode"') == 2
 
 
 def test_report_and_terminal_say_that_behind_doors_a_planner_searches_and_the_network_adds_nothing(made):

@@ -22,6 +22,7 @@ from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.released import CheckpointError
+from agent.report.folder import report
 from agent.runs import run
 from logic import load, save
 from logic.errors import RequestError
@@ -68,6 +69,7 @@ def test_train_takes_any_task_and_any_field_of_the_simulator_and_keeps_them(tmp_
     assert found.houses == bank_hash(load(BANK))
     assert parse([*words, "512", "--resume"]).run() == 0
     assert checkpoint.load("run/agent.safetensors").steps == 512
+    assert Path("run/report.html").read_bytes() == report(Path("run"))
 
 
 def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):

@@ -50,7 +50,7 @@ export function showWhy(why) {
 function derivation({ atom, rule, means, options, body = [] }) {
   let [source, below] = [rule, body];
   const said = [element("code", {}, atom)];
-  if (options) {
+  if (options?.length) {
     // The rule of all picks says nothing that the options and their own rule do not.
     const option = body.find((each) => each.atom.startsWith("option("));
     [source, below] = [option?.rule, option?.body ?? []];

@@ -156,4 +156,5 @@ function say(text) {
 initRequest(redraw);
 initSheet(ask);
 initAnswer(closeAnswer);
+byId("hint").hidden = !engine.why;
 engine.open(receive, say);

@@ -14,6 +14,7 @@ from agent.config import PRESETS, TARGET_MODES, PQNConfig
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import Setting, measure
+from agent.report.folder import report
 from agent.simulator import sensor
 from logic import RequestError, save
 from sim.config import DEFAULT, PAPER
@@ -79,6 +80,7 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
     assert list(printed["targets"]["main"]["policies"]) == ["pqn", *REFERENCES]
     assert json.loads((out / "evaluation.json").read_text()) == printed
     assert "| searcher |" in (out / "evaluation.md").read_text()
+    assert (out / "report.html").read_bytes() == report(out)
     with Image.open(out / "evaluation.png") as image:
         image.verify()
 

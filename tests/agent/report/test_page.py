@@ -35,8 +35,9 @@ def file(tmp_path_factory, houses, mapped, vetoed) -> Path:
     """A report of houses, runs, scores and two episodes."""
     folder = tmp_path_factory.mktemp("run")
     metrics(folder, msgspec.json.encode(LINE).decode())
-    measured(folder)
-    save(houses[:-1], folder / "stars.jsonl")
+    measured(folder, houses[:2])
+    save(houses[:2], folder / "measured.jsonl")
+    save(houses[2:-1], folder / "stars.jsonl")
     save(houses[-1:], folder / "homes.jsonl")
     trace.save(mapped, folder / "a.trace.json")
     trace.save(vetoed, folder / "b.trace.json")
@@ -100,6 +101,14 @@ def test_houses_are_filtered_by_what_they_are(opened: Page, houses) -> None:
     assert areas.index(min(areas)) == 30
     words = f"homes.jsonl, house 0: 4 rooms, {min(areas):g} m²"
     expect(cards.first.locator("button")).to_have_attribute("aria-label", words)
+
+
+def test_houses_can_be_ordered_by_how_well_an_agent_did_in_them(opened: Page) -> None:
+    opened.get_by_label("Order").select_option("agent, targets in secondary rooms")
+    first = opened.locator(".sheet span")
+    expect(first.nth(0)).to_have_text("measured.jsonl, house 1: ratio 0.4")
+    expect(first.nth(1)).to_have_text("measured.jsonl, house 0: ratio 0.5")
+    expect(first.nth(2)).to_have_text("homes.jsonl, house 0")
 
 
 def test_a_house_is_enlarged_and_the_keys_go_on_to_the_next(opened: Page) -> None:

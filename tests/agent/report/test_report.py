@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Sequence
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,14 +10,15 @@ from xml.etree import ElementTree
 import msgspec
 import pytest
 
+from agent.banks import bank_hash, benchmark
 from agent.evaluation.scores import Bank, ScoreFile, modes_of
-from agent.report import trace
+from agent.report import plans, trace
 from agent.report.commands import Report
 from agent.report.folder import describe, report, write_report
 from agent.report.page import ReportError
 from agent.report.plots import Axis, Series, line_plot
 from agent.report.trace import Trace, TraceError
-from logic import HouseFileError, save
+from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
 from tests.agent.report.conftest import HOUSE
 from tests.benchmarks.reports import report as timed
@@ -40,9 +42,11 @@ def metrics(folder: Path, *lines: str) -> None:
     (folder / "metrics.jsonl").write_text("\n".join(lines))
 
 
-def measured(folder: Path, mode: str = "secondary") -> None:
-    one = result(scores([5, 8]), others={"explorer": scores([6, 10])}, mode=mode)
-    (folder / "evaluation.json").write_bytes(ScoreFile(Bank("abc", "b.jsonl", 2), 0, modes_of([one])).json())
+def measured(folder: Path, houses: Sequence[House] = ()) -> None:
+    """Scores in two houses: these, or houses that nobody has."""
+    one = result(scores([5, 8]), others={"explorer": scores([6, 10])})
+    bank = Bank(bank_hash(houses) if houses else "abc", "b.jsonl", 2)
+    (folder / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())
 
 
 @pytest.fixture
@@ -191,6 +195,16 @@ def test_what_cannot_be_reported_is_said_in_one_line(tmp_path, make, error, says
     assert "\n" not in str(raised.value)
     assert raised.value.exit_code == 5
     assert not list(tmp_path.glob("*.html"))
+
+
+def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(plans, "MOST", 20)
+    bank = Bank(bank_hash(benchmark()), "test-v1", 256)
+    one = result(scores([5] * 256), oracle=[10] * 256, rooms=[2] * 256, shortest=[9] * 256)
+    (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())
+    outline = Outline(report(tmp_path).decode())
+    assert outline.sections == ["evaluation", "plans"]
+    assert "256 houses in 1 file. Of each file every 13th house is shown." in outline.text
 
 
 def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:

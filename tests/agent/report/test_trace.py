@@ -23,20 +23,17 @@ class Notes:
     """What the environment and the policy really were at each step."""
 
     def begin(self, envs, policy):
-        self.envs, self.policy, self.scenes, self.blocked = envs, policy, [envs.scene(0)], []
+        self.envs, self.policy, self.scenes, self.blocked = envs, policy, [], []
         self.actions, self.states = [], []
 
-    def chose(self, step, action):
-        planner = self.policy.tracker.planner
-        self.actions.append((action, self.policy.choice))
-        self.states.append((planner.pose(0), planner.occupancy(0), planner.state))
-
-    def moved(self, blocked):
-        self.blocked.append(blocked)
+    def note(self, moment):
         self.scenes.append(self.envs.scene(0))
-
-    def end(self):
-        pass
+        if moment.step:
+            self.blocked.append(bool(moment.blocked[0]))
+        if moment.actions is not None:
+            planner = self.policy.tracker.planner
+            self.actions.append((int(moment.actions[0]), self.policy.choice))
+            self.states.append((planner.pose(0), planner.occupancy(0), planner.state))
 
 
 @pytest.fixture(scope="module")
