@@ -28,7 +28,19 @@ def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
     CLAIMS.get(page.stem, lambda: None)()
 
 
-ELSEWHERE = {"demo", "test", "docs", "play", "info", "report", "playground", "train", "evaluate", "bench"}
+ELSEWHERE = {
+    "demo",
+    "test",
+    "docs",
+    "play",
+    "info",
+    "report",
+    "watch",
+    "playground",
+    "train",
+    "evaluate",
+    "bench",
+}
 """Commands of the README that take minutes or a window: other tests run them, and the tutorials in small."""
 
 
@@ -58,8 +70,12 @@ COMMAND = re.compile(r"^(?: {4}|[$] )?(?:\./run|vitruvius) (?!python |test|docs)
 
 
 @pytest.mark.parametrize("page", [*sorted(DOCS.glob("*.md")), ROOT / "README.md"], ids=lambda page: page.stem)
-def test_every_command_of_a_page_is_one_that_the_command_line_takes(page: Path) -> None:
+def test_every_command_of_a_page_is_one_that_the_command_line_takes(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Studies of days and windows among them, so they are read and not run."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").touch()  # settings, which are read at once
     for command in COMMAND.findall(page.read_text().replace("\\\n", " ")):
         for part in command.partition("#")[0].split(" && "):
             words = shlex.split(part.removeprefix("./run ").split(" | ")[0].split(" > ")[0])
