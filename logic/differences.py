@@ -6,26 +6,37 @@ has these constraints too, beside those that are no differences: the theory save
 that fits.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
 
-from clingo import Control
+from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
 from logic.grammar import RULES
 
-DIFFERENCES = RULES / "plans" / "differences.lp"
+DIFFERENCES, HOUSE = RULES / "plans" / "differences.lp", "house"
+"""The file that states differences, and its part that does so."""
 
 
 class Differences:
     """The theory of one program, which must live as long; without that file among its rules, none."""
 
-    def __init__(self, control: Control, files: Sequence[Path], remark: Callable[[str], None]) -> None:
-        """Register it. ``remark`` gets what clingo remarks while it reads."""
-        self._control, self._files, self._remark = control, files, remark
+    def __init__(
+        self,
+        control: Control,
+        files: Sequence[Path],
+        parts: Iterable[tuple[str, Sequence[Symbol]]],
+        remark: Callable[[str], None],
+    ) -> None:
+        """Register it, for a program of which these parts are to be ground. ``remark`` gets what clingo
+        remarks while it reads. ``files`` are those to be read then: furniture has no differences.
+        """
+        self._control, self._remark = control, remark
+        walls = any(name == HOUSE for name, _ in parts)
+        self.files = [file for file in files if walls or file != DIFFERENCES]
         self._theory = None
-        if DIFFERENCES in files:
+        if DIFFERENCES in self.files:
             from clingodl import ClingoDLTheory
 
             self._theory = ClingoDLTheory()
@@ -34,15 +45,15 @@ class Differences:
     def load(self) -> None:
         """Load the files."""
         if self._theory is None:
-            for file in self._files:
+            for file in self.files:
                 self._control.load(str(file))
             return
-        shared = tuple(file for file in self._files if RULES in file.parents)
+        shared = tuple(file for file in self.files if RULES in file.parents)
         with ProgramBuilder(self._control) as builder:
             for statement in core_statements(shared):
                 builder.add(statement)
             parse_files(
-                [str(file) for file in self._files if file not in shared],
+                [str(file) for file in self.files if file not in shared],
                 lambda statement: self.add(statement, builder),
                 logger=lambda _, text: self._remark(text),
                 message_limit=1000,

@@ -23,7 +23,7 @@ from clingo import Function, Number, Symbol, SymbolType, ast
 from logic.differences import Differences
 from logic.errors import Reason
 from logic.grammar import RULES
-from logic.layout import CORE, Endless, Instances, Part
+from logic.layout import CORE, Endless, Instances, Literals, Part
 from logic.messages import written
 from logic.placement import Conflict
 
@@ -50,37 +50,63 @@ class Statement:
     """Of a ``.pl`` file: see ``logic.placement.Conflict``."""
 
 
+class Source:
+    """Rule files, which are parsed once for all the programs that are made of them."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        """Know the files: the core's own are read beside them."""
+        self.files = tuple(files)
+        self._read: dict[tuple[Any, ...], tuple[list[ast.AST], list[Reason]]] = {}
+
+    def conditional(
+        self, files: Sequence[Path], more: bool, laws: bool
+    ) -> tuple[list[ast.AST], list[Reason]]:
+        """The statements of some of the files, each rule with its condition; a reason for each of these.
+
+        Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a
+        number is followed by a rule with wider bounds for where it is left out.
+        """
+        key = tuple(files), more, laws
+        if key not in self._read:
+            self._read[key] = _conditional((CORE, *files) if laws else files, more, laws)
+        return self._read[key]
+
+
 class Relaxed:
     """A ground program in which each statement of the user's can be left out."""
 
     def __init__(
         self,
-        files: Sequence[Path],
+        source: Source,
         constants: dict[str, Any],
         parts: Iterable[Part],
         lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
         more: bool = False,
         laws: bool = False,
         most: int | None = None,
+        counts: bool = False,
     ) -> None:
-        """Ground these parts of the core and the files.
+        """Ground these parts of the core and of the source's files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
         With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
         With ``laws`` what the core requires can be left out too. Past ``most`` ground rules the rest is
-        left out.
+        left out. With ``most`` or ``counts`` instances are counted, which takes its time.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
         )
         self._instances = Instances(most)
-        self._control.register_observer(self._instances)
-        self._differences = Differences(self._control, files, lambda _: None)
+        if most or counts:
+            self._control.register_observer(self._instances)
+        parts = tuple(parts)
+        self._differences = Differences(self._control, source.files, parts, lambda _: None)
         if not laws:
             self._control.load(str(CORE))
-        found: list[tuple[Reason, Symbol | None]] = []
+        rules, reasons = source.conditional(self._differences.files, more, laws)
+        found: list[tuple[Reason, Symbol | None]] = [(reason, None) for reason in reasons]
         with ast.ProgramBuilder(self._control) as builder:
-            for rule in _conditional((CORE, *files) if laws else files, found, more, laws):
+            for rule in rules:
                 self._differences.add(rule, builder)
             builder.add(ast.Program(HERE, "base", []))
             numbers: dict[Symbol, int] = {}
@@ -101,7 +127,7 @@ class Relaxed:
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
         self._differences.prepare()
-        self._literal_of = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
+        self._literal_of = Literals(self._control)
         self._given: list[int] = []
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
@@ -134,11 +160,11 @@ class Relaxed:
         return Statement(reason, (stated,))
 
     def binds(self, statement: Statement) -> bool:
-        """Whether a statement has any ground instance."""
+        """Whether a statement has any ground instance, where these are counted."""
         return any(self._instances.of[literal] for literal in statement.literals)
 
     def largest(self) -> Statement:
-        """The statement with the most ground instances."""
+        """The statement with the most ground instances, where these are counted."""
         return max(self.statements, key=lambda statement: self._instances.of[statement.literals[0]])
 
     def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
@@ -216,15 +242,9 @@ def preferred(
     return needed([], False, core(statements))
 
 
-def _conditional(
-    files: Sequence[Path], found: list[tuple[Reason, Symbol | None]], more: bool, laws: bool
-) -> list[ast.AST]:
-    """The files' statements, each rule with its condition; ``found`` gets a reason for each.
-
-    Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a
-    number is followed by a rule with wider bounds for where it is left out.
-    """
-    rules = [ast.Program(HERE, "base", [])]
+def _conditional(files: Sequence[Path], more: bool, laws: bool) -> tuple[list[ast.AST], list[Reason]]:
+    """See ``Source.conditional``."""
+    rules, found = [ast.Program(HERE, "base", [])], list[Reason]()
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
@@ -238,13 +258,13 @@ def _conditional(
                 rules.append(_open(statement, left_out))
             condition = _literal(stated)
             text = written(statement)
-            found.append((Reason(text, begin.filename, begin.line, begin.column), None))
+            found.append(Reason(text, begin.filename, begin.line, begin.column))
             statement = statement.update(body=[*statement.body, condition])
         rules.append(statement)
 
     for file in files:
         ast.parse_files([str(file)], take)
-    return rules
+    return rules, found
 
 
 def _signature(head: ast.AST) -> tuple[str, int] | None:

@@ -213,7 +213,7 @@ def _houses(
             yield House.from_dict(record["house"])
             reusable = False
         reusable = True
-    except Unsatisfiable:
+    except (Unsatisfiable, RequestError):
         reusable = True
         raise
     finally:

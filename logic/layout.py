@@ -64,11 +64,39 @@ class Instances(clingo.Observer):
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """A ground rule."""
-        self.of.update(body)
+        for literal in body:  # There are very many: Counter.update takes four times as long.
+            self.of[literal] += 1
         if self._left is not None:
             self._left -= 1
             if self._left < 0:
                 raise Endless
+
+
+class Literals:
+    """The literals of the atoms that may hold in a ground program, of which few are ever asked for."""
+
+    def __init__(self, control: clingo.Control) -> None:
+        """Look them up in a program that is ground."""
+        self._control = control
+        self._known: dict[Symbol, int | None] = {}
+
+    def get(self, atom: Symbol) -> int | None:
+        """The literal of an atom; None where it can never hold."""
+        if atom not in self._known:
+            found = self._control.symbolic_atoms[atom]
+            self._known[atom] = found.literal if found else None
+        return self._known[atom]
+
+    def __getitem__(self, atom: Symbol) -> int:
+        """The literal of an atom that may hold; ``KeyError`` for others."""
+        literal = self.get(atom)
+        if literal is None:
+            raise KeyError(atom)
+        return literal
+
+    def __contains__(self, atom: Symbol) -> bool:
+        """Whether an atom may hold."""
+        return self.get(atom) is not None
 
 
 class Program:
@@ -96,7 +124,7 @@ class Program:
         )
         if most:
             self._control.register_observer(Instances(most))
-        self._differences = Differences(self._control, (CORE, *self.files), self.remarks.append)
+        self._differences = Differences(self._control, (CORE, *self.files), self.parts, self.remarks.append)
         try:
             self._differences.load()
             self._control.ground([("base", []), *self.parts, ("pick", [])])
@@ -107,7 +135,7 @@ class Program:
         self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
-        self._literal = {atom.symbol: atom.literal for atom in self._control.symbolic_atoms}
+        self._literal = Literals(self._control)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._brancher = Brancher(self._choices)
         self._control.register_propagator(self._brancher)

@@ -7,7 +7,7 @@ from typing import Any
 
 from logic.audit import UNITS
 from logic.errors import Finding, GrammarError, Reason
-from logic.explain import Relaxed
+from logic.explain import Relaxed, Source
 from logic.grammar import Grammar
 from logic.loaded import LoadedGrammar
 from logic.looks import DEFAULT, NAME, read_looks, unused
@@ -68,8 +68,9 @@ def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) ->
 def _idle(grammar: Grammar, houses: Iterable[Ground], furnished: Iterable[Ground]) -> list[GrammarError]:
     """Rules that bind in no house of the usual sizes and in no type of room."""
     unbound: dict[Reason, None] | None = None
+    source = Source(grammar.asp)
     for constants, stage in filter(None, chain.from_iterable(zip_longest(houses, furnished))):
-        program = Relaxed(grammar.asp, constants, [(stage, [])])
+        program = Relaxed(source, constants, [(stage, [])], counts=True)
         idle = {each.reason for each in program.statements if not program.binds(each)}
         every = unbound or dict.fromkeys(each.reason for each in program.statements)
         unbound = {reason: None for reason in every if reason in idle}

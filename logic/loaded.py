@@ -9,7 +9,7 @@ from clingo import Function, Symbol
 
 from logic.audit import audit, unreadable
 from logic.errors import GrammarError
-from logic.explain import Relaxed
+from logic.explain import Relaxed, Source
 from logic.grammar import OWN, STAR, Grammar
 from logic.heads import closed_heads
 from logic.layout import Endless, Program
@@ -172,11 +172,11 @@ class LoadedGrammar:
 
     def _probe(self, constants: dict[str, Any], stage: str) -> Program:
         """A stage without furniture: a rule that has very many instances in it is refused."""
-        rules = (self._grammar.asp, constants, [(stage, [])])
+        rules = (constants, [(stage, [])])
         try:
-            return Program(*rules, most=MOST_INSTANCES)
+            return Program(self._grammar.asp, *rules, most=MOST_INSTANCES)
         except Endless:
-            endless = Relaxed(*rules, most=MOST_INSTANCES).largest().reason
+            endless = Relaxed(Source(self._grammar.asp), *rules, most=MOST_INSTANCES).largest().reason
         why = (
             f"this rule has more than {MOST_INSTANCES:,} instances: does it recur without end? {endless.text}"
         )

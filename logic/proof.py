@@ -8,7 +8,7 @@ import numpy as np
 from clingo import Function, Number, Symbol
 
 from logic.errors import Reason, Unsatisfiable, VitruviusError
-from logic.explain import Relaxed, Statement, minimal
+from logic.explain import Relaxed, Source, Statement, minimal
 from logic.fixed import FixedRoom
 from logic.grammar import Grammar
 from logic.loose_rooms import Refuted
@@ -57,6 +57,7 @@ class Prover:
         Where these are ``placed`` already, stage 2 has no part in them.
         """
         self._grammar, self._placer, self._lengths, self._walls = grammar, placer, lengths, walls
+        self._source = Source(grammar.asp)
         self._placed = placed
         self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
 
@@ -129,7 +130,7 @@ class Prover:
         reasons += map(_fixed, request.fixed)
         reasons += map(Reason, own_requirements(request.plan).values() if request.plan else ())
         relaxed = Relaxed(
-            self._grammar.asp,
+            self._source,
             {"rooms": request.rooms},
             [("house", []), *parts(required)],
             self._stated(self._walls),
@@ -240,7 +241,7 @@ class Prover:
             (fact, (clause, size) if fact.name == "extent" else (clause,)) for fact, clause in facts
         )
         relaxed = Relaxed(
-            self._grammar.asp,
+            self._source,
             {"this_room": type_, **(GIVEN if room else {})},
             [
                 ("room", []),

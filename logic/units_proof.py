@@ -66,7 +66,7 @@ class UnitsProver(Prover):
         """The program of the units, and all that may be left out of it."""
         required, barred = shared_requirements(request), barred_units(self._programs, request)
         relaxed = Relaxed(
-            self._grammar.asp,
+            self._source,
             {"rooms": request.rooms},
             [("units", []), *parts([*required, *barred])],
             laws=laws,

@@ -278,10 +278,15 @@ def children(process: int) -> list[int]:
 
 
 def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) -> None:
-    """To start one takes half a second. After any edit of the rules there is another."""
+    """To start one takes half a second. After an edit of the rules there is another, not after a request
+    that has no house or makes no sense.
+    """
     folder = edited("sizes.pl", "passage(0.42).", "passage(0.43).")
     first = next(generate(rooms=2, grammar=folder))
     waiting = set(children(os.getpid()))
+    for types, error in (({"bathroom": 9}, Unsatisfiable), ({"bathrom": 1}, RequestError)):
+        with pytest.raises(error):
+            next(generate(rooms=2, grammar=folder, types=types))
     again = next(generate(rooms=2, grammar=folder))
     assert set(children(os.getpid())) == waiting
     assert again == first

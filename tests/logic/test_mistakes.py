@@ -74,7 +74,7 @@ def of_the_core(grammar: str) -> set[tuple[str, int]]:
         for name, arguments in re.findall(r"#program (\w+)\(?([\w,]*)\)?\.", text)
     ]
     control = clingo.Control(["-crooms=3", f"-cthis_room={types[0]}"], logger=lambda *_: None)
-    Differences(control, (CORE, *find(grammar).asp), lambda _: None).load()
+    Differences(control, (CORE, *find(grammar).asp), [("house", [])], lambda _: None).load()
     control.ground([("base", []), *parts])
     named = set(re.findall(r"[a-z]\w*(?=\()", re.sub(r"%\*.*?\*%|%.*", "", text)))
     return {(name, arity) for name, arity, _ in control.symbolic_atoms.signatures if name in named}

@@ -16,7 +16,8 @@ from logic.errors import Finding
 from logic.grammar import SHIPPED, find
 from logic.house import House
 from logic.least_main_room import side_of
-from logic.linter import findings
+from logic.linter import all_warnings, errors
+from logic.loaded import LoadedGrammar
 from logic.parts import Piece
 from logic.reference import Recipe, asp_entries, prolog_entries, recipes
 from logic.request import Request
@@ -28,8 +29,11 @@ SAMPLE = (2, 4, 4, 4, 9, 9, 9)
 
 def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
     """What lint says of a grammar, and its houses, a number of times the sample."""
-    found, builder = findings(find(folder)), Builder(find(folder))
-    return found, [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
+    grammar = find(folder)
+    builder = Builder(grammar)
+    houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
+    loaded = builder.loaded
+    return errors(grammar, loaded) + all_warnings(grammar, loaded), houses
 
 
 @pytest.fixture(scope="module")
@@ -308,4 +312,5 @@ def test_all_examples_of_the_page_for_plans_together_are_a_grammar(
     folder = with_examples(tmp_path / "mine", grammar, topology, clauses)
     rooms = folder / "rooms.lp"
     rooms.write_text(rooms.read_text().replace("topology(ring).", f"topology({topology})."))
-    assert [finding for finding in findings(find(folder)) if finding.severity == "error"] == []
+    mine = find(folder)
+    assert errors(mine, LoadedGrammar(mine)) == []
