@@ -101,6 +101,7 @@ class Config:
 
 
 DEFAULT = Config()
+"""Environments for which nothing else is asked."""
 
 PAPER = replace(
     DEFAULT,

@@ -14,7 +14,7 @@ from sim import HouseVectorEnv, Oracle, check_autoreset_modes, check_vector_env
 from sim.backend import METHODS
 from tests import sample_houses
 
-PAGE = Path(__file__).parents[2] / "docs/backends.md"
+DOCS = Path(__file__).parents[2] / "docs"
 NAME = "main_room:MainRoom"
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM), *sample_houses.RANDOM[:2]]
 EMPTY = [House.of_star(Star(house.star.floor)) for house in HOUSES]
@@ -25,7 +25,7 @@ EMPTY = [House.of_star(Star(house.star.floor)) for house in HOUSES]
 def folder(tmp_path_factory):
     """Where the page's class is, saved as the page says."""
     path = tmp_path_factory.mktemp("backends")
-    code = re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    code = re.search(r"```python\n(.*?)```", (DOCS / "tutorials" / "backend.md").read_text(), re.DOTALL)
     assert code
     (path / "main_room.py").write_text(code[1])
     with pytest.MonkeyPatch.context() as patch:
@@ -122,5 +122,5 @@ def test_a_class_that_lacks_a_method_is_refused_by_its_name(method, monkeypatch)
 
 
 def test_the_docs_page_describes_every_method_of_a_backend():
-    rows = re.findall(r"^\| `(\w+)\(", PAGE.read_text(), re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)\(", (DOCS / "backends.md").read_text(), re.MULTILINE)
     assert rows == ["__init__", *METHODS]

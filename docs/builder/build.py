@@ -1,0 +1,161 @@
+"""The documentation as a site: ``./run docs`` writes it into ``runs/docs``, to be opened as a file or served.
+
+Pages are Markdown files of the checkout, which read as well where they lie. Here they are copied, with all
+that they link to, and pages that are made from code are put beside them (``pages.py``). Zensical makes HTML
+of them, and fails at a link or an anchor that leads nowhere.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import tyro
+
+ROOT = Path(__file__).parents[2]
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(ROOT)]
+
+from pages import MADE, listing, source  # noqa: E402 - beside this file
+
+from logic.commands import say  # noqa: E402
+from logic.errors import RequestError, VitruviusError  # noqa: E402
+
+FENCE = re.compile(r"^\s*(```|~~~)")
+LINK = re.compile(r"(?<=\]\()(?!\w+:|#)([^)\s#]+)(#[^)]*)?(?=\))")
+ITEM = re.compile(r"^([-*]|\d+\.) ")
+SOURCES = {".lp", ".pl", ".py", ".toml"}
+"""Files that a link leads to as pages of code."""
+STATIC = ("iframe-worker.js", "site.css")
+
+
+@dataclass
+class Copy:
+    """The pages of the site, in a folder of their own, laid out as in the checkout."""
+
+    folder: Path
+    done: set[Path] = field(default_factory=set)
+    """What has been copied or is being copied, from the checkout's root."""
+
+    def page(self, path: Path) -> None:
+        """Copy a Markdown file, or make the page that has this path, and copy all that it links to."""
+        made = MADE.get(path.as_posix())
+        text = made(self.folder / path.parent) if made else (ROOT / path).read_text()
+        self.write(path, "\n".join(_outside_code(text, lambda line: self.line(path, line))))
+
+    def line(self, page: Path, line: str) -> str:
+        """A line of a page with links that lead to pages of the site."""
+        return LINK.sub(lambda link: self.link(page, link[1]) + (link[2] or ""), line)
+
+    def link(self, page: Path, address: str) -> str:
+        """The address on the site of what a page links to, which is copied."""
+        path = Path(os.path.normpath(page.parent / address))
+        if path.is_absolute() or path.parts[:1] == ("..",):
+            raise RequestError(f"{page}: the link {address} leads out of the project")
+        return os.path.relpath(self.copy(path, page), page.parent)
+
+    def copy(self, path: Path, page: Path) -> Path:
+        """Copy a file or folder that a page links to; the path of its page, or of the file itself."""
+        if (self.folder / path).is_file():  # copied, or a picture that a page made
+            return path
+        made = path.as_posix() in MADE
+        if not made and not (ROOT / path).exists():
+            raise RequestError(f"{page}: there is no {path}, to which it links")
+        if (ROOT / path / "README.md").exists():
+            path = path / "README.md"
+        target, write = path, self.file
+        if made or path.suffix == ".md":
+            write = self.page
+        elif (ROOT / path).is_dir():
+            target, write = path / "index.md", self.listing
+        elif path.suffix in SOURCES:
+            target, write = path.with_name(path.name + ".md"), self.source
+        if target not in self.done:
+            self.done.add(target)
+            write(path)
+        return target
+
+    def listing(self, path: Path) -> None:
+        """Write the page of a folder, and copy what lies in it."""
+        self.write(path / "index.md", listing(ROOT / path, self.line))
+
+    def source(self, path: Path) -> None:
+        """Write the page of a file of code."""
+        self.write(path.with_name(path.name + ".md"), source(path, (ROOT / path).read_text()))
+
+    def file(self, path: Path) -> None:
+        """Copy a file as it is."""
+        self.write(path, (ROOT / path).read_bytes())
+
+    def write(self, path: Path, content: str | bytes) -> None:
+        """Write a file of the site."""
+        file = self.folder / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def _outside_code(text: str, change: Callable[[str], str]) -> Iterator[str]:
+    """The lines of a page, changed outside blocks of code, and a blank line before each list.
+
+    GitHub needs none where a list follows a paragraph, Python's Markdown does.
+    """
+    code, before = False, ""
+    for line in text.splitlines():
+        fence = FENCE.match(line)
+        code = code != bool(fence)
+        if code or fence:
+            yield line
+        else:
+            if ITEM.match(line) and before and not ITEM.match(before) and not before.startswith(" "):
+                yield ""
+            yield change(line)
+        before = line
+
+
+def pages_of(nav: list) -> Iterator[str]:
+    """The pages that a navigation of Zensical names."""
+    for entry in nav:
+        for value in entry.values():
+            yield from pages_of(value) if isinstance(value, list) else [value]
+
+
+def build(out: Path) -> None:
+    """Write the site into a folder, which it replaces. Raises ``RequestError`` for a page's fault."""
+    if out.exists() and not (out / "sitemap.xml").exists():
+        raise RequestError(f"--out {out}: this is there already, and is no site that could be replaced")
+    config = (HERE / "zensical.toml").read_text()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        copy = Copy(folder / "pages")
+        for page in pages_of(tomllib.loads(config)["project"]["nav"]):
+            copy.copy(Path(page), Path("docs/builder/zensical.toml"))
+        for static in STATIC:
+            copy.file(HERE.relative_to(ROOT) / static)
+        (folder / "zensical.toml").write_text(config)
+        command = [sys.executable, "-m", "zensical", "build", "--strict", "-f", str(folder / "zensical.toml")]
+        environment = os.environ | {"PYTHONPATH": str(ROOT), "NO_COLOR": "1"}
+        ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        if ended.returncode:
+            raise RequestError(f"the site was not built:\n{ended.stderr.partition('Traceback')[0]}")
+        shutil.rmtree(out, ignore_errors=True)
+        shutil.move(folder / "site", out)
+
+
+def main(out: Path = ROOT / "runs" / "docs") -> None:
+    """Build the documentation as a site, which a browser opens without a server or a network."""
+    try:
+        build(out)
+    except VitruviusError as error:
+        say(f"error: {error}")
+        sys.exit(error.exit_code)
+    say(f"{out / 'index.html'}: open it in a browser")
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

@@ -1,0 +1,182 @@
+"""Pages that are made from code when the site is built, so that they cannot drift from it."""
+
+import ast
+import json
+import os
+from base64 import b64decode
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import FunctionType
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+AGENT = (
+    *("agent.world", "agent.actions", "agent.avoidance", "agent.policies", "agent.checkpoint", "agent.banks"),
+    *("agent.config", "agent.evaluation.episodes", "agent.evaluation.protocol", "agent.evaluation.result"),
+)
+"""What programs of a user's own take from ``agent``, as those in ``examples/`` do."""
+
+
+def fenced(text: str, language: str = "text") -> str:
+    """A block of code, whatever fences it has in it."""
+    return f"````{language}\n{text.strip()}\n````\n"
+
+
+def schema(_: Path) -> str:
+    """The JSON Schema of a house, a table for each of its objects."""
+    objects = json.loads((ROOT / "docs" / "house.schema.json").read_text())["$defs"]
+    page = [
+        "# Schema of house files",
+        "",
+        "This page is made of [house.schema.json](../house.schema.json), which",
+    ]
+    page += ["`vitruvius schema` prints. What the fields mean: [house files](../house-file.md).", ""]
+    for name in sorted(objects, key=lambda name: name != "House"):
+        page += [f"## {name}", "", _words(objects[name]["description"]), ""]
+        page += ["| field | is | |", "|---|---|---|"]
+        for field, kind in objects[name]["properties"].items():
+            page.append(f"| `{field}` | {_kind(kind)} | {_default(field, kind, objects[name])} |")
+        page.append("")
+    return "\n".join(page)
+
+
+def _words(docstring: str) -> str:
+    return " ".join(docstring.split()).replace("``", "`")
+
+
+def _default(field: str, kind: dict[str, Any], owner: dict[str, Any]) -> str:
+    return "required" if field in owner["required"] else f"by default `{json.dumps(kind['default'])}`"
+
+
+def _kind(kind: dict[str, Any]) -> str:
+    """What a value may be, in words."""
+    words = {
+        "$ref": lambda: _link(kind["$ref"].rpartition("/")[2]),
+        "anyOf": lambda: " or ".join(map(_kind, kind["anyOf"])),
+        "enum": lambda: " or ".join(f"`{json.dumps(value)}`" for value in kind["enum"]),
+        "prefixItems": lambda: f"a list of {len(kind['prefixItems'])}, each {_kind(kind['prefixItems'][0])}",
+        "items": lambda: f"a list of {_kind(kind['items'])}{_bounds(kind, 'minItems', 'maxItems')}",
+        "additionalProperties": lambda: f"an object of {_kind(kind['additionalProperties'])} by name",
+        "pattern": lambda: f"a string: `{kind['pattern']}`, at most {kind['maxLength']} characters",
+        "type": lambda: f"{_article(kind['type'])}{_bounds(kind, 'minimum', 'maximum')}",
+    }
+    return next(say() for key, say in words.items() if key in kind)
+
+
+def _link(name: str) -> str:
+    return f"[{name}](#{name.lower()})"
+
+
+def _article(name: str) -> str:
+    return "`null`" if name == "null" else f"an {name}" if name[0] in "aeiou" else f"a {name}"
+
+
+def _bounds(kind: dict[str, Any], least: str, most: str) -> str:
+    if most not in kind:
+        return ""
+    return f", {kind[least]:g} to {kind[most]:g}" if least in kind else f", {kind[most]:g} at most"
+
+
+def package(name: str, about: str, *more: str) -> Callable[[Path], str]:
+    """The docstrings of all that a package exports, and of some of its modules."""
+
+    def page(_: Path) -> str:
+        names = [_identifier(name, each) for each in import_module(name).__all__]
+        return "\n\n".join([f"# Python: {name}", about, *(f"::: {each}" for each in [*names, *more]), ""])
+
+    return page
+
+
+def modules(name: str, about: str, *names: str) -> Callable[[Path], str]:
+    """The docstrings of some modules."""
+    return lambda _: "\n\n".join([f"# Python: {name}", about, *(f"::: {each}" for each in names), ""])
+
+
+def _identifier(package: str, name: str) -> str:
+    """Where a class or function is defined: a package may have a module of the same name."""
+    value = getattr(import_module(package), name)
+    return f"{value.__module__}.{name}" if isinstance(value, type | FunctionType) else f"{package}.{name}"
+
+
+def notebook(path: Path) -> Callable[[Path], str]:
+    """A notebook that is run from top to bottom while the site is built, as a page with its pictures."""
+
+    def page(folder: Path) -> str:
+        cells = enumerate(executed(ROOT / path).cells)
+        text = "".join(_cell(number, cell, folder) for number, cell in cells)
+        return text.replace(
+            "\n", f"\n\nThis page is [a notebook]({path.name}), run when the site was built.\n", 1
+        )
+
+    return page
+
+
+def executed(path: Path) -> Any:
+    """A notebook with the outputs of all its cells, run in a folder of their own; fails where one does."""
+    import nbformat
+    from nbclient import NotebookClient
+    from traitlets.config import Config
+
+    cells = nbformat.read(path, as_version=4)
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    with TemporaryDirectory() as folder:
+        # Through sockets in the folder: no port, on which others might listen.
+        sockets = Config(KernelManager={"transport": "ipc", "ip": f"{folder}/kernel"})
+        where = {"metadata": {"path": folder}}
+        return NotebookClient(cells, config=sockets, timeout=300, resources=where).execute()
+
+
+def _cell(number: int, cell: Any, folder: Path) -> str:
+    """A cell as Markdown; its pictures become files in the folder."""
+    if cell.cell_type == "markdown":
+        return f"{cell.source}\n\n"
+    outputs = (_output(f"cell-{number}-{each}", output, folder) for each, output in enumerate(cell.outputs))
+    return fenced(cell.source, "python") + "\n" + "".join(outputs)
+
+
+def _output(name: str, output: Any, folder: Path) -> str:
+    """What a cell shows, of all its forms the one that pages show best."""
+    data = output.get("data", {})
+    pictures = {"image/svg+xml": "svg", "image/png": "png"}
+    for kind in data.keys() & pictures.keys():
+        file = folder / f"{name}.{pictures[kind]}"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(data[kind].encode() if kind == "image/svg+xml" else b64decode(data[kind]))
+        return f"![What the cell shows]({file.name})\n\n"
+    if "text/html" in data:
+        return f"<div>{data['text/html']}</div>\n\n"
+    return fenced(output.get("text") or data.get("text/plain", "")) + "\n"
+
+
+def source(path: Path, text: str) -> str:
+    """A file of code as a page."""
+    language = {".lp": "prolog", ".pl": "prolog", ".py": "python", ".toml": "toml"}[path.suffix]
+    return f"---\ntitle: {path.name}\n---\n# `{path}`\n\n{fenced(text, language)}"
+
+
+def listing(folder: Path, line: Callable[[Path, str], str]) -> str:
+    """A folder as a page: its files and what each says of itself."""
+    path = folder.relative_to(ROOT)
+    files = [line(path / "index.md", item) for item in _items(folder)]
+    return f"# `{path}/`\n\n| file | |\n|---|---|\n" + "\n".join(files) + "\n"
+
+
+def _items(folder: Path) -> Iterator[str]:
+    for file in sorted(folder.iterdir()):
+        if file.suffix == ".py":
+            says = ast.get_docstring(ast.parse(file.read_text())) or ""
+            yield f"| [{file.name}]({file.name}) | {says.partition(chr(10))[0].replace('``', '`')} |"
+        elif file.suffix in {".lp", ".pl"}:
+            yield f"| [{file.name}]({file.name}) | {file.read_text().partition(chr(10))[0].lstrip('%#! ')} |"
+
+
+MADE: dict[str, Callable[[Path], str]] = {
+    "docs/reference/schema.md": schema,
+    "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
+    "docs/reference/sim.md": package("sim", "Environments, tasks, baselines, backends.", "sim.backend"),
+    "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
+    "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),
+}
+"""By path: the page, made for a folder into which pictures may go."""

@@ -1,0 +1,126 @@
+"""What pages tell their readers to write and to run, written and run; and all other commands, parsed."""
+
+import re
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from agent.cli import parse
+from logic import House, load
+from tests.agent.evaluation.cases import short_episodes
+from tests.docs.reader import ROOT, Block, Reader, blocks, commands, pictures
+
+DOCS = ROOT / "docs"
+PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS / "plans.md"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with short_episodes():
+        Reader(tmp_path, monkeypatch).follow(page)
+    for file, picture in pictures(page).items():
+        same = file.read_bytes() == picture.read_bytes()
+        assert same, f"{picture.name} is another: ./run python -m tests.docs.reader draws all pictures again"
+    CLAIMS.get(page.stem, lambda: None)()
+
+
+ELSEWHERE = {
+    "demo",
+    "test",
+    "docs",
+    "play",
+    "info",
+    "report",
+    "watch",
+    "playground",
+    "train",
+    "evaluate",
+    "bench",
+}
+"""Commands of the README that take minutes or a window: other tests run them, and the tutorials in small."""
+
+
+def test_the_readme_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its commands with fewer houses; ``test_examples`` has its layer of behaviour."""
+    reader = Reader(tmp_path, monkeypatch)
+    use, rules = (section(ROOT / "README.md", title) for title in ("## Use", "## Your own rules"))
+    for block in use:
+        for line in commands(block.text) if block.language == "sh" else ():
+            for command in line.replace("--count 100", "--count 2").split(" && "):
+                if command.split()[1] not in ELSEWHERE:
+                    code, said = reader.run(command)
+                    assert not code, f"{command}: {said}"
+        if block.language == "python":
+            reader.python(block.text)
+    shown = [block for block in rules if block.shown]
+    assert [reader.matches(block.shown or "", reader.do(block)[1]) for block in shown] == [True]
+
+
+def section(page: Path, title: str) -> list[Block]:
+    """The blocks of one section of a page."""
+    (text,) = re.findall(rf"^{title}\n(.*?)(?=^## |\Z)", page.read_text(), re.DOTALL | re.MULTILINE)
+    return [*blocks(text)]
+
+
+COMMAND = re.compile(r"^(?: {4}|[$] )?(?:\./run|vitruvius) (?!python |test|docs)(.*)$", re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", [*sorted(DOCS.glob("*.md")), ROOT / "README.md"], ids=lambda page: page.stem)
+def test_every_command_of_a_page_is_one_that_the_command_line_takes(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Studies of days and windows among them, so they are read and not run."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").touch()  # settings, which are read at once
+    for command in COMMAND.findall(page.read_text().replace("\\\n", " ")):
+        for part in command.partition("#")[0].split(" && "):
+            words = shlex.split(part.removeprefix("./run ").split(" | ")[0].split(" > ")[0])
+            if words and not {*words} & {"...", "FILE", "GRAMMAR", "COMMAND"}:
+                parse(words)
+
+
+def entered_from(house: House, type_: str) -> set[str]:
+    """The types of the rooms that those of this type have doors to."""
+    doors = [door.between for room in house.rooms if room.type == type_ for door in house.doors_of(room.name)]
+    names = {name for between in doors for name in between}
+    return {room.type for room in house.rooms if room.name in names} - {type_}
+
+
+def the_room_type_opens_off_the_corridor() -> None:
+    houses = load("utility.jsonl")
+    assert [entered_from(house, "utility") for house in houses] == [{"corridor"}] * 4
+    assert "washingMachine" in {
+        piece.type for house in houses for room in house.rooms for piece in room.pieces
+    }
+
+
+def the_topology_of_ten_lines_has_rooms_on_both_sides_of_a_corridor() -> None:
+    assert len(Path("mine/rows.lp").read_text().splitlines()) - len(["its name", "#program house."]) == 9
+    for house in load("rows.jsonl"):
+        corridor, *others = house.rooms
+        assert (house.topology, corridor.type, len(others)) == ("rows", "corridor", 7)
+        assert corridor.width == pytest.approx(max(room.x + room.width for room in others))
+        north = [room for room in others if room.y + room.height == pytest.approx(corridor.y)]
+        south = [room for room in others if room.y == pytest.approx(corridor.y + corridor.height)]
+        assert north
+        assert south
+        assert len(north) + len(south) == 7
+
+
+def the_building_is_entered_from_the_west() -> None:
+    (house,) = load("flats.jsonl")
+    entrances = [door for door in house.doors if door.is_entrance]
+    assert house.main.x in [door.x for door in entrances if not door.width]
+    assert any(room.type == "dining" for room in house.rooms)
+
+
+CLAIMS: dict[str, Callable[[], None]] = {
+    "room-type": the_room_type_opens_off_the_corridor,
+    "topology": the_topology_of_ten_lines_has_rooms_on_both_sides_of_a_corridor,
+    "plans": the_building_is_entered_from_the_west,
+}
+"""What is true of a page's files, by its name."""

@@ -1,0 +1,119 @@
+"""The documentation as a site: built without a warning, it needs no network, and its search no server."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urldefrag, urlsplit
+
+import pytest
+from playwright.sync_api import Page
+
+from tests.docs.reader import ROOT
+
+BUILD = [sys.executable, str(ROOT / "docs" / "builder" / "build.py")]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built as ``./run docs`` does."""
+    folder = tmp_path_factory.mktemp("docs") / "site"
+    built = subprocess.run([*BUILD, "--out", str(folder)], capture_output=True, text=True, check=False)
+    assert (built.returncode, built.stdout) == (0, ""), built.stderr
+    assert built.stderr == f"{folder / 'index.html'}: open it in a browser\n"
+    return folder
+
+
+class Links(HTMLParser):
+    """What a page links to or shows, and the anchors that it has."""
+
+    def __init__(self, file: Path) -> None:
+        super().__init__()
+        self.links: set[str] = set()
+        self.anchors: set[str] = set()
+        self.feed(file.read_text())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.links |= {values[name] or "" for name in ("href", "src") if name in values}
+        self.anchors |= {values[name] or "" for name in ("id", "name") if name in values}
+
+
+def broken(site: Path) -> Iterator[str]:
+    """Links to files or anchors that the site lacks."""
+    pages = {file: Links(file) for file in site.rglob("*.html") if file.name != "404.html"}
+    for file, page in pages.items():
+        for link in page.links:
+            address, anchor = urldefrag(link)
+            if not urlsplit(address).scheme and address not in {"", "."}:
+                target = (file.parent / unquote(address)).resolve()
+                there = target.exists() and (not anchor or anchor in pages[target].anchors)
+                if not there:
+                    yield f"{file.relative_to(site)}: {link}"
+
+
+def test_every_link_between_its_pages_leads_somewhere(site: Path) -> None:
+    assert not [*broken(site)]
+
+
+def test_it_has_every_page_of_the_documentation(site: Path) -> None:
+    pages = {file.relative_to(ROOT) for file in (ROOT / "docs").rglob("*.md")}
+    named = {file.with_suffix(".html").with_stem(file.stem.replace("README", "index")) for file in pages}
+    assert not [str(file) for file in named if not (site / file).exists()]
+
+
+def test_its_reference_has_all_public_names(site: Path) -> None:
+    import logic
+    import sim
+
+    for package in (logic, sim):
+        anchors = Links(site / f"docs/reference/{package.__name__}.html").anchors
+        assert {*package.__all__} <= {anchor.rpartition(".")[2] for anchor in anchors}
+
+
+def test_the_notebook_ran_and_shows_its_plan(site: Path) -> None:
+    shown = (site / "docs/tutorials/first_house.html").read_text()
+    assert "There is a house with --rooms 2" in shown
+    assert "<svg" in (site / "docs/tutorials/cell-2-0.svg").read_text()
+
+
+def test_opened_as_a_file_it_finds_words_and_asks_nothing_of_a_network(site: Path, page: Page) -> None:
+    page.goto((site / "index.html").as_uri())
+    page.keyboard.press("Control+k")
+    page.keyboard.type("washing machine")
+    page.get_by_text("3 results").wait_for()
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/room-type.html*")
+    assert page.locator("h1").inner_text().startswith("A room type")
+    assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
+
+
+@pytest.mark.parametrize(
+    "name", ["index", "docs/gallery", "docs/reference/logic", "docs/tutorials/first_house"]
+)
+def test_on_a_telephone_nothing_but_code_and_tables_is_wider_than_the_screen(
+    site: Path, page: Page, name: str
+) -> None:
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.goto((site / f"{name}.html").as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_a_link_that_leads_nowhere_stops_the_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BUILD[1].rpartition("/")[0]))
+    from build import Copy  # pyright: ignore[reportMissingImports]
+
+    from logic.errors import RequestError
+
+    copy = Copy(tmp_path)
+    with pytest.raises(RequestError, match=r"docs/plans.md: there is no docs/nowhere.md"):
+        copy.line(Path("docs/plans.md"), "see [this](nowhere.md)")
+
+
+def test_a_folder_that_is_no_site_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / "mine").touch()
+    ended = subprocess.run([*BUILD, "--out", str(tmp_path)], capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    assert "no site that could be replaced" in ended.stderr
+    assert (tmp_path / "mine").exists()
