@@ -45,8 +45,11 @@ PROGRAMS = "vitruvius", "./run"
 class Completion:
     """Print a script by which your shell completes commands, options, and names of grammars and agents.
 
-    bash: add eval "$(vitruvius completion bash)" to ~/.bashrc. zsh: the same with zsh in ~/.zshrc, after
-    compinit. fish: vitruvius completion fish > ~/.config/fish/completions/vitruvius.fish
+    bash: add eval "$(vitruvius completion bash)" to ~/.bashrc.
+
+    zsh: add eval "$(vitruvius completion zsh)" to ~/.zshrc, after compinit.
+
+    fish: vitruvius completion fish > ~/.config/fish/completions/vitruvius.fish
     """
 
     shell: tyro.conf.Positional[Literal["bash", "zsh", "fish"]]

@@ -55,7 +55,8 @@ def of_command(prog: str, about: str, options: Iterable["Option"], width: int | 
     options, width = list(options), width or columns()
     positional = [option for option in options if option.positional]
     named = [option for option in options if not option.positional]
-    parts = [f"usage: {' '.join([prog, *map(_argument, positional), '[OPTIONS]'])}", ""]
+    required = [_name(option) for option in named if option.default is MISSING]
+    parts = [f"usage: {' '.join([prog, *map(_argument, positional), *required, '[OPTIONS]'])}", ""]
     for paragraph in about.strip().split("\n\n"):
         parts += [*_wrapped(paragraph, width, 0), ""]
     groups = {"Arguments": positional} if positional else {}

@@ -66,7 +66,7 @@ class Option:
             return
         if self.choices and value not in self.choices:
             given = value if self.positional else f"{self.flag} {value}"
-            raise RequestError(f"{given}: {unknown(self.name, value, self.choices)}")
+            raise RequestError(f"{given}: {unknown(self.shown.lower() or self.name, value, self.choices)}")
         if self.type in (int, float):
             try:
                 self.type(value)

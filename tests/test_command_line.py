@@ -214,7 +214,7 @@ COMPLETED = {
     "vitruvius evaluate --json paper-": ["paper-original"],
     "vitruvius evaluate --houses home-": ["home-test-v1"],
     "vitruvius record pqn-map home-": ["home-test-v1"],
-    "vitruvius draw houses.jsonl --format p": ["png"],
+    "vitruvius draw houses.jsonl --format pn": ["png"],
     "vitruvius convert houses.jsonl --to gl": ["gltf"],
     "vitruvius check hous": ["houses.jsonl"],
     "vitruvius generate --plan hous": ["houses.jsonl"],

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 import torch
@@ -20,7 +21,8 @@ from logic import HouseFileError, generate, save
 from sim import check_vector_env
 from tests.agent.evaluation.cases import SHORT, short_episodes
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
 LIBRARIES = {"stable_baselines": "stable_baselines3", "torchrl_ppo": "torchrl", "one_file": "torch"}
 
 
@@ -94,7 +96,9 @@ def test_an_examples_scores_are_a_row_of_evaluates_tables(houses, tmp_path, caps
     task.score("dizzy", lambda seen: torch.tensor([1.0, 0.0, 0.0]).expand(len(seen), 3))
     capsys.readouterr()
     assert Evaluate(houses=houses, targets=("main",), scores=(file,), json=True, out=out).run() == 0
-    ours, theirs = json.loads(capsys.readouterr().out)["answer"], json.loads(file.read_text())
+    found, schema = json.loads(capsys.readouterr().out), ROOT / "docs" / "answers.schema.json"
+    jsonschema.validate(found, json.loads(schema.read_text()))
+    ours, theirs = found["answer"], json.loads(file.read_text())
     assert ours["scores"] == [str(file)]
     ours, theirs = (each["targets"]["main"]["policies"] for each in (ours, theirs))
     assert list(ours) == ["dizzy", *REFERENCES]

@@ -94,6 +94,10 @@ def test_help_sets_nothing_up(machine: Machine) -> None:
     assert machine.set_ups() == 0
 
 
+def test_the_help_of_a_command_is_the_command_s_own(machine: Machine) -> None:
+    assert machine.run("help", "check")[1] == f"vitruvius help check in {machine.stubs}\n"
+
+
 def test_a_set_up_cut_short_is_begun_again(machine: Machine) -> None:
     (machine.stubs / "broken").touch()
     code, _, err = machine.run("demo")

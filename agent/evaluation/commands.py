@@ -255,7 +255,7 @@ class Record:
             if value < least:
                 raise RequestError(f"--{name} must be {least} or more, not {value}")
         house, how = houses[self.house], {"targets": self.targets, "seed": self.seed, "steps": self.steps}
-        look = {"stride": self.stride, "width": width}
+        stride = self.stride
         with progress("filming") as report:
             if is_trace:
                 recorder = Recorder(agent.name, self.targets, self.seed)
@@ -263,9 +263,9 @@ class Record:
                 trace.save(recorder.trace, self.out)
             elif shape:
                 rest = [*houses[self.house :], *houses[: self.house]]
-                record_mosaic(agent, rest, self.out, *shape, report=report, **how, **look)
+                record_mosaic(agent, rest, self.out, *shape, stride=stride, width=width, report=report, **how)
             else:
-                record(agent, house, self.out, report=report, **how, **look)
+                record(agent, house, self.out, stride=stride, width=width, report=report, **how)
         if self.json:
             print_answer("record", Written([str(self.out)]))
         else:

@@ -6,6 +6,7 @@ import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from math import prod
+from os import SEEK_END
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ from agent.info.things import (
     Trace,
 )
 from agent.play.results import load as load_games
-from agent.released import FORMAT, located, released, require_sizes
+from agent.released import FORMAT, MOST_HEADER, located, released, require_sizes
 from agent.settings import read as read_settings
 from logic import House, HouseFileError, RequestError, load
 from logic.errors import VitruviusError
@@ -38,6 +39,9 @@ from logic.spelling import closest, unknown
 
 MOST_BYTES = 1 << 28
 """What is read of a JSON file that holds no houses, unpacked."""
+
+MOST_TEXT = 1 << 20
+"""What is read of a run's ``config.json``, and of the end of its reports."""
 
 HDF5, GZIP = b"\x89HDF\r\n\x1a\n", b"\x1f\x8b"
 """How these files begin."""
@@ -133,7 +137,7 @@ def _json(name: str, path: Path) -> Thing:
         try:
             record = msgspec.json.decode(text)
             break
-        except (msgspec.DecodeError, RecursionError):
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             continue
     if record is None and path.name.endswith(HOUSE_FILES):
         load(path)  # says where it is damaged
@@ -220,7 +224,8 @@ def _agent(name: str, path: Path) -> Agent:
     try:
         require_sizes(path)
         with path.open("rb") as file:
-            header = json.loads(file.read(int.from_bytes(file.read(8), "little")))
+            length = int.from_bytes(file.read(8), "little")
+            header = json.loads(file.read(min(length, MOST_HEADER)))
         record, tensors = header.pop("__metadata__"), header
         shapes = [each["shape"] for each in tensors.values()]
         config = json.loads(record.get("config", "{}"))
@@ -243,7 +248,8 @@ def _agent(name: str, path: Path) -> Agent:
 
 def _run(name: str, path: Path) -> Run:
     try:
-        record = msgspec.json.decode((path / "config.json").read_bytes())
+        with (path / "config.json").open("rb") as file:
+            record = msgspec.json.decode(file.read(MOST_TEXT))
         config, houses = record["config"], record["houses"]
         last = _last_report(path / "metrics.jsonl")
         return Run(
@@ -261,7 +267,7 @@ def _run(name: str, path: Path) -> Run:
             versions={key: record[key] for key in ("python", "torch")},
             files=sorted(each.name for each in path.iterdir() if not each.name.startswith(".")),
         )
-    except (OSError, KeyError, TypeError, AttributeError, msgspec.DecodeError, RecursionError):
+    except (OSError, KeyError, TypeError, ValueError, AttributeError, msgspec.DecodeError, RecursionError):
         raise UnknownFileError(
             f"{name}: its config.json is none of a run. Train one: vitruvius train --out {name}"
         ) from None
@@ -269,10 +275,15 @@ def _run(name: str, path: Path) -> Run:
 
 def _last_report(path: Path) -> dict[str, Any]:
     """The last whole line of a run's reports; empty before the first."""
-    for line in reversed(path.read_bytes().splitlines() if path.is_file() else []):
+    if not path.is_file():
+        return {}
+    with path.open("rb") as file:
+        file.seek(-min(path.stat().st_size, MOST_TEXT), SEEK_END)
+        lines = file.read().splitlines()
+    for line in reversed(lines):
         try:
             return msgspec.json.decode(line, type=dict)
-        except msgspec.DecodeError:
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             continue  # a kill may tear the last line
     return {}
 

@@ -10,7 +10,7 @@ import msgspec
 
 from agent.learner import Progress
 from agent.report.page import Cell, ReportError, Section, details, inline, table
-from agent.report.plots import Axis, Series, line_plot, slots
+from agent.report.plots import Axis, Series, line_plot, slots, some
 from agent.runs import MOST_METRICS, Folder
 
 POINTS = 300
@@ -57,8 +57,7 @@ class TrainingRun:
     @property
     def thin(self) -> list[Progress]:
         """Some of its reports, the last among them."""
-        every = -(-len(self.history) // POINTS) or 1
-        return [each for k, each in enumerate(self.history) if (len(self.history) - 1 - k) % every == 0]
+        return [self.history[k] for k in some(len(self.history), POINTS)]
 
     @property
     def state(self) -> str:

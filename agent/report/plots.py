@@ -22,6 +22,9 @@ SLOTS = {
 OTHERS = (0, 8, 9, 4, 6)
 """Colours of all others, in turn."""
 
+LISTED = 30
+"""Points of a line in the table below its plot, at most."""
+
 WIDTH, HEIGHT = 520, 300
 LEFT, RIGHT, TOP, BOTTOM = 58, 14, 12, 44
 """Pixels of a plot, and around its area."""
@@ -92,16 +95,16 @@ class _Scale:
 
 
 def line_plot(title: str, x: Axis, y: Axis, series: Sequence[Series], note: str = "") -> str:
-    """A figure: lines with shaded intervals, what they are, and all numbers in a table."""
+    """A figure: lines with shaded intervals, what they are, and numbers in a table: of long lines some."""
     across = _Scale(x, (v for each in series for v in each.x), LEFT, WIDTH - RIGHT)
     values = (v for each in series for v in (*each.y, *each.low, *each.high))
     up = _Scale(y, values, HEIGHT - BOTTOM, TOP)
     marks = "".join(_drawn(each, across, up) for each in series)
     picture = _svg(title, HEIGHT, _grid(x, y, across, up) + marks)
     rows = [
-        [each.name, number(v), number(each.y[k]), *_interval(each, k)]
+        [each.name, number(each.x[k]), number(each.y[k]), *_interval(each, k)]
         for each in series
-        for k, v in enumerate(each.x)
+        for k in some(len(each.x), LISTED)
     ]
     headings = ["", x.label, y.label, *(["from", "to"] if any(each.low for each in series) else [])]
     return (
@@ -142,6 +145,12 @@ def interval_plot(
         )
         parts.append(_text(value, y - 9, f"{each.value:.2f}", "middle", "small"))
     return f"<figure><figcaption>{escape(title)}</figcaption>{_svg(title, height, ''.join(parts))}</figure>"
+
+
+def some(count: int, most: int) -> range:
+    """At most so many places of ``count``, evenly, the last among them."""
+    every = -(-count // most) or 1
+    return range((count - 1) % every, count, every)
 
 
 def number(value: float) -> str:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import tyro
 
@@ -61,9 +61,16 @@ class Check:
 @dataclass(frozen=True)
 class Draw:
     """Draw plans of houses and a contact sheet; to a scale on paper (--scale), or what differs between two
-    files
-    of houses (--diff).
+    files of houses (--diff).
     """
+
+    groups: ClassVar = {
+        "out": "Pictures",
+        "palette": "Looks",
+        "scale": "Pages to scale",
+        "diff": "Differences",
+        "json": "For programs",
+    }
 
     file: tyro.conf.Positional[Path]
     """House file."""
@@ -195,7 +202,9 @@ class Convert:
     out: Path
     """The new house file (.jsonl, .jsonl.gz, or .json for one house); for other formats a folder."""
 
-    to: Literal["vitruvius-2", "geojson", "gltf", "mjcf", "ros", "usd"] = "vitruvius-2"
+    to: Annotated[
+        Literal["vitruvius-2", "geojson", "gltf", "mjcf", "ros", "usd"], tyro.conf.arg(metavar="FORMAT")
+    ] = "vitruvius-2"
     """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house.
     geojson: in metres; gltf, usd: walls 2.5 m high; mjcf: MuJoCo's XML, with a robot and its range finders;
     ros: an occupancy map for map_server."""

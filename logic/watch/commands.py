@@ -46,6 +46,7 @@ class Watch:
             if self.open:
                 import webbrowser
 
-                webbrowser.open(address)
+                if not webbrowser.open(address):
+                    say("no browser could be started here: open the address in one")
             Server(session, token).run(sockets=[door])
         return 0

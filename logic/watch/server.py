@@ -1,11 +1,14 @@
 """The page's server: on this machine alone, for those who know its token."""
 
 import contextlib
+import errno
 import os
 import secrets
+import signal
 import socket
 from collections.abc import AsyncIterator, Awaitable
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import msgspec
@@ -145,7 +148,18 @@ class Server(uvicorn.Server):
                 timeout_graceful_shutdown=1,
             )
         )
-        self._session = session
+        self._session, self.ended_by = session, 0
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Remember the signal: uvicorn raises it again where asyncio may not hear it."""
+        self.ended_by = sig
+        super().handle_exit(sig, frame)
+
+    def run(self, sockets: list[socket.socket] | None = None) -> None:
+        """Serve until a signal; raises ``KeyboardInterrupt``."""
+        super().run(sockets)
+        if self.ended_by == signal.SIGINT:
+            raise KeyboardInterrupt
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End the session, then the connections."""
@@ -158,9 +172,12 @@ def listening(port: int) -> socket.socket:
     try:
         return socket.create_server((LOOPBACK, port))
     except OSError as error:
-        what = os.strerror(error.errno or 0).lower()
-        why = f"--port {port}: {what}: take another one, or leave it out for any that is free"
-        raise RequestError(why) from None
+        why = (
+            "is in use"
+            if error.errno == errno.EADDRINUSE
+            else f"cannot be used: {os.strerror(error.errno or 0)}"
+        )
+        raise RequestError(f"--port {port}: {why}: choose another, or leave it out") from None
 
 
 async def _asked(request: Request) -> Asked:

@@ -1,10 +1,12 @@
 """Settings of a training run as TOML: what is printed trains the same, what is wrong is named by its line."""
 
+import json
 import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import pytest
 import torch
 
@@ -15,6 +17,7 @@ from agent.settings import SettingsError, read
 from logic import save
 from tests.sample_houses import random_house
 
+ROOT = Path(__file__).parents[2]
 WORDS = "--num-envs 8 --num-steps 16 --steps 1500 --learning-rate 0.003 --half-lives 2 8 --seed 7"
 
 
@@ -45,7 +48,11 @@ def test_a_printed_file_trains_the_same_network_bit_for_bit(
     save([random_house(seed) for seed in range(4)], houses)
     file.write_text(printed(f"{houses} --name mine {WORDS}", capsys))
     assert parse(["train", str(houses), *WORDS.split(), "--out", str(tmp_path / "one")]).run() == 0
-    assert parse(["train", "--config", str(file), "--out", str(tmp_path / "other")]).run() == 0
+    capsys.readouterr()
+    assert parse(["train", "--config", str(file), "--out", str(tmp_path / "other"), "--json"]).run() == 0
+    answer = json.loads(capsys.readouterr().out)
+    jsonschema.validate(answer, json.loads((ROOT / "docs" / "answers.schema.json").read_text()))
+    assert (answer["answer"]["steps"], answer["answer"]["agent"][-23:]) == (1536, "other/agent.safetensors")
     one, other = (checkpoint.load(tmp_path / name / "agent.safetensors") for name in ("one", "other"))
     assert (one.config, one.houses, other.name) == (other.config, other.houses, "mine")
     pairs = zip(one.network.state_dict().values(), other.network.state_dict().values(), strict=True)

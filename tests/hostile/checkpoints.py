@@ -8,10 +8,12 @@ import pickle
 import struct
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from agent import released
+from logic.errors import VitruviusError
 from tests.hostile.case import ACCEPTED, REFUSED, Case, Yard
 from tests.hostile.houses import bomb
 from tests.hostile.subjects import Answer
@@ -248,7 +250,10 @@ def loaded(path: Path) -> Answer:
     import torch
 
     from agent.checkpoint import load
+    from agent.info.reading import things
 
+    with suppress(VitruviusError):
+        things(str(path))
     found = load(path)
     with torch.no_grad():
         found.network(torch.rand(1, *found.network.shape[:2]), found.network.memory.empty(1))

@@ -5,10 +5,12 @@ import io
 import os
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from logic.errors import VitruviusError
 from tests.hostile.case import ACCEPTED, HARMLESS, REFUSED, Case, Yard
 from tests.hostile.checkpoints import archived, pickled
 from tests.hostile.houses import bomb
@@ -31,7 +33,11 @@ def trained(folder: Path, resume: bool = False) -> Answer:
 
 
 def resumed(folder: Path) -> Answer:
-    """What ``--resume`` answers."""
+    """What ``--resume`` answers; ``info`` has an answer, too."""
+    from agent.info.reading import things
+
+    with suppress(VitruviusError):
+        things(str(folder))
     return trained(folder, resume=True)
 
 

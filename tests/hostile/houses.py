@@ -285,11 +285,14 @@ FILES: dict[str, Callable[[Yard], Path]] = {
 
 
 def shown(path: Path, out: Path) -> Answer:
-    """What ``check`` and ``draw`` answer; the plans are of harmless elements alone."""
+    """What ``check`` and ``draw`` answer, and ``info``; the plans are of harmless elements alone."""
     checked = command("check", path)
     drawn = command("draw", path, "--out", out / "plans")
     if checked.answer != drawn.answer:
         return Answer(f"check: {checked.answer}, draw: {drawn.answer}", checked.text + drawn.text)
+    told = command("info", path)
+    if told.answer != checked.answer:
+        return Answer(f"check: {checked.answer}, info: {told.answer}", checked.text + told.text)
     for plan in sorted(out.rglob("*.svg")):
         text = plan.read_text(encoding="utf-8")
         strange = {element.tag.rpartition("}")[2] for element in ElementTree.fromstring(text).iter()} - DRAWN

@@ -93,7 +93,7 @@ function reasonList(reasons) {
 }
 
 function reason({ text, file, line }) {
-  return element("span", { className: "reason" }, place(file, line), " ", element("code", {}, text));
+  return element("span", { className: isCore(file) ? "reason core" : "reason" }, place(file, line), " ", element("code", {}, text));
 }
 
 const isCore = (file) => file.startsWith("rules/");

@@ -40,7 +40,7 @@ export function showKinds(newKinds) {
   byId("pieces").replaceChildren(...Object.entries(kinds.types).filter(([, pieces]) => pieces.length).map(
     ([type, pieces]) => element("fieldset", {}, element("legend", {}, `In each ${type}`),
       ...boxes(pieces.map((piece) => `piece.${type}.${piece}`), (name) => name.split(".")[2]))));
-  byId("request").elements.rooms.max = Math.min(kinds.most_rooms, 24);
+  byId("request").elements.rooms.max = Math.min(kinds.most_rooms, 32);
   label();
 }
 

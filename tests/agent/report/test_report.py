@@ -16,7 +16,7 @@ from agent.report import plans, trace
 from agent.report.commands import Report
 from agent.report.folder import describe, report, write_report
 from agent.report.page import ReportError
-from agent.report.plots import Axis, Series, line_plot
+from agent.report.plots import Axis, Series, line_plot, some
 from agent.report.trace import Trace, TraceError
 from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
@@ -212,6 +212,14 @@ def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:
     (tmp_path / "games.jsonl").write_text('{"format": "vitruvius-game-1"}\n')
     (tmp_path / "empty.jsonl").write_text("")
     assert Outline(report(tmp_path).decode()).sections == ["plans"]
+
+
+@pytest.mark.parametrize(("count", "most"), [(0, 5), (1, 5), (5, 5), (6, 5), (299, 30), (300, 30)])
+def test_of_many_points_some_are_shown_the_last_among_them(count, most) -> None:
+    places = list(some(count, most))
+    assert len(places) <= most
+    assert len(places) >= min(count, most / 2)
+    assert not count or places[-1] == count - 1
 
 
 @pytest.mark.parametrize("log", [False, True])
