@@ -117,10 +117,11 @@ class Program:
         way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
-        self.remarks: list[str] = []
+        self.remarks = remarks = list[str]()
         self._control = clingo.Control(
             [*LASTING, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
-            logger=lambda _, text: self.remarks.append(text),
+            # Of the list alone: in a circle with its control, a theory might be freed first, which crashes.
+            logger=lambda _, text: remarks.append(text),
             message_limit=1000,
         )
         if most:
