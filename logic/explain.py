@@ -127,7 +127,7 @@ class Relaxed:
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
         self._differences.prepare()
-        self._literal_of = Literals(self._control)
+        self._literal_of = Literals(self._control.symbolic_atoms)
         self._given: list[int] = []
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)

@@ -75,15 +75,16 @@ class Instances(clingo.Observer):
 class Literals:
     """The literals of the atoms that may hold in a ground program, of which few are ever asked for."""
 
-    def __init__(self, control: clingo.Control) -> None:
-        """Look them up in a program that is ground."""
-        self._control = control
+    def __init__(self, atoms: clingo.SymbolicAtoms) -> None:
+        """Look them up among the atoms of a ground program, which must live as long."""
+        # Not the control itself: kept alive here, it would outlive its theory and crash.
+        self._atoms = atoms
         self._known: dict[Symbol, int | None] = {}
 
     def get(self, atom: Symbol) -> int | None:
         """The literal of an atom; None where it can never hold."""
         if atom not in self._known:
-            found = self._control.symbolic_atoms[atom]
+            found = self._atoms[atom]
             self._known[atom] = found.literal if found else None
         return self._known[atom]
 
@@ -116,10 +117,11 @@ class Program:
         way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
         """
         self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
-        self.remarks: list[str] = []
+        self.remarks = remarks = list[str]()
         self._control = clingo.Control(
             [*LASTING, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
-            logger=lambda _, text: self.remarks.append(text),
+            # Of the list alone: in a circle with its control, a theory might be freed first, which crashes.
+            logger=lambda _, text: remarks.append(text),
             message_limit=1000,
         )
         if most:
@@ -135,7 +137,7 @@ class Program:
         self._differences.prepare()
         self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
         """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
-        self._literal = Literals(self._control)
+        self._literal = Literals(self._control.symbolic_atoms)
         self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
         self._brancher = Brancher(self._choices)
         self._control.register_propagator(self._brancher)

@@ -37,16 +37,17 @@ def comes(condition: Callable[[], bool], seconds: float = 60) -> bool:
 
 
 def shows(display: Display, house: House) -> bool:
-    """Whether the window shows the plan of a house: all but the body, its rays, the target and words."""
+    """Whether the window shows the plan of a house: all but the body, its rays and the target."""
     search = ["xdotool", "search", "--onlyvisible", "--class", ".", "getwindowgeometry", "--shell"]
     said = subprocess.run(search, env=display, capture_output=True, text=True, timeout=20, check=False).stdout
-    at = dict(line.split("=") for line in said.split())
+    at = {name: int(value) for name, value in (line.split("=") for line in said.split())}
     expected = np.asarray(plan(house, SIZE).reduce(SHARP).convert("RGB"), int)
-    if (at.get("WIDTH"), at.get("HEIGHT")) != (str(expected.shape[1]), str(expected.shape[0] + HEAD)):
+    height, width = expected.shape[:2]
+    if (at.get("WIDTH"), at.get("HEIGHT")) != (width, height + HEAD):
         return False
     picture = ImageGrab.grab(xdisplay=display["DISPLAY"]).convert("RGB")
-    left, top = int(at["X"]), int(at["Y"]) + HEAD
-    found = np.asarray(picture.crop((left, top, left + expected.shape[1], top + expected.shape[0])), int)
+    left, top = at["X"], at["Y"] + HEAD
+    found = np.asarray(picture.crop((left, top, left + width, top + height)), int)
     return (np.abs(found - expected).max(axis=2) < 8).mean() > 0.8
 
 
@@ -54,11 +55,11 @@ def test_keys_on_a_display_drive_a_game_that_its_file_repeats(tmp_path: Path, di
     """A turn, a step for as long as a key is held, a turn; then Enter to the next house, and Esc."""
     save(HOUSES, tmp_path / "houses.jsonl")
     out = tmp_path / "games.jsonl"
-    play = ["play", str(tmp_path / "houses.jsonl"), "--player", "Ada", "--seconds", "3", "--out", str(out)]
+    play = ["play", str(tmp_path / "houses.jsonl"), "--player", "Ada", "--seconds", "5", "--out", str(out)]
     process = subprocess.Popen([sys.executable, "-m", "agent.cli", *play], env=display)
     try:
         assert comes(lambda: shows(display, HOUSES[0]))
-        keys(display, "key", "Right", "keydown", "Up", "sleep", "0.5", "keyup", "Up", "key", "Left")
+        keys(display, "key", "Right", "keydown", "Up", "sleep", "0.3", "keyup", "Up", "key", "Left")
         assert comes(out.exists)
         keys(display, "key", "Return")
         assert comes(lambda: shows(display, HOUSES[1]))
@@ -68,8 +69,7 @@ def test_keys_on_a_display_drive_a_game_that_its_file_repeats(tmp_path: Path, di
         process.kill()
     [game] = load(out)
     assert (game.player, game.index, game.house) == ("Ada", 0, geometry_hash(HOUSES[0]))
-    assert re.fullmatch("R+F+L+", game.actions)
-    assert 10 < len(game.actions) < 1400
+    assert re.fullmatch("R+F+L+", game.actions)  # no step after the key is let go
     again, scenes = replayed(game, HOUSES[0], "games.jsonl:1")
     assert again.score == game.score
     assert (scenes[-1].pose != scenes[0].pose).any()
