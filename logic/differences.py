@@ -9,6 +9,7 @@ that fits.
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
+from weakref import finalize
 
 from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
@@ -17,6 +18,10 @@ from logic.grammar import RULES
 
 DIFFERENCES, HOUSE = RULES / "plans" / "differences.lp", "house"
 """The file that states differences, and its part that does so."""
+
+
+_spent = list[object]()
+"""Theories whose controls are gone, or are about to go: freed with the next program."""
 
 
 class Differences:
@@ -41,6 +46,9 @@ class Differences:
 
             self._theory = ClingoDLTheory()
             self._theory.register(control)
+            # A control that is freed calls its theory: of a circle, the collector might free that one first.
+            _spent.clear()
+            finalize(control, _spent.append, self._theory)
 
     def load(self) -> None:
         """Load the files."""

@@ -71,7 +71,7 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
     agent, out = written(tmp_path, PQNConfig()), tmp_path / "out"
     options = {"targets": ("main",), "episodes": 2, "out": out, "json": True}
     assert Evaluate((agent,), tmp_path / "houses.jsonl", **options).run() == 0
-    printed = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)["answer"]
     assert (printed["world"], printed["episodes"], printed["bank"]["houses"]) == ("default", 2, 2)
     assert len(printed["targets"]["main"]["policies"]["oracle"]["runs"][0]["targets"]) == 4
     assert printed["agents"] == [str(agent)]

@@ -96,7 +96,7 @@ def study() -> Study:
 def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
     job = EntryRun(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
     asked = parse(list(job.command[job.command.index("train") :]))
-    assert (asked.config.targets, asked.config.steps, asked.config.seed) == (one.targets, one.steps, 3)
+    assert (asked.learning.targets, asked.learning.steps, asked.learning.seed) == (one.targets, one.steps, 3)
     assert asked.name == one.name
     assert asked.resume
 
@@ -111,7 +111,7 @@ def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
     configs = []
     for entry in (one, base):
         command = EntryRun(entry, 0, Path("somewhere")).training(Path("houses.jsonl")).command
-        configs.append(parse(list(command[command.index("train") :])).config)
+        configs.append(parse(list(command[command.index("train") :])).learning)
     assert len(list(differences(*configs))) == 1
 
 
@@ -148,7 +148,7 @@ def test_every_external_agent_is_an_example_that_can_be_asked_for(
 def kept(training: EntryRun, steps: int) -> None:
     """A run that has come so far."""
     command = training.training(training.out).command
-    config = parse(list(command[command.index("train") :])).config
+    config = parse(list(command[command.index("train") :])).learning
     checkpoint.save(Checkpoint(network_of(config), config, steps, training.entry.name), training.folder.agent)
     training.folder.config.write_text(json.dumps({"algorithm": config.algorithm, "config": asdict(config)}))
 
