@@ -20,6 +20,7 @@ PAGES = [*sorted((DOCS / "tutorials").glob("*.md")), DOCS / "gallery.md", DOCS /
 def test_a_page_can_be_followed_and_shows_the_pictures_that_come_out(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # of it, pytest-benchmark times nothing
     with short_episodes():
         Reader(tmp_path, monkeypatch).follow(page)
     for file, picture in pictures(page).items():
