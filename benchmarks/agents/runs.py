@@ -168,7 +168,10 @@ def require_same(folder: Folder, command: Sequence[str]) -> None:
     """Raise ``RequestError`` where a run lies in the folder whose config is not the training command's."""
     if not folder.config.exists():
         return
-    kept, asked = json.loads(folder.config.read_text()), parse(list(command[command.index("train") :])).learning
+    kept, asked = (
+        json.loads(folder.config.read_text()),
+        parse(list(command[command.index("train") :])).learning,
+    )
     try:
         others = list(differences(checkpoint.config_of(kept["algorithm"], kept["config"]), asked))
     except ValueError as error:
