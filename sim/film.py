@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from io import BytesIO
 from itertools import chain
 from pathlib import Path
@@ -165,9 +166,13 @@ def plan(house: House, size: int) -> Image.Image:
 
 
 def require_film(path: str | Path) -> None:
-    """Raise ``ValueError`` for a file whose name ends in none of ``FILMS``: nothing else is written."""
+    """Raise ``ValueError`` for a file whose name ends in none of ``FILMS``: nothing else is written. And
+    ``ModuleNotFoundError`` for an MP4 without the extra ``film``.
+    """
     if Path(path).suffix.lower() not in FILMS:
         raise ValueError(f"{path}: films are written as .gif or .mp4: use {Path(path).with_suffix('.gif')}")
+    if Path(path).suffix.lower() == FILMS[1]:
+        import_module("imageio_ffmpeg")
 
 
 def film(frames: Iterable[Image.Image | np.ndarray], path: str | Path, fps: int = 25) -> Path:

@@ -230,7 +230,7 @@ class Record:
         from agent.report.recorder import Recorder
         from logic.answers import Written
         from logic.files import require_file
-        from sim.film import FILMS, require_film
+        from sim.film import require_film
 
         shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
         if shape and is_trace:
@@ -241,8 +241,6 @@ class Record:
         except ValueError as error:
             raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
         require_file(self.out, [self.out.suffix])
-        if self.out.suffix.lower() == FILMS[1]:
-            import imageio_ffmpeg  # noqa: F401  Not to film first what cannot be written.
         agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")

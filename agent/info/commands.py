@@ -7,23 +7,10 @@ import msgspec
 import tyro
 
 from agent.help import columns, entry
-from agent.info.reading import things
-from agent.info.things import (
-    Agent,
-    Games,
-    Grammar,
-    Houses,
-    Keras,
-    Plan,
-    Run,
-    Scores,
-    Settings,
-    Trace,
-)
+from agent.info.kinds import Kind
+from agent.info.recognise import recognised
 from logic.commands import print_answer
 from logic.spelling import printable
-
-Kind = Houses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Keras | Settings
 
 TITLES = {
     "houses": "houses",
@@ -71,7 +58,7 @@ class Info:
 
     def run(self) -> int:
         """Print what it is."""
-        found: list[Any] = things(self.thing)
+        found: list[Any] = recognised(self.thing)
         if self.json:
             print_answer("info", About(found))
             return 0

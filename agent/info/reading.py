@@ -1,10 +1,8 @@
-"""What a path or a name is: told by how a file begins, and read as one of ``things``. Nothing of it runs."""
+"""What is in a file that ``recognise`` knows, as one of ``kinds``. Nothing of it runs."""
 
-import gzip
 import json
-import zlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import prod
 from os import SEEK_END
 from pathlib import Path
@@ -12,42 +10,18 @@ from typing import Any
 
 import msgspec
 
-from agent.banks import BANKS, bank_hash, benchmark_path
+from agent.banks import BANKS, bank_hash
 from agent.config import PRESETS, TrainConfig, differences
-from agent.info.things import (
-    Agent,
-    Games,
-    Grammar,
-    Houses,
-    Keras,
-    Plan,
-    Run,
-    Scores,
-    Settings,
-    Thing,
-    Trace,
-)
+from agent.info.kinds import Agent, Games, Grammar, Houses, Keras, Plan, Run, Scores, Settings, Trace
 from agent.play.results import load as load_games
-from agent.released import FORMAT, MOST_HEADER, located, released, require_sizes
-from agent.settings import read as read_settings
-from logic import House, HouseFileError, RequestError, load
+from agent.released import FORMAT, MOST_HEADER, require_sizes
+from logic import House, RequestError
 from logic.errors import VitruviusError
-from logic.files import HOUSE_FILES
-from logic.geojson import GEOJSON, from_geojson
+from logic.geojson import from_geojson
 from logic.grammar import find, shipped
-from logic.spelling import closest, unknown
-
-MOST_BYTES = 1 << 28
-"""What is read of a JSON file that holds no houses, unpacked."""
 
 MOST_TEXT = 1 << 20
 """What is read of a run's ``config.json``, and of the end of its reports."""
-
-HDF5, GZIP = b"\x89HDF\r\n\x1a\n", b"\x1f\x8b"
-"""How these files begin."""
-
-PAPER_HOUSE = "paper-house"
-"""``sim.arguments.PAPER_HOUSE``, without Taichi."""
 
 
 class UnknownFileError(VitruviusError):
@@ -56,128 +30,7 @@ class UnknownFileError(VitruviusError):
     exit_code = 5
 
 
-def things(name: str) -> list[Thing]:
-    """All that a path or a name is: ``paper`` is a grammar, an agent and a preset.
-
-    Raises ``UnknownFileError`` for what is nothing we know, and each kind's own error for what is damaged.
-    """
-    path = Path(name)
-    if path.is_dir():
-        return [_folder(name, path)]
-    if path.exists():
-        return [_file(name, path)]
-    found = list(_named(name))
-    if not found:
-        names = sorted({*BANKS, PAPER_HOUSE, *shipped(), *released(), *PRESETS})
-        beside = [str(each) for each in sorted(path.parent.glob("*"))]
-        if (close := closest(name, [*beside, *names])) in beside:
-            raise UnknownFileError(f"{name}: there is no such file: did you mean {close}?")
-        raise UnknownFileError(f"{name}: there is no such file, and {unknown('name', name, names)}")
-    return found
-
-
-def _named(name: str) -> Iterator[Thing]:
-    """What comes with Vitruvius by this name."""
-    if name in BANKS:
-        yield _houses(name, load(benchmark_path(name)))
-    if name == PAPER_HOUSE:
-        file = Path(__file__).parents[1] / "sim" / "paper" / "house.json"
-        yield _houses(name, load(file, whole_pixels=True))
-    if name in shipped():
-        yield _grammar(name, name)
-    if name in released():
-        yield _agent(name, located(name))
-    if name in PRESETS:
-        yield _settings(name, name, PRESETS[name])
-
-
-def _folder(name: str, path: Path) -> Thing:
-    """A run or a grammar."""
-    if (path / "config.json").is_file():
-        return _run(name, path)
-    if any(path.glob("*.lp")) or any(path.glob("*.pl")):
-        return _grammar(name, path)
-    there = sorted(each.name for each in path.iterdir())
-    known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", "training"))]
-    hint = f"look at {path / known[0]}" if known else "it has " + (", ".join(there[:5]) or "nothing")
-    raise UnknownFileError(
-        f"{name}: a folder that is no run (no config.json) and no grammar (no .lp): {hint}"
-    )
-
-
-def _file(name: str, path: Path) -> Thing:
-    """By how it begins; by its name where that says more."""
-    try:
-        if not path.is_file():
-            raise UnknownFileError(f"{name}: is a device or a pipe, and no file")
-        with path.open("rb") as file:
-            start = file.read(16)
-    except OSError as error:
-        raise UnknownFileError(f"{name}: cannot be read: {error.strerror}") from None
-    if start.startswith(HDF5):
-        return _keras(name, path)
-    if path.suffix == ".safetensors" or start[8:9] == b"{":
-        return _agent(name, path)
-    if path.suffix == ".toml":
-        preset, config, _ = read_settings(path)
-        return _settings(name, preset, config)
-    if path.suffix in (".lp", ".pl"):
-        raise UnknownFileError(f"{name}: a rule file: look at its grammar, vitruvius info {path.parent}")
-    if start.startswith(GZIP) or start.lstrip()[:1] == b"{":
-        return _json(name, path)
-    raise _unknown(name)
-
-
-def _json(name: str, path: Path) -> Thing:
-    """A house file, or another of ours that is JSON, by the first line or by the whole."""
-    content = _unpacked(path)
-    first, _, _ = content.partition(b"\n")
-    record: Any = None
-    for text in (first, content):
-        try:
-            record = msgspec.json.decode(text)
-            break
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-            continue
-    if record is None and path.name.endswith(HOUSE_FILES):
-        load(path)  # says where it is damaged
-    if not isinstance(record, dict):
-        raise _unknown(name)
-    format_ = str(record.get("format"))
-    if format_.startswith("vitruvius-game-"):
-        return _games(name, path)
-    if format_.startswith("vitruvius-trace-"):
-        return _trace(name, record)
-    if record.get("type") == GEOJSON:
-        return _plan(name, record)
-    if {"bank", "targets"} <= record.keys():
-        return _scores(name, record)
-    if {"preset", "algorithm", "config"} <= record.keys():
-        return _run(str(path.parent), path.parent)
-    if format_ in ("vitruvius-1", "vitruvius-2") or "roomNumber" in record:
-        return _houses(name, load(path), _stopped(content))
-    raise _unknown(name)
-
-
-def _unknown(name: str) -> UnknownFileError:
-    return UnknownFileError(
-        f"{name}: nothing that Vitruvius writes or reads: no house file, GeoJSON, checkpoint, run, grammar, "
-        "games, scores, trace, settings or weights of Keras"
-    )
-
-
-def _unpacked(path: Path) -> bytes:
-    try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        raise HouseFileError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if len(content) > MOST_BYTES:
-        raise UnknownFileError(f"{path}: more than {MOST_BYTES >> 20} MiB: split it")
-    return content
-
-
-def _stopped(content: bytes) -> str | None:
+def stopped(content: bytes) -> str | None:
     """Why a series of houses ended early: see ``logic.files.save``."""
     last = content.rstrip().rpartition(b"\n")[2]
     return json.loads(last)["stopped"] if last.startswith(b'{"stopped":') else None
@@ -188,7 +41,8 @@ def _counted(words: Iterable[str]) -> dict[str, int]:
     return dict(Counter(words).most_common())
 
 
-def _houses(name: str, houses: Sequence[House], stopped: str | None = None) -> Houses:
+def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) -> Houses:
+    """Houses of a file or a bank; ``stopped`` is why the series ended early."""
     checksum = bank_hash(houses)
     origins = [house.provenance for house in houses if house.provenance]
     numbers = [len(house.counted) for house in houses]
@@ -210,7 +64,8 @@ def _houses(name: str, houses: Sequence[House], stopped: str | None = None) -> H
     )
 
 
-def _plan(name: str, record: dict[str, Any]) -> Plan:
+def read_plan(name: str, record: dict[str, Any]) -> Plan:
+    """A plan of GeoJSON. Raises ``UnknownFileError`` for other GeoJSON."""
     try:
         rooms = list(from_geojson(record))
     except RequestError as error:
@@ -219,7 +74,7 @@ def _plan(name: str, record: dict[str, Any]) -> Plan:
     return Plan(name=name, rooms=len(rooms), types=_counted(room.type or "any" for room in rooms), size=size)
 
 
-def _agent(name: str, path: Path) -> Agent:
+def read_agent(name: str, path: Path) -> Agent:
     """A checkpoint by its header alone."""
     try:
         require_sizes(path)
@@ -246,7 +101,8 @@ def _agent(name: str, path: Path) -> Agent:
         raise UnknownFileError(f"{name}: no checkpoint of ours. Make one with: vitruvius train") from None
 
 
-def _run(name: str, path: Path) -> Run:
+def read_run(name: str, path: Path) -> Run:
+    """A folder of ``train``. Raises ``UnknownFileError`` for another ``config.json``."""
     try:
         with (path / "config.json").open("rb") as file:
             record = msgspec.json.decode(file.read(MOST_TEXT))
@@ -288,7 +144,8 @@ def _last_report(path: Path) -> dict[str, Any]:
     return {}
 
 
-def _games(name: str, path: Path) -> Games:
+def read_games(name: str, path: Path) -> Games:
+    """Results of ``play``. Raises ``ResultsError`` where they are damaged."""
     games = load_games(path)
     taken = sorted(game.taken for game in games)
     return Games(
@@ -305,7 +162,8 @@ def _games(name: str, path: Path) -> Games:
     )
 
 
-def _scores(name: str, record: dict[str, Any]) -> Scores:
+def read_scores(name: str, record: dict[str, Any]) -> Scores:
+    """Figures of ``evaluate``. Raises ``UnknownFileError`` for those of another version."""
     try:
         bank = record["bank"]
         ratios = {
@@ -331,7 +189,8 @@ def _scores(name: str, record: dict[str, Any]) -> Scores:
         ) from None
 
 
-def _trace(name: str, record: dict[str, Any]) -> Trace:
+def read_trace(name: str, record: dict[str, Any]) -> Trace:
+    """A trace, by its header. Raises ``UnknownFileError`` for one of another version."""
     try:
         words = {key: record[key] for key in ("format", "agent", "mode", "seed", "length")}
         return msgspec.convert(
@@ -341,7 +200,8 @@ def _trace(name: str, record: dict[str, Any]) -> Trace:
         raise UnknownFileError(f"{name}: a trace of another version. Record the episode again") from None
 
 
-def _grammar(name: str, folder: str | Path) -> Grammar:
+def read_grammar(name: str, folder: str | Path) -> Grammar:
+    """A shipped grammar or a folder of rules."""
     found = find(folder)
     files = sorted({*found.own, *found.prolog})
     inside = [file for file in files if file.parent == found.directory]
@@ -355,7 +215,8 @@ def _grammar(name: str, folder: str | Path) -> Grammar:
     )
 
 
-def _keras(name: str, path: Path) -> Keras:
+def read_keras(name: str, path: Path) -> Keras:
+    """Weights in HDF5. Raises ``UnknownFileError`` for other HDF5."""
     import h5py
 
     try:
@@ -383,7 +244,8 @@ def _weights(file: Any) -> tuple[dict[str, list[tuple[int, ...]]], dict[str, str
     return {layer: shapes for layer, shapes in layers.items() if shapes}, versions
 
 
-def _settings(name: str, preset: str, config: TrainConfig) -> Settings:
+def read_settings(name: str, preset: str, config: TrainConfig) -> Settings:
+    """A preset's config, with what is not as in the preset."""
     changed = {key: str(getattr(config, key)) for key in differences(config, PRESETS[preset])}
     return Settings(
         name=name,

@@ -7,7 +7,7 @@ import numpy as np
 
 from agent.evaluation.film import Moment
 from agent.planner import FREE, TAKEN, Planner
-from agent.planner.whereabouts import Whereabouts
+from agent.planner.belief_map import BeliefMap
 from agent.policies import QPolicy
 from agent.report.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
 from logic import House
@@ -104,7 +104,7 @@ class _MapNotes:
     """What a planner knows and believes, turned to lie as the house does: that, the planner does not know."""
 
     def __init__(self, house: House, planner: Planner) -> None:
-        self.planner, self.whereabouts = planner, Whereabouts(planner)
+        self.planner, self.belief_map = planner, BeliefMap(planner)
         west, north, east, south = geometry(house).bounds
         self.corner = np.array([west, north]) - AROUND
         size = (np.array([south - north, east - west]) + 2 * AROUND) / planner.cell
@@ -124,7 +124,7 @@ class _MapNotes:
         if step % EVERY == 0:
             self.ground.append(self._laid(_ground(planner)))
             known = bool(planner.read("known")[0])  # then it is there, and nowhere else
-            belief = self.whereabouts.read() * np.uint8(not known)
+            belief = self.belief_map.read() * np.uint8(not known)
             self.belief.append(self._laid(belief.repeat(2, axis=0).repeat(2, axis=1)))
 
     def _begin(self, pose: np.ndarray) -> None:

@@ -18,14 +18,12 @@ from pathlib import Path
 
 import tyro
 
+from docs.builder.pages import MADE, listing, source
+from logic.commands import say
+from logic.errors import RequestError, VitruviusError
+
 ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(ROOT)]
-
-from pages import MADE, listing, source  # noqa: E402 - beside this file
-
-from logic.commands import say  # noqa: E402
-from logic.errors import RequestError, VitruviusError  # noqa: E402
 
 FENCE = re.compile(r"^\s*(```|~~~)")
 LINK = re.compile(r"(?<=\]\()(?!\w+:|#)([^)\s#]+)(#[^)]*)?(?=\))")

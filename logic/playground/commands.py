@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from logic.commands import say
-from logic.errors import RequestError
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,7 @@ class Playground:
         """Write the folder, or serve it until Ctrl-C."""
         from tempfile import TemporaryDirectory
 
+        from logic.loopback import announce, require_port
         from logic.playground.folder import size, write
         from logic.playground.server import listening
 
@@ -34,17 +34,12 @@ class Playground:
             write(self.out)
             say(f"{self.out}: {size(self.out) / 1e6:.1f} MB: publish it as it is; its page is index.html")
             return 0
-        if not 0 <= self.port < 2**16:
-            raise RequestError(f"--port {self.port}: ports are 0 to {2**16 - 1}")
+        require_port(self.port)
         with TemporaryDirectory() as made:
             folder = Path(made, "page")
             write(folder)
             with listening(folder, self.port) as server:
                 address = f"http://{server.server_name}:{server.server_port}/"
-                say(f"The playground is at\n  {address}\nCtrl-C ends it.")
-                if self.open:
-                    import webbrowser
-
-                    webbrowser.open(address)
+                announce("The playground is at", address, self.open)
                 server.serve_forever()
         return 0

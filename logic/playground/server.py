@@ -1,13 +1,10 @@
 """A folder of static files, served to this machine alone."""
 
-import errno
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-from logic.errors import RequestError
-
-LOOPBACK = "127.0.0.1"
+from logic.loopback import LOOPBACK, refused_port
 
 HEADERS = {
     "Cache-Control": "no-cache",
@@ -67,5 +64,4 @@ def listening(folder: Path, port: int) -> Server:
     try:
         return Server((LOOPBACK, port), partial(Handler, directory=str(folder)))
     except OSError as error:
-        why = "is in use" if error.errno == errno.EADDRINUSE else f"cannot be used: {error.strerror}"
-        raise RequestError(f"--port {port}: {why}: choose another, or leave it out") from None
+        raise refused_port(port, error) from None

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import tyro
 
-from logic.commands import say
 from logic.errors import RequestError
 
 
@@ -31,22 +30,16 @@ class Watch:
     def run(self) -> int:
         """Serve the page until Ctrl-C."""
         from logic.grammar import folder
-        from logic.watch.server import LOOPBACK, Server, listening
+        from logic.loopback import LOOPBACK, announce
+        from logic.watch.server import Server, listening
         from logic.watch.session import Session
 
-        if not 0 <= self.port < 2**16:
-            raise RequestError(f"--port {self.port}: ports are 0 to {2**16 - 1}")
         if not 0 < self.seconds < 1e6:
             raise RequestError(f"--seconds {self.seconds:g}: must be above 0 and below a million")
         directory, token = folder(self.grammar), secrets.token_urlsafe(16)
         with listening(self.port) as door:
             session = Session(directory, self.grammar, self.seconds)
             address = f"http://{LOOPBACK}:{door.getsockname()[1]}/{token}/"
-            say(f"{directory}: its houses are at\n  {address}\nCtrl-C ends it.")
-            if self.open:
-                import webbrowser
-
-                if not webbrowser.open(address):
-                    say("no browser could be started here: open the address in one")
+            announce(f"{directory}: its houses are at", address, self.open)
             Server(session, token).run(sockets=[door])
         return 0

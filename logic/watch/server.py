@@ -1,8 +1,6 @@
 """The page's server: on this machine alone, for those who know its token."""
 
 import contextlib
-import errno
-import os
 import secrets
 import signal
 import socket
@@ -22,11 +20,11 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from logic.errors import RequestError, VitruviusError
+from logic.loopback import LOOPBACK, refused_port, require_port
+from logic.watch.pool import Stale
 from logic.watch.session import Session, Sheet
-from logic.watch.team import Stale
 
 PAGE = Path(__file__).with_name("page")
-LOOPBACK = "127.0.0.1"
 HOSTS = {LOOPBACK, "localhost"}
 """Names of this machine: a page of another name that resolves to it (DNS rebinding) is refused."""
 
@@ -168,16 +166,12 @@ class Server(uvicorn.Server):
 
 
 def listening(port: int) -> socket.socket:
-    """A socket on the loopback interface; 0 for any free port. Raises ``RequestError`` for one in use."""
+    """A socket on the loopback interface; 0 for any free port. Raises ``RequestError`` for no free one."""
+    require_port(port)
     try:
         return socket.create_server((LOOPBACK, port))
     except OSError as error:
-        why = (
-            "is in use"
-            if error.errno == errno.EADDRINUSE
-            else f"cannot be used: {os.strerror(error.errno or 0)}"
-        )
-        raise RequestError(f"--port {port}: {why}: choose another, or leave it out") from None
+        raise refused_port(port, error) from None
 
 
 async def _asked(request: Request) -> Asked:

@@ -19,7 +19,7 @@ from logic.grammar import MOST_BYTES
 from logic.house import House
 from logic.palettes import style
 from logic.request import MOST_ROOMS, Request
-from logic.watch.team import Spares, Stale, Team
+from logic.watch.pool import Pool, Spares, Stale
 from logic.why import INFERENCES, file_name
 
 PLAN = 300
@@ -69,7 +69,7 @@ class Session:
     def begin(self) -> None:
         """Read the rules, and go on with each change of them, in the loop that runs."""
         self.rules = self._read(1)
-        self._team = Team(self._directory, self._spares)
+        self._pool = Pool(self._directory, self._spares)
         self._watching = asyncio.ensure_future(self._watch())
 
     def end(self) -> None:
@@ -77,7 +77,7 @@ class Session:
         self._ended = True
         self._watching.cancel()
         self._changed.set()
-        self._team.end()
+        self._pool.end()
         self._spares.end()
 
     async def versions(self) -> AsyncIterator[Rules]:
@@ -92,10 +92,10 @@ class Session:
 
     async def sheet(self, version: int, sheet: Sheet) -> AsyncIterator[dict[str, Any]]:
         """The parts of an answer, as ``page/page.js`` lists them."""
-        team = self._team_of(version)
-        houses = [asyncio.ensure_future(self._house(team, sheet, index)) for index in range(sheet.count)]
+        pool = self._pool_of(version)
+        houses = [asyncio.ensure_future(self._house(pool, sheet, index)) for index in range(sheet.count)]
         try:
-            said = await self._verdict(team)
+            said = await self._verdict(pool)
             yield said
             if "kinds" not in said:
                 return
@@ -109,10 +109,10 @@ class Session:
                 house.cancel()
             self._spares.refill()
 
-    async def _verdict(self, team: Team) -> dict[str, Any]:
+    async def _verdict(self, pool: Pool) -> dict[str, Any]:
         """The part of an answer that says whether the rules are right."""
         try:
-            said = await team.verdict()
+            said = await pool.verdict()
         except GrammarError as error:
             where = str(error.file or self._directory)
             finding = Finding("error", where, error.line or 1, error.column or 1, error.message)
@@ -123,8 +123,8 @@ class Session:
 
     async def lint(self, version: int) -> list[dict[str, Any]]:
         """Findings in rules without errors."""
-        team = self._team_of(version)
-        found = await team.ask(
+        pool = self._pool_of(version)
+        found = await pool.ask(
             {"lint": True}, self._seconds, "lint reached its limit: raise it with --seconds"
         )
         return _named(found["findings"])
@@ -137,21 +137,21 @@ class Session:
             raise RequestError(f"house: {error}") from None
         question = {"why": part, "house": made.to_dict(), "inferences": INFERENCES}
         late = f"{part} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
-        why = (await self._team_of(version).ask(question, self._seconds, late))["why"]
+        why = (await self._pool_of(version).ask(question, self._seconds, late))["why"]
         return _short_names(why)
 
-    def _team_of(self, version: int) -> Team:
+    def _pool_of(self, version: int) -> Pool:
         if version != self.rules.version:
             raise Stale
-        return self._team
+        return self._pool
 
-    async def _house(self, team: Team, sheet: Sheet, index: int) -> dict[str, Any]:
+    async def _house(self, pool: Pool, sheet: Sheet, index: int) -> dict[str, Any]:
         """House ``index`` and its plan, or why there is none."""
         late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         try:
             request = Request.read(msgspec.to_builtins(sheet)).to_dict()
             question = {"request": request, "seed": sheet.seed, "inferences": INFERENCES, "index": index}
-            house = House.from_dict((await team.ask(question, self._seconds, late))["house"])
+            house = House.from_dict((await pool.ask(question, self._seconds, late))["house"])
             drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
             return {"index": index, "problem": problem(error)}
@@ -185,8 +185,8 @@ class Session:
         rules = self._read(self.rules.version + 1)
         if rules.files == self.rules.files:
             return
-        self._team.end()
-        self.rules, self._team = rules, Team(self._directory, self._spares)
+        self._pool.end()
+        self.rules, self._pool = rules, Pool(self._directory, self._spares)
         self._changed.set()
         self._changed.clear()
 

@@ -10,14 +10,17 @@ import pytest
 
 from agent.banks import BANKS, bank_hash
 from agent.cli import main
+from agent.info import recognise
 from agent.info.commands import TITLES
-from agent.info.reading import UnknownFileError, things
+from agent.info.reading import UnknownFileError
+from agent.info.recognise import recognised
 from agent.play.results import PlayedGame, append
 from agent.released import FORMAT, located
 from logic import HouseFileError, load, save
 from logic.errors import VitruviusError
 from logic.exports import export
 from logic.grammar import SHIPPED
+from sim import arguments
 from sim.arguments import BANK
 from tests.sample_houses import FIXTURES
 
@@ -26,7 +29,7 @@ from .test_keras import SHAPES, keras_file
 
 def told(path: Path | str) -> Any:
     """The one thing that a path is."""
-    [found] = things(str(path))
+    [found] = recognised(str(path))
     return found
 
 
@@ -57,8 +60,8 @@ def test_a_bank_is_told_by_its_name_and_by_its_houses_in_another_file(tmp_path: 
     assert told(tmp_path / "mine.jsonl.gz").bank == "test-v1"
 
 
-def test_a_name_that_is_several_things_is_told_as_each() -> None:
-    assert [each.__struct_config__.tag for each in things("paper")] == ["grammar", "agent", "settings"]
+def test_a_name_of_several_kinds_is_recognised_as_each() -> None:
+    assert [each.__struct_config__.tag for each in recognised("paper")] == ["grammar", "agent", "settings"]
 
 
 def test_a_checkpoint_is_told_by_its_header(tmp_path: Path) -> None:
@@ -150,27 +153,27 @@ def test_what_is_none_or_damaged_gets_one_line(
 ) -> None:
     (tmp_path / name).write_bytes(content)
     with pytest.raises(error, match=says) as raised:
-        things(str(tmp_path / name))
+        recognised(str(tmp_path / name))
     assert raised.value.exit_code == 5
     assert "\n" not in str(raised.value)
 
 
 def test_folders_and_names_that_are_nothing_say_what_there_is(tmp_path: Path) -> None:
     with pytest.raises(UnknownFileError, match=r"no run .* and no grammar .*: it has nothing"):
-        things(str(tmp_path))
+        recognised(str(tmp_path))
     (tmp_path / "houses.jsonl").touch()
     with pytest.raises(UnknownFileError, match=f"look at {tmp_path}/houses.jsonl"):
-        things(str(tmp_path))
+        recognised(str(tmp_path))
     with pytest.raises(UnknownFileError, match=r"did you mean .*/houses\.jsonl\?"):
-        things(str(tmp_path / "hoses.jsonl"))
+        recognised(str(tmp_path / "hoses.jsonl"))
     with pytest.raises(UnknownFileError, match=r"there is no name test-v2: did you mean test-v1\?"):
-        things("test-v2")
+        recognised("test-v2")
     (tmp_path / "config.json").write_text("{}")
     with pytest.raises(UnknownFileError, match=r"is none of a run\. Train one"):
-        things(str(tmp_path))
+        recognised(str(tmp_path))
     (tmp_path / "pipe").symlink_to("/dev/null")
     with pytest.raises(UnknownFileError, match="is a device or a pipe"):
-        things(str(tmp_path / "pipe"))
+        recognised(str(tmp_path / "pipe"))
 
 
 def test_people_read_a_thing_at_80_columns(capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
@@ -181,3 +184,7 @@ def test_people_read_a_thing_at_80_columns(capsys: pytest.CaptureFixture[str], m
         lines = capsys.readouterr().out.splitlines()
         assert max(map(len, lines[1:])) <= 80
         assert lines[0].partition(": ")[2] in TITLES.values()
+
+
+def test_the_papers_house_has_the_simulators_name() -> None:
+    assert recognise.PAPER_HOUSE == arguments.PAPER_HOUSE

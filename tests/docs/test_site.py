@@ -10,9 +10,11 @@ from urllib.parse import unquote, urldefrag, urlsplit
 import pytest
 from playwright.sync_api import Page
 
+from docs.builder.build import Copy
+from logic.errors import RequestError
 from tests.docs.reader import ROOT
 
-BUILD = [sys.executable, str(ROOT / "docs" / "builder" / "build.py")]
+BUILD = [sys.executable, "-m", "docs.builder.build"]
 
 
 @pytest.fixture(scope="module")
@@ -100,12 +102,7 @@ def test_on_a_telephone_nothing_but_code_and_tables_is_wider_than_the_screen(
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
-def test_a_link_that_leads_nowhere_stops_the_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(BUILD[1].rpartition("/")[0]))
-    from build import Copy  # pyright: ignore[reportMissingImports]
-
-    from logic.errors import RequestError
-
+def test_a_link_that_leads_nowhere_stops_the_build(tmp_path: Path) -> None:
     copy = Copy(tmp_path)
     with pytest.raises(RequestError, match=r"docs/plans.md: there is no docs/nowhere.md"):
         copy.line(Path("docs/plans.md"), "see [this](nowhere.md)")

@@ -250,10 +250,10 @@ def loaded(path: Path) -> Answer:
     import torch
 
     from agent.checkpoint import load
-    from agent.info.reading import things
+    from agent.info.recognise import recognised
 
     with suppress(VitruviusError):
-        things(str(path))
+        recognised(str(path))
     found = load(path)
     with torch.no_grad():
         found.network(torch.rand(1, *found.network.shape[:2]), found.network.memory.empty(1))

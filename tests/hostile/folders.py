@@ -34,10 +34,10 @@ def trained(folder: Path, resume: bool = False) -> Answer:
 
 def resumed(folder: Path) -> Answer:
     """What ``--resume`` answers; ``info`` has an answer, too."""
-    from agent.info.reading import things
+    from agent.info.recognise import recognised
 
     with suppress(VitruviusError):
-        things(str(folder))
+        recognised(str(folder))
     return trained(folder, resume=True)
 
 

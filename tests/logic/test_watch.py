@@ -27,7 +27,7 @@ from logic.canvas import svg
 from logic.draw import plan
 from logic.grammar import SHIPPED
 from logic.request import Request
-from logic.watch.team import SIZE, Spares, Stale, Team
+from logic.watch.pool import SIZE, Pool, Spares, Stale
 
 WHOLE = 20_000
 """Milliseconds for an answer on a machine with much else to do; it comes in a fraction of a second."""
@@ -413,18 +413,18 @@ def test_without_its_packages_it_names_the_extra() -> None:
 def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
     async def asked() -> None:
         spares = Spares(SHIPPED / "family")
-        team = Team(SHIPPED / "family", spares)
-        await team.verdict()
+        pool = Pool(SHIPPED / "family", spares)
+        await pool.verdict()
         slow = {"count": 1e5, "request": Request(9).to_dict()}
-        counts = [asyncio.ensure_future(team.ask(slow, 1e5, "late")) for _ in range(2 * SIZE)]
+        counts = [asyncio.ensure_future(pool.ask(slow, 1e5, "late")) for _ in range(2 * SIZE)]
         await asyncio.sleep(0.1)
         for count in counts:
             count.cancel()
         house = {"request": Request(1).to_dict(), "seed": 0, "inferences": 10**8, "index": 0}
-        assert "house" in await asyncio.wait_for(team.ask(house, 20, "late"), 20)
-        team.end()
+        assert "house" in await asyncio.wait_for(pool.ask(house, 20, "late"), 20)
+        pool.end()
         with pytest.raises(Stale):
-            await team.ask(house, 20, "late")
+            await pool.ask(house, 20, "late")
         spares.end()
 
     before = {each for each in children(os.getpid()) if is_alive(each)}

@@ -18,7 +18,7 @@ from agent.planner.viewpoints import TRIED
 from sim.runtime import Array, Launch, start, ti
 
 
-class Whereabouts:
+class BeliefMap:
     """Reads what planners believe; it changes nothing that their next steps depend on."""
 
     def __init__(self, planner: Planner) -> None:
@@ -48,7 +48,7 @@ def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     Numbers = ti.types.ndarray(number_type(config), 1)
 
     @ti.kernel
-    def whereabouts(
+    def belief_map(
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Bytes,
         states: Wholes, counts: Bytes,
@@ -72,4 +72,4 @@ def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
                 share = ti.select(belief.within(room, x, y), shares[0], shares[1])
                 counts[i] = ti.cast(ti.ceil(share * ti.cast(count, ti.f32)), ti.u8)
 
-    return whereabouts
+    return belief_map

@@ -5,14 +5,14 @@ from typing import Any
 import msgspec
 
 
-class Thing(msgspec.Struct, frozen=True, tag_field="kind", kw_only=True):
-    """Anything that ``info`` knows."""
+class Named(msgspec.Struct, frozen=True, tag_field="kind", kw_only=True):
+    """What all kinds have."""
 
     name: str
     """As it was given."""
 
 
-class Houses(Thing, tag="houses", frozen=True):
+class Houses(Named, tag="houses", frozen=True):
     """A house file, or a frozen bank."""
 
     houses: int
@@ -34,7 +34,7 @@ class Houses(Thing, tag="houses", frozen=True):
     """Why the series ended early."""
 
 
-class Plan(Thing, tag="plan", frozen=True):
+class Plan(Named, tag="plan", frozen=True):
     """GeoJSON, for ``generate --plan``."""
 
     rooms: int
@@ -43,7 +43,7 @@ class Plan(Thing, tag="plan", frozen=True):
     """Metres, east and south."""
 
 
-class Agent(Thing, tag="agent", frozen=True):
+class Agent(Named, tag="agent", frozen=True):
     """A checkpoint."""
 
     agent: str
@@ -60,7 +60,7 @@ class Agent(Thing, tag="agent", frozen=True):
     config: dict[str, Any]
 
 
-class Run(Thing, tag="run", frozen=True):
+class Run(Named, tag="run", frozen=True):
     """A folder of ``train``."""
 
     preset: str
@@ -78,7 +78,7 @@ class Run(Thing, tag="run", frozen=True):
     files: list[str]
 
 
-class Games(Thing, tag="games", frozen=True):
+class Games(Named, tag="games", frozen=True):
     """Results of ``play``."""
 
     games: int
@@ -94,7 +94,7 @@ class Games(Thing, tag="games", frozen=True):
     versions: dict[str, str]
 
 
-class Scores(Thing, tag="scores", frozen=True):
+class Scores(Named, tag="scores", frozen=True):
     """Figures of ``evaluate``: the oracle ratio of each policy by where targets lay."""
 
     bank: str
@@ -105,7 +105,7 @@ class Scores(Thing, tag="scores", frozen=True):
     ratios: dict[str, dict[str, float]]
 
 
-class Trace(Thing, tag="trace", frozen=True):
+class Trace(Named, tag="trace", frozen=True):
     """An episode, step by step."""
 
     format: str
@@ -117,7 +117,7 @@ class Trace(Thing, tag="trace", frozen=True):
     """How many appeared."""
 
 
-class Grammar(Thing, tag="grammar", frozen=True):
+class Grammar(Named, tag="grammar", frozen=True):
     """A folder of rules."""
 
     folder: str
@@ -128,7 +128,7 @@ class Grammar(Thing, tag="grammar", frozen=True):
     shipped: bool
 
 
-class Keras(Thing, tag="keras", frozen=True):
+class Keras(Named, tag="keras", frozen=True):
     """Weights in HDF5, as Keras writes them: for ``import-keras``."""
 
     layers: dict[str, str]
@@ -137,7 +137,7 @@ class Keras(Thing, tag="keras", frozen=True):
     versions: dict[str, str]
 
 
-class Settings(Thing, tag="settings", frozen=True):
+class Settings(Named, tag="settings", frozen=True):
     """A TOML file for ``train --config``, or a preset."""
 
     preset: str
@@ -146,3 +146,6 @@ class Settings(Thing, tag="settings", frozen=True):
     targets: str
     changed: dict[str, str]
     """What is not as in the preset."""
+
+
+Kind = Houses | Plan | Agent | Run | Games | Scores | Trace | Grammar | Keras | Settings

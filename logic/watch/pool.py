@@ -69,7 +69,7 @@ class Spares:
         self._ready.clear()
 
 
-class Team:
+class Pool:
     """Processes that load the same rules; a question goes to the first that is free.
 
     One of them says what is wrong with the rules. The others take no time for that, and so have the first
