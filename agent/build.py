@@ -4,14 +4,15 @@ from typing import Any
 
 import torch
 
-from agent.config import PaperConfig, PQNConfig, QLearningConfig, TrainConfig
+from agent.config import CompletionConfig, PaperConfig, PQNConfig, QLearningConfig, TrainConfig
+from agent.map_completion import CompletionNetwork, Foresight
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
 from agent.planner import FEATURES
-from agent.policies import QPolicy, Tracker
+from agent.policies import Explorer, Policy, QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.simulator import simulator
-from agent.world import layer_of
+from agent.world import layer_of, shield
 from sim import HouseVectorEnv
 
 
@@ -22,6 +23,9 @@ def network_of(config: TrainConfig) -> Any:
     world = simulator(config)
     if isinstance(config, PaperConfig):
         return PaperNetwork.of(config)
+    if isinstance(config, CompletionConfig):
+        with seeded(config.seed):
+            return CompletionNetwork(len(config.rooms), config.channels)
     assert isinstance(config, QLearningConfig)
     with seeded(config.seed):
         if isinstance(config, PQNConfig) and config.network == "recurrent":
@@ -30,8 +34,12 @@ def network_of(config: TrainConfig) -> Any:
         return QNetwork(world.rays, world.channels, config.half_lives, features)
 
 
-def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy:
-    """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
+def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> Policy:
+    """A trained network's policy, as it is measured and filmed: its own layer, a few random actions. That of
+    map completion: the explorer, by planners that foresee.
+    """
+    if isinstance(config, CompletionConfig):
+        return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
     generator = torch.Generator().manual_seed(seed)
     layer = layer_of(config, envs, generator)
     if isinstance(config, PaperConfig) and config.plays_as_original:

@@ -21,7 +21,7 @@ from logic.commands import print_answer
 from logic.errors import RequestError
 from logic.spelling import unknown
 
-Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper"]
+Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper", "map-completion"]
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 

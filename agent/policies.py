@@ -132,10 +132,18 @@ class Explorer:
     next best view.
     """
 
-    def __init__(self, avoidance: Layer, world: Config = DEFAULT, config: PlannerConfig = TUNED) -> None:
-        """Explore environments of the configuration ``world`` under ``avoidance``."""
+    def __init__(
+        self,
+        avoidance: Layer,
+        world: Config = DEFAULT,
+        config: PlannerConfig = TUNED,
+        tracker: Tracker | None = None,
+    ) -> None:
+        """Explore environments of the configuration ``world`` under ``avoidance``; ``tracker`` keeps the
+        planners, if they are others than those of ``config``.
+        """
         self.avoidance, self.interventions = avoidance, 0
-        self.tracker = Tracker(world, config)
+        self.tracker = tracker or Tracker(world, config)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""

@@ -29,9 +29,10 @@ import torch
 from agent import checkpoint, ranks
 from agent.banks import bank_hash
 from agent.checkpoint import Checkpoint
-from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.config import CompletionConfig, DQNConfig, PaperConfig, PQNConfig, TrainConfig
 from agent.dqn import DQN
 from agent.learner import Diverged, Learner, Progress
+from agent.map_completion.learner import MapCompletion
 from agent.paper import Paper
 from agent.pqn import PQN
 from agent.progress import progress
@@ -162,7 +163,9 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     if isinstance(config, PQNConfig):
         return PQN(config, envs)
     if ranks.size() > 1:
-        raise RequestError("deep Q-learning from a replay buffer runs in one process alone")
+        raise RequestError(f"{config.algorithm} runs in one process alone")
+    if isinstance(config, CompletionConfig):
+        return MapCompletion(config, envs)
     if isinstance(config, DQNConfig):
         return DQN(config, envs)
     assert isinstance(config, PaperConfig)

@@ -75,8 +75,8 @@ class Planner:
         """Make planners for E environments of the configuration ``world``, in each of which an episode
         begins.
 
-        ``prior``: what a node counts that was never seen is read from the array of this name, which a study
-        that knows the house fills, and not estimated. Raises ``ValueError`` for episodes too long for a cell
+        ``prior``: what places count, and which of the unseen ones stop sight, is read from the array of this
+        name, which a network or a study that knows the house fills, and not estimated. Raises ``ValueError`` for episodes too long for a cell
         to keep when it was seen.
         """
         if world.steps > LATEST - 2:
@@ -117,7 +117,7 @@ class Planner:
             "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
             "evidence": Array(ti.u8, area if errs else 1),
             "last": Array(ti.f32, count * rays if world.slip else 1),
-            "prior": Array(ti.u8, area if prior else 1),
+            "prior": Array(ti.u8, area >> 2 if prior else 1),
         }
         kept = {
             "states": Array(ti.i32, count * SIZE),

@@ -51,7 +51,7 @@ class Memory(NamedTuple):
     """(E, R) float32, or one number where no action slips: the last look's distances (``scan.py``)."""
 
     prior: Any
-    """(E, S S) uint8, or one number: what unseen nodes count, where a study gives it (``belief.py``)."""
+    """(E, S S / 4) uint8, or one number: what each block counts, where that is given (``belief.py``)."""
 
 
 class Tables(NamedTuple):

@@ -9,28 +9,46 @@ from agent.planner.config import CERTAIN, PlannerConfig
 from agent.planner.occupancy import FLAGS, HEADINGS, OCCUPIED, Occupancy
 from sim.runtime import ti
 
+OPAQUE = 128
+"""Bit of ``prior``: what lies there is believed to stop sight."""
+
 
 @ti.data_oriented
 class Belief:
     """What is believed of places on a map."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, prior: bool = False) -> None:
-        """``prior``: what unseen places count is given from outside, by a study that knows the house."""
+        """``prior``: what places count is given from outside, by a network or by a study that knows the house.
+        """
         self.config, self.occupancy, self.prior = config, occupancy, prior
 
     @ti.func
     def odds(self, memory: ti.template(), base, x, y):
         """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
         odds = CERTAIN
-        if ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
-            if ti.static(self.prior):
-                odds = ti.cast(memory.prior[base + self.occupancy.at(x, y)], ti.i32)
-            else:
-                floor = self.floor(memory, base, x, y)
-                for k in ti.static(range(17)):
-                    if floor == k - 8:
-                        odds = self.config.floor_odds[k]
+        if ti.static(self.prior):
+            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & (OPAQUE - 1)
+        elif ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
+            floor = self.floor(memory, base, x, y)
+            for k in ti.static(range(17)):
+                if floor == k - 8:
+                    odds = self.config.floor_odds[k]
         return odds
+
+    @ti.func
+    def block(self, base, node):
+        """The place in ``prior`` of the block that a node is in."""
+        x, y = self.occupancy.across(node) >> 1, self.occupancy.down(node) >> 1
+        return (base >> 2) + ((y << ti.static(self.occupancy.bits - 1)) | x)
+
+    @ti.func
+    def hidden(self, memory: ti.template(), base, node):
+        """Whether sight is believed to end at a node that was never seen (i32)."""
+        opaque = 0
+        if ti.static(self.prior):
+            if memory.prior[self.block(base, node)] >= ti.static(OPAQUE):
+                opaque = ti.cast(ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS, ti.i32)
+        return opaque
 
     @ti.func
     def floor(self, memory: ti.template(), base, x, y):

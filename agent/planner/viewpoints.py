@@ -156,6 +156,8 @@ class Viewpoints:
                 k += 1
                 if ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID):
                     clear = 0
+                elif self.candidates.belief.hidden(memory, base, there):
+                    clear = 0
                 else:
                     i = self.candidates.first(base) + self.candidates.at(there)
                     here = ti.cast(memory.candidates[i], ti.i32) & (TRIED - 1)

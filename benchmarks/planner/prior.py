@@ -39,12 +39,12 @@ class Informed(Tracker):
         """Forget, and look up the houses that the bodies are in."""
         super().begin(environments)
         poses, _, houses = self.environments.describe()
-        ground = np.zeros((environments, SIDE, SIDE), np.uint8)
+        ground = np.zeros((environments, SIDE // 2, SIDE // 2), np.uint8)
         for envs, count in self.counts:
             truth = Truth(envs, poses, self.planner.cell)
             for e, house in enumerate(map(int, houses)):
                 away, _ = truth.trees[house].query(truth.where(e, NODES), distance_upper_bound=BESIDE)
-                ground[e, ::2, ::2][(away < BESIDE).reshape(SIDE // 2, -1)] = count
+                ground[e][(away < BESIDE).reshape(SIDE // 2, -1)] = count
         self.planner.arrays["prior"].fill(ground.ravel())
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:

@@ -1,0 +1,82 @@
+"""Planners that foresee: what a network predicts of unseen ground is written into their ``prior``."""
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.map_completion.network import CompletionNetwork, Prediction
+from agent.map_completion.windows import PATH, SEEN, Windows
+from agent.planner import TUNED, Planner, PlannerConfig
+from agent.planner.config import CERTAIN
+from agent.policies import Tracker
+from sim.config import Config
+
+EVERY, NEWS = 24, 16
+"""Steps of an environment between two predictions, at least; cells that must be new."""
+
+EARLY = (1, 4, 10)
+"""Steps of an episode at which it predicts anyway."""
+
+PATHS = 0.3
+"""How surely a block must be floor for paths to lead over it unseen, and for views to go on."""
+
+ELSEWHERE = 0.1
+"""What floor counts on which targets do not lie: it may be on the way to where they do."""
+
+SEEN_BEFORE = 0.84
+"""Share of the candidates that were seen before in which a target can lie, by ``vitruvius bench odds``: what
+counts ``CERTAIN``."""
+
+AT_ONCE = 32
+"""Windows in a batch: what fits a processor's cache."""
+
+
+class Foresight(Tracker):
+    """Keeps planners in step, and their ``prior`` up to date by a network."""
+
+    def __init__(self, world: Config, network: CompletionNetwork, config: PlannerConfig = TUNED) -> None:
+        """For environments of the configuration ``world``."""
+        self.network = network
+        super().__init__(world, config, prior=True)
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        super().begin(environments)
+        self.windows = Windows(self.planner)
+        self.seen, self.age = np.zeros(environments, int), np.zeros(environments, int)
+
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
+        """The planners, with what the last actions led to; predictions are of the maps as they are then."""
+        planner = super().look(observation, blocked)
+        time = planner.read("time").numpy()
+        self.seen[time == 1], self.age[time == 1] = 0, 0
+        self.age += 1
+        seen = planner.seen.numpy()
+        due = (seen - self.seen >= NEWS) & ((self.age >= EVERY) | np.isin(time, EARLY))
+        self.foresee(np.flatnonzero(due & planner.seeks.numpy()))
+        return planner
+
+    def foresee(self, environments: np.ndarray) -> None:
+        """Predict in these environments (n,) int."""
+        if not len(environments):
+            return
+        windows, corners = self.windows.read(environments)
+        self.windows.write(environments, self.given(self.predict(windows, -corners), windows))
+        self.seen[environments] = self.planner.seen.numpy()[environments]
+        self.age[environments] = 0
+
+    @torch.inference_mode()
+    def predict(self, windows: np.ndarray, starts: np.ndarray) -> Prediction:
+        """Logits for windows (n, W, W) uint8 of maps that began at ``starts`` (n, 2)."""
+        both = torch.from_numpy(windows).split(AT_ONCE), torch.from_numpy(starts).float().split(AT_ONCE)
+        parts = [self.network(*each) for each in zip(*both, strict=True)]
+        return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
+
+    def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
+        """What blocks count by a prediction, and whether paths lead there, (n, W, W) uint8."""
+        floor, target = (logits.sigmoid().numpy() for logits in prediction[:2])
+        seen = windows >> 3 >= SEEN
+        worth = target + ELSEWHERE * (1 - target)
+        count = np.clip(CERTAIN * worth * np.where(seen, 1, floor / SEEN_BEFORE), 0, CERTAIN).astype(np.uint8)
+        return count | (PATH * ((floor > PATHS) | seen)).astype(np.uint8)
+
