@@ -10,6 +10,9 @@ import numpy as np
 
 from logic import House
 
+Box = tuple[float, float, float, float]
+"""(west, north, east, south), metres."""
+
 TOLERANCE = 1e-6
 """Metres: lines nearer than this are one line."""
 

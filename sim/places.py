@@ -11,12 +11,26 @@ import numpy as np
 from logic import House
 from sim.backend import Lattice
 from sim.config import Config
+from sim.furniture_tasks import WeightedTask
 from sim.geometry import TOLERANCE, Geometry
 from sim.survey import Survey
-from sim.tasks import Box, FixedTask, Task
+from sim.tasks import AnyTask, Box, FixedTask, Task
 
 NORTH = 2
 """The heading of the start nearest to the main room's middle."""
+
+LISTED = 4096
+"""Entries of a house's list of places, about, where some are drawn more often than others."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """Some of a house's targets, and the probability that the next is drawn from them, all alike."""
+
+    targets: np.ndarray
+    """(n,) int: rows of ``Places.targets``."""
+    share: float
+    """That probability."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +45,15 @@ class Places:
     """That of all starts, in eighths of a turn; -1 for any."""
     given: bool = False
     """Whether the targets are at given places."""
+    regions: tuple[Region, ...] = ()
+    """Of a weighted task; none where all targets are alike."""
+    counts: np.ndarray | None = None
+    """(m,) int: how often each target stands in the list from which the next is drawn; once by default."""
+
+    @property
+    def listed(self) -> np.ndarray:
+        """(n, 2) float32: the list from which the next target is drawn, all entries alike."""
+        return self.targets if self.counts is None else np.repeat(self.targets, self.counts, axis=0)
 
     def spread(self, pitch: int) -> np.ndarray:
         """Which targets lie on a grid of ``pitch`` steps, (k,) int: all given ones, or one at least."""
@@ -46,7 +69,7 @@ def places(
     lattice: Lattice,
     survey: Survey,
     config: Config,
-    task: Task | FixedTask,
+    task: AnyTask,
     start: np.ndarray | None = None,
 ) -> Places:
     """Find a house's starts and a task's targets from what the body can do there.
@@ -76,12 +99,13 @@ def places(
         heading = -1 if config.random_start else NORTH
         if not config.random_start:
             starts = _nearest(starts, geometry.floor, lattice)
-    given = isinstance(task, FixedTask)
-    if given:
-        targets = _given(house, lattice, reached, config, task)
-    else:
-        targets = _free(house, geometry, lattice, reached, config, task)
-    return Places(np.argwhere(starts).astype(np.int32), targets.astype(np.float32), heading, given)
+    first = np.argwhere(starts).astype(np.int32)
+    if isinstance(task, FixedTask):
+        return Places(first, _given(house, lattice, reached, config, task).astype(np.float32), heading, True)
+    room = _Room(house, geometry, lattice, reached, config)
+    if isinstance(task, WeightedTask):
+        return Places(first, *_weighted(room, task, heading))
+    return Places(first, np.argwhere(_free(room, task)).astype(np.float32), heading)
 
 
 def _given(
@@ -97,32 +121,81 @@ def _given(
     return (points[np.argsort(points[:, 0])] - lattice.origin) / lattice.pitch
 
 
-def _free(
-    house: House, geometry: Geometry, lattice: Lattice, reached: np.ndarray, config: Config, task: Task
-) -> np.ndarray:
-    """The lattice's places where targets may lie in the task's spaces, (m, 2) steps."""
-    spaces, boxes = list(task.spaces(house)), [room.box for room in house.rooms if room is not house.start]
+class _Room:
+    """Where in a house targets may lie at all."""
+
+    def __init__(
+        self, house: House, geometry: Geometry, lattice: Lattice, reached: np.ndarray, config: Config
+    ) -> None:
+        self.house, self.lattice, self.reached = house, lattice, reached
+        self.half, self.body = config.target / 2, max(config.body) / 2
+        clear = reached & ~_touched(geometry.solids, self.half, lattice)
+        self.main = clear & _within(geometry.floor, self.half, lattice)
+        self.main &= ~_touched(geometry.rooms, self.half, lattice)
+        self.inside = self.main.copy()
+        for room in geometry.rooms:
+            self.inside |= clear & _within(room, self.half, lattice)
+
+    def fits(self, space: Box) -> np.ndarray:
+        """The lattice's places (X, Y) where a target lies wholly in a space."""
+        free = self.main if space == self.house.start.box else self.inside
+        return free & _within(_row(space), self.half, self.lattice)
+
+    def is_reached(self, space: Box) -> bool:
+        """Whether the body can be wholly in a space."""
+        return bool((self.reached & _within(_row(space), self.body, self.lattice)).any())
+
+
+def _free(room: _Room, task: Task) -> np.ndarray:
+    """The lattice's places where targets may lie in the task's spaces, (X, Y) bool."""
+    house = room.house
+    spaces, boxes = list(task.spaces(house)), [each.box for each in house.rooms if each is not house.start]
     if not spaces:
         types = ", ".join(sorted({room.type for room in house.counted}))
         raise ValueError(f"it has no room for the targets of {task}: there are {types}")
-    half, body = config.target / 2, max(config.body) / 2
-    clear = reached & ~_touched(geometry.solids, half, lattice)
-    main = clear & _within(geometry.floor, half, lattice) & ~_touched(geometry.rooms, half, lattice)
-    inside = main.copy()
-    for room in geometry.rooms:
-        inside |= clear & _within(room, half, lattice)
-    chosen = np.zeros_like(clear)
+    chosen = np.zeros_like(room.reached)
     for space in spaces:
-        row = (
-            np.array([space[0] + space[2], space[1] + space[3], space[2] - space[0], space[3] - space[1]]) / 2
-        )
-        if space in boxes and not (reached & _within(row, body, lattice)).any():
+        if space in boxes and not room.is_reached(space):
             raise ValueError(f"the body cannot reach {_name(space, house)}")
-        chosen |= (main if space == house.start.box else inside) & _within(row, half, lattice)
+        chosen |= room.fits(space)
     if not chosen.any():
         where = ", ".join(_name(space, house) for space in spaces)
         raise ValueError(f"no target fits on free floor that the body can reach in {where}")
-    return np.argwhere(chosen)
+    return chosen
+
+
+def _weighted(
+    room: _Room, task: WeightedTask, heading: int
+) -> tuple[np.ndarray, int, bool, tuple[Region, ...], np.ndarray]:
+    """The fields of ``Places`` for a task with regions.
+
+    A region of share p has about p ``LISTED`` entries, one at least, spread evenly over its places in the
+    order of the lattice: some once more than others, or where there are more places than entries, some not
+    at all.
+    """
+    found = [
+        (np.logical_or.reduce([room.fits(box) for box in boxes]), weight)
+        for boxes, weight in task.regions(room.house)
+        if boxes
+    ]
+    found = [(fits.ravel().nonzero()[0], weight) for fits, weight in found if weight > 0 and fits.any()]
+    if not found:
+        raise ValueError(f"no target of {task} fits on free floor that the body can reach")
+    whole, counts = sum(weight for _, weight in found), np.zeros(room.reached.size, int)
+    entries: list[np.ndarray] = []
+    for fits, weight in found:
+        number = max(1, round(LISTED * weight / whole))
+        entries.append(fits[np.arange(number) * len(fits) // number])
+        np.add.at(counts, entries[-1], 1)
+    listed, length = counts.nonzero()[0], counts.sum()
+    regions = tuple(Region(np.searchsorted(listed, np.unique(at)), len(at) / length) for at in entries)
+    targets = np.stack(np.unravel_index(listed, room.reached.shape), axis=1).astype(np.float32)
+    return targets, heading, False, regions, counts[listed]
+
+
+def _row(box: Box) -> np.ndarray:
+    """A box as its centre and half its sides, (4,)."""
+    return np.array([box[0] + box[2], box[1] + box[3], box[2] - box[0], box[3] - box[1]]) / 2
 
 
 def _name(space: Box, house: House) -> str:
@@ -130,7 +203,7 @@ def _name(space: Box, house: House) -> str:
     names = {room.box: f"room {room.name} ({room.type})" for room in reversed(house.rooms)}
     if house.is_star:
         names = {house.main.box: "the main room"} | {room.box: names[room.box] for room in house.secondary}
-    return names.get(space, f"the rectangle {space}")
+    return names.get(space, "the rectangle ({:.2f}, {:.2f}, {:.2f}, {:.2f})".format(*space))
 
 
 def _within(box: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:

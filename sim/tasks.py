@@ -24,16 +24,19 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from logic import House
 from logic.spelling import unknown
 from sim.config import PIXEL
+from sim.furniture_tasks import Habit, Object, WeightedTask
+from sim.geometry import Box
 
 UNITS = {"m": 1.0, "px": PIXEL}
 """Metres in a unit of length."""
 
-Box = tuple[float, float, float, float]
-"""(west, north, east, south), metres."""
-
 
 class Task(Protocol):
-    """Targets appear one after the other in some spaces of a house; picking one up earns 1."""
+    """Targets appear one after the other in some spaces of a house; picking one up earns 1.
+
+    It may have ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and
+    ``suits(house)``, whether it can be played in a house.
+    """
 
     ends_on_pick_up: ClassVar[bool]
     """Whether the first pick-up terminates the episode."""
@@ -157,6 +160,7 @@ TARGETS = {
     "secondary": Collect(main=False),
     "mixed": Collect(),
     "all": Collect(),
+    "habit": Habit(),
 }
 """Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
 
@@ -164,13 +168,16 @@ PAPER = Path(__file__).with_name("paper")
 PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
 """Files of the tasks of the paper's house, by name: see the README beside them."""
 
-TASKS = {"collect": Collect, "points": Points, "reach": Reach, "rooms": Rooms}
+TASKS = {
+    "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach, "rooms": Rooms,
+}  # fmt: skip
 """Tasks that take arguments."""
 
-Targets = str | dict[str, Any] | Task | FixedTask
+AnyTask = Task | FixedTask | WeightedTask
+Targets = str | dict[str, Any] | AnyTask
 
 
-def task(targets: Targets) -> Task | FixedTask:
+def task(targets: Targets) -> AnyTask:
     """The task that is meant: by a name of ``TARGETS`` or ``PAPER_TASKS``, as ``{"task": name or
     "module:Class", **arguments}``, such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text
     or in a ``.json`` file, as ``"module:Class"`` alone, or itself. ``{"rooms": ["bedroom", "study"]}`` is
@@ -183,7 +190,7 @@ def task(targets: Targets) -> Task | FixedTask:
         return TARGETS[targets]
     given = _read(targets) if isinstance(targets, str) else targets
     if not isinstance(given, dict):
-        found = isinstance(given, FixedTask) or callable(getattr(given, "spaces", None))
+        found = isinstance(given, FixedTask | WeightedTask) or callable(getattr(given, "spaces", None))
         if not (found and hasattr(given, "ends_on_pick_up")):
             raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
         return given
@@ -199,6 +206,12 @@ def task(targets: Targets) -> Task | FixedTask:
         return (TASKS.get(name) or named(name))(**arguments)
     except (ImportError, AttributeError, TypeError, ValueError) as error:
         raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
+
+
+def suited(targets: Targets, houses: Sequence[House]) -> list[House]:
+    """The houses in which a task can be played, in their order: all, for most tasks."""
+    suits = getattr(task(targets), "suits", lambda house: True)
+    return [house for house in houses if suits(house)]
 
 
 def _read(text: str) -> dict[str, Any]:

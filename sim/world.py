@@ -15,7 +15,7 @@ from sim.kernels import NEXT_STEP, SAME_STEP, kernels
 from sim.places import Places, places
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
-from sim.tasks import FixedTask, Targets, Task, task
+from sim.tasks import AnyTask, FixedTask, Targets, task
 
 STATE = "reals", "wholes"
 """Arrays that a step depends on and that are not the bank's."""
@@ -90,6 +90,7 @@ class World:
             raise ValueError("episodes of that task end otherwise: make a new environment for it")
         if self.backend.fit(self.config, houses) != self.config:
             raise ValueError("these houses need another body and step: make a new environment for them")
+        getattr(wanted, "check", lambda houses: None)(houses)
         bank = self.backend.pack(houses)
         self.lattices, self.places = self._places(houses, bank, wanted)
         self.houses, self.bank, self.task = list(houses), bank, wanted
@@ -98,7 +99,7 @@ class World:
             launch.bind(self.arrays)
 
     def _places(
-        self, houses: Sequence[House], bank: Bank, task: Task | FixedTask
+        self, houses: Sequence[House], bank: Bank, task: AnyTask
     ) -> tuple[list[Lattice], list[Places]]:
         lattices: list[Lattice] = []
         cells: list[np.ndarray | None] = []
@@ -120,7 +121,7 @@ class World:
         return lattices, found
 
     def _lattice(
-        self, house: House, bank: Bank, index: int, task: Task | FixedTask
+        self, house: House, bank: Bank, index: int, task: AnyTask
     ) -> tuple[Lattice, np.ndarray | None]:
         """The lattice over house ``index`` of a bank, and its cell (i, j, heading) where a task starts."""
         shape, pose = bank.geometries[index], task.pose(house) if isinstance(task, FixedTask) else None
@@ -139,11 +140,12 @@ class World:
         header = np.zeros((count, HEADER), np.int32)
         at, rows = 1 + header.size, [np.array([count], np.int32), header.reshape(-1)]
         for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
-            starts, targets = len(here.starts), len(here.targets)
+            listed = here.listed
+            starts, targets = len(here.starts), len(listed)
             origin = np.asarray(lattice.origin, np.float32).view(np.int32)
             header[k] = (*origin, at, starts, at + starts, targets, here.heading)
             at += starts + 2 * targets
-            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, here.targets.view(np.int32).ravel()]
+            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, listed.view(np.int32).ravel()]
         return Array.of(np.concatenate(rows))
 
     def run(self, name: str) -> None:

@@ -173,7 +173,7 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
         ({"points": [[6.0, 1.0]], "start": [-1.0, 1.0, 0.0]}, "the body cannot be at"),
         ({"points": [[6.0, 1.0]], "start": [6.0, 1.0, 0.3]}, "heading a multiple of pi/4"),
         ("attic", "there is no task attic: there are main, secondary, mixed"),
-        ({"task": "fly"}, "there is no task fly: there are collect, points, reach"),
+        ({"task": "fly"}, "there is no task fly: there are collect, habit, object, points, reach"),
         ({"task": "reach"}, "cannot be had: .*room"),
         ({"task": "reach", "room": "hall", "door": 1}, "cannot be had: .*door"),
         ("tests.sim.test_tasks:Smallest", "cannot be had: .*Smallest"),

@@ -1,0 +1,149 @@
+"""Targets beside pieces of a kind, and where a house's habits put them: every place, and how often."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+import shapely
+from shapely import box
+
+from logic import House, Piece
+from sim import DEFAULT, HouseVectorEnv, Oracle
+from sim.furniture_tasks import BESIDE, Habit, Object
+from sim.lookout import origins_of
+from tests import sample_houses
+
+TWO = sample_houses.drawn("aaaaa..\naaAaa..\naaaa+..\nbbbb+..\nbbbbb..\nbBbbb..")
+"""Rooms a and b, with a table in each: the two are near each other, with a wall between."""
+
+
+def furnished(house: House, *kinds: str) -> House:
+    """A star whose first pieces are of these kinds, one room after the other."""
+    rooms, left = [], iter(kinds)
+    for room in house.star.rooms:
+        pieces = tuple(
+            Piece(each.x, each.y, each.width, each.height, next(left, each.type)) for each in room.children
+        )
+        rooms.append(type(room)(room.x, room.y, room.width, room.height, room.type, pieces, room.door))
+    return sample_houses.changed_star(house, rooms=tuple(rooms))
+
+
+HOUSE = furnished(TWO, "bed", "stove")
+
+
+def centres(envs: HouseVectorEnv, house: int = 0) -> np.ndarray:
+    """The centres (m, 2) of all places of a house's targets, metres."""
+    places = envs.world.places[house].targets
+    return places * envs.config.step + origins_of(envs.world).reshape(-1, 2)[house]
+
+
+def beside(house: House, kind: str, points: np.ndarray) -> np.ndarray:
+    """Which targets (n, 2) lie beside a piece of a kind, and in its room: (n,) bool, by shapely."""
+    half, found = DEFAULT.target / 2, np.zeros(len(points), bool)
+    squares = shapely.box(*(points - half).T, *(points + half).T)
+    for room in house.rooms:
+        for piece in room.pieces:
+            if piece.type == kind:
+                around = box(*piece.box).buffer(BESIDE + 2e-6, join_style="mitre")
+                around = around.intersection(box(*room.box).buffer(2e-6, join_style="mitre"))
+                found |= shapely.covers(around, squares)
+    return found
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_an_object_goal_has_all_free_places_beside_such_a_piece_and_no_other(backend):
+    anywhere = centres(HouseVectorEnv([HOUSE], targets="all", backend=backend))
+    for kind in ("bed", "stove"):
+        task = {"task": "object", "piece": kind}
+        found = {*map(tuple, centres(HouseVectorEnv([HOUSE], targets=task, backend=backend)))}
+        expected = anywhere[beside(HOUSE, kind, anywhere)]
+        assert found == {*map(tuple, expected)}
+        assert 3 < len(found) < len(anywhere) / 2
+
+
+def test_finding_the_piece_ends_the_episode():
+    envs = HouseVectorEnv([HOUSE], num_envs=8, targets=Object("stove"))
+    envs.reset(seed=0)
+    oracle, over = Oracle(envs), np.zeros(8, bool)
+    for _ in range(200):
+        _, reward, terminated, _, _ = envs.step(oracle.act())
+        np.testing.assert_array_equal(terminated, reward == 1)
+        over |= terminated
+    assert over.all()
+
+
+@pytest.mark.parametrize(
+    ("houses", "kind", "message"),
+    [
+        ([HOUSE], "bedd", "targets: there is no piece bedd: did you mean bed? There are bed, stove"),
+        ([HOUSE, TWO, TWO], "stove", r"house 1 of 3 has no stove: take the 1 that have one"),
+    ],
+)
+def test_a_piece_that_a_house_lacks_is_told_in_one_line(houses, kind, message):
+    with pytest.raises(ValueError, match=message.replace("?", r"\?")) as error:
+        HouseVectorEnv(houses, targets=Object(kind))
+    assert "\n" not in str(error.value)
+
+
+def test_the_kind_of_a_piece_is_a_name():
+    with pytest.raises(ValueError, match="piece: the kind of a piece, not 3"):
+        HouseVectorEnv([HOUSE], targets={"task": "object", "piece": 3})
+
+
+def probabilities(house: House, task: Habit, points: np.ndarray) -> np.ndarray:
+    """How likely each of these places (n, 2) of a house is by what the task says."""
+    half, total = DEFAULT.target / 2 - 1e-5, np.zeros(len(points))
+    for rank, (what, name) in enumerate(task.order(house)):
+        inside = np.zeros(len(points), bool)
+        if what == "piece":
+            inside = beside(house, name, points)
+        else:
+            for room in house.rooms:
+                west, north, east, south = room.box
+                low, high = np.array([west, north]) + half, np.array([east, south]) - half
+                inside |= (room.type == name) & ((low <= points) & (points <= high)).all(axis=1)
+        if inside.any():
+            total += task.share * (1 - task.share) ** rank * inside / inside.sum()
+    return total / total.sum()
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+@pytest.mark.parametrize("task", [Habit(), Habit(0.3, seed=4), Habit(1.0)], ids=repr)
+def test_a_habit_draws_targets_by_the_weights_that_it_states(backend, task):
+    anywhere = centres(HouseVectorEnv([HOUSE], targets="all", backend=backend))
+    expected = probabilities(HOUSE, task, anywhere)
+    many = HouseVectorEnv([HOUSE], num_envs=20000, targets=task, backend=backend)
+    here = many.world.places[0]
+    at = {tuple(place): k for k, place in enumerate(anywhere)}
+    stated, places = np.zeros(len(anywhere)), [at[tuple(place)] for place in centres(many)]
+    assert here.counts is not None
+    stated[places] = here.counts / here.counts.sum()
+    many.reset(seed=1)
+    drawn = many.targets(1)[:, 0]
+    nearest = np.abs(drawn[:, None] - centres(many)).max(axis=2).argmin(axis=1)
+    met = np.zeros(len(anywhere))
+    np.add.at(met, np.array(places)[nearest], 1 / len(drawn))
+    # Regions have whole numbers of some 4096 entries, and a place has a whole number of those.
+    for region in [beside(HOUSE, kind, anywhere) for kind in ("bed", "stove")]:
+        assert abs(stated[region].sum() - expected[region].sum()) < 0.02
+        assert abs(met[region].sum() - stated[region].sum()) < 0.015
+    assert np.abs(stated - met).sum() < 3 * np.sqrt(stated * (1 - stated) / len(drawn)).sum()
+    assert abs(sum(region.share for region in here.regions) - 1) < 1e-9
+
+
+def test_a_habit_belongs_to_the_house_and_the_seed():
+    orders = [Habit(seed=seed).order(HOUSE) for seed in range(12)]
+    assert len({tuple(order) for order in orders}) > 6
+    assert all(Counter(order) == Counter(orders[0]) for order in orders)
+    assert Habit(seed=3).order(HOUSE.converted()) == orders[3]
+    other = furnished(TWO, "stove", "bed")
+    assert [Habit(seed=seed).order(other) for seed in range(12)] != orders
+    alone = HouseVectorEnv([HOUSE], targets="habit").world.places[0]
+    among = HouseVectorEnv([TWO, HOUSE], targets="habit").world.places[1]
+    np.testing.assert_array_equal(alone.listed, among.listed)
+
+
+@pytest.mark.parametrize("share", [0, 1.5])
+def test_a_share_is_at_most_all(share):
+    with pytest.raises(ValueError, match="share: above 0 and at most 1"):
+        HouseVectorEnv([HOUSE], targets={"task": "habit", "share": share})
