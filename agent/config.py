@@ -295,7 +295,7 @@ class PaperConfig(TrainConfig):
 
 @dataclass(frozen=True)
 class CompletionConfig(TrainConfig):
-    """Map completion: a network learns what lies where a map shows nothing yet. See ``agent.map_completion``."""
+    """Map completion: a network learns what lies where a map shows nothing: ``agent.map_completion``."""
 
     groups: ClassVar = {"rooms": "Map completion"}
 

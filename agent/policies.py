@@ -128,9 +128,12 @@ class QPolicy:
 
 
 class Explorer:
-    """The planner's advice under avoidance, without learning: to the target that was seen, or else to the
-    next best view.
+    """The planner's advice under avoidance: to the target that was seen, or else to the next best view.
+    Nothing is learnt but what its ``tracker`` may foresee.
     """
+
+    choice: Choice
+    """Of the last call: what is advised has the value 1."""
 
     def __init__(
         self,
@@ -153,7 +156,9 @@ class Explorer:
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         advice = self.tracker.look(observation, blocked).advice
-        actions = subsume(one_hot(advice, ACTIONS).float(), self.avoidance(observation, blocked))
+        preference = one_hot(advice, ACTIONS).float()
+        self.choice = Choice(preference, preference, self.avoidance(observation, blocked))
+        actions = subsume(preference, self.choice.allowed)
         self.interventions += int((actions != advice).sum())
         self.tracker.actions = actions
         return actions

@@ -17,6 +17,12 @@ UNKNOWN, LIKELY, EARLIER, LATELY = (226, 226, 222), (190, 214, 178), (178, 205, 
 """Colours of ground: never seen; the same but surely free floor; seen before the last pick-up; seen since."""
 OCCUPIED, VIEWPOINT = (51, 58, 69), (140, 70, 160)
 
+TRUE = (200, 60, 50)
+"""Colour of the house's true lines, where a network foresees what was not seen."""
+
+PALE = 0.3
+"""What floor without targets is drawn as, of certain floor with targets."""
+
 KEY = (
     (OCCUPIED, "occupied"),
     (LATELY, "seen since the last pick-up"),
@@ -34,7 +40,7 @@ class MapPicture:
 
     def __init__(self, house: House, width: int) -> None:
         """For pictures of the house of this width, as ``sim.film.Camera`` takes them."""
-        self.view = View(geometry(house), width)
+        self.view, self.solids = View(geometry(house), width), geometry(house).solids
 
     def begin(self, pose: np.ndarray) -> None:
         """The map begins at the pose (3,) of the eye: x and y in metres, and its heading."""
@@ -64,6 +70,11 @@ class MapPicture:
             radius = 6 * SHARP
             draw.ellipse([x - radius, y - radius, x + radius, y + radius], colour, "white", SHARP)
 
+        if planner.body.prior:
+            for x, y, wide, high in self.solids:
+                draw.rectangle(
+                    self.view.box(x - wide, y - high, x + wide, y + high), outline=TRUE, width=SHARP
+                )
         kind = planner.read("kind")[0]
         if kind != NONE:
             goal = np.array(divmod(int(planner.read("goal")[0]), side)[::-1])
@@ -75,12 +86,22 @@ class MapPicture:
 def _ground(planner: Planner) -> np.ndarray:
     """What the first environment's map shows of each cell: colours (S, S, 3) uint8."""
     states, since = planner.occupancy(0), int(planner.read("since")[0])
-    share = planner.unseen_floor(0).repeat(2, axis=0).repeat(2, axis=1)[..., None] / CERTAIN
+    share = _likely(planner).repeat(2, axis=0).repeat(2, axis=1)[..., None]
     ground = np.asarray(UNKNOWN) + share * (np.asarray(LIKELY) - UNKNOWN)
     ground[states == FREE] = EARLIER
     ground[(states == FREE) & (planner.last_seen(0) >= since)] = LATELY
     ground[states == TAKEN] = OCCUPIED
     return ground.astype(np.uint8)
+
+
+def _likely(planner: Planner) -> np.ndarray:
+    """How surely the first environment's blocks (S / 2, S / 2), if never seen, are floor where a target may
+    lie: 0 to 1. Floor that is foreseen to hold none counts ``PALE``.
+    """
+    if not planner.body.prior:
+        return planner.unseen_floor(0) / CERTAIN
+    counts, floor = planner.foreseen(0)
+    return np.maximum(counts / CERTAIN, PALE * (floor & (counts > 0)))
 
 
 def beside(house: Image.Image, map_: Image.Image) -> Image.Image:

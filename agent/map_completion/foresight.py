@@ -79,4 +79,3 @@ class Foresight(Tracker):
         worth = target + ELSEWHERE * (1 - target)
         count = np.clip(CERTAIN * worth * np.where(seen, 1, floor / SEEN_BEFORE), 0, CERTAIN).astype(np.uint8)
         return count | (PATH * ((floor > PATHS) | seen)).astype(np.uint8)
-

@@ -1,7 +1,6 @@
 """Learning map completion, supervised: explorers make the maps, the houses tell what was to be predicted."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -25,6 +24,9 @@ NEAR = 12
 
 FAR = 0.05
 """What ground counts that lies farther, or that was seen."""
+
+ROOMS = 0.3
+"""What the types of rooms count in the loss."""
 
 
 class MapCompletion(Learner):
@@ -89,16 +91,18 @@ class MapCompletion(Learner):
 
     def learn(self) -> float:
         """Learn from a window of each map, in the config's epochs; the mean loss."""
+        config = self.config
         for group in self.optimizer.param_groups:
-            group["lr"] = self.config.learning_rate * linear(1.0, self.config.final_lr_fraction, self.fraction)
+            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
         everyone = np.arange(self.envs.num_envs)
         windows, corners = self.windows.read(everyone)
         bits, rooms = self.truth.read(self.tracker.planner, everyone, corners)
         fields = [torch.from_numpy(each) for each in (windows, -corners.astype(np.float32), bits, rooms)]
         losses = []
-        for _ in range(self.config.update_epochs):
-            for part in torch.randperm(len(windows), generator=self.generator).split(self.config.batch_size):
-                losses.append(self.update(*turned(*(each[part] for each in fields), self.random)))
+        for _ in range(config.update_epochs):
+            for part in torch.randperm(len(corners), generator=self.generator).split(config.batch_size):
+                windows, starts, bits, rooms = (each[part] for each in fields)
+                losses.append(self.update(*turned(windows, starts, bits, rooms, self.random)))
         return float(torch.stack(losses).mean())
 
     def update(self, windows: Tensor, starts: Tensor, bits: Tensor, rooms: Tensor) -> Tensor:
@@ -145,15 +149,13 @@ def completion_loss(prediction: Prediction, windows: Tensor, bits: Tensor, rooms
     seen = windows >> 3 >= SEEN
     along = F.max_pool2d(seen[:, None].float(), (1, 2 * NEAR + 1), 1, (0, NEAR))
     about = F.max_pool2d(along, (2 * NEAR + 1, 1), 1, (NEAR, 0))[:, 0]
-    floor, target = (bits & FLOOR > 0).float(), (bits & TARGET > 0).float()
     weight = torch.where(seen, FAR, about.clamp(min=FAR))
-    inside = floor * about
-    known = inside * (rooms != UNKNOWN)
-    return (
-        mean(F.binary_cross_entropy_with_logits(prediction.floor, floor, reduction="none"), weight)
-        + mean(F.binary_cross_entropy_with_logits(prediction.target, target, reduction="none"), inside)
-        + 0.3 * mean(F.cross_entropy(prediction.rooms, rooms.long().clamp(max=prediction.rooms.shape[1] - 1), reduction="none"), known)
-    )
+    floor, target = (bits & FLOOR > 0).float(), (bits & TARGET > 0).float()
+    inside, types = floor * about, prediction.rooms.shape[1]
+    floors = F.binary_cross_entropy_with_logits(prediction.floor, floor, reduction="none")
+    targets = F.binary_cross_entropy_with_logits(prediction.target, target, reduction="none")
+    kinds = F.cross_entropy(prediction.rooms, rooms.long().clamp(max=types - 1), reduction="none")
+    return mean(floors, weight) + mean(targets, inside) + ROOMS * mean(kinds, inside * (rooms != UNKNOWN))
 
 
 def mean(values: Tensor, weight: Tensor) -> Tensor:
@@ -163,17 +165,16 @@ def mean(values: Tensor, weight: Tensor) -> Tensor:
 
 def turned(
     windows: Tensor, starts: Tensor, bits: Tensor, rooms: Tensor, random: np.random.Generator
-) -> Iterator[Tensor]:
-    """The same houses turned by quarters and mirrored, at random: windows and truth (n, W, W), starts (n, 2)."""
+) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """The same houses, turned by quarters and mirrored at random: fields (n, W, W), and ``starts`` (n, 2)."""
     quarters, mirrored, last = int(random.integers(4)), random.random() < 0.5, windows.shape[-1] - 1
     south, east = starts.unbind(1)
     for _ in range(quarters):
         south, east = last - east, south
-    if mirrored:
-        east = last - east
-    for k, field in enumerate((windows, None, bits, rooms)):
-        if field is None:
-            yield torch.stack([south, east], 1)
-            continue
+
+    def turn(field: Tensor) -> Tensor:
         field = torch.rot90(field, quarters, (1, 2))
-        yield (field.flip(2) if mirrored else field).contiguous()
+        return (field.flip(2) if mirrored else field).contiguous()
+
+    starts = torch.stack([south, last - east if mirrored else east], 1)
+    return turn(windows), starts, turn(bits), turn(rooms)

@@ -1,5 +1,6 @@
-"""The network of map completion: a U-Net over a window of a map (Ronneberger et al. 2015, arXiv:1505.04597)."""
+"""The network of map completion: a U-Net (Ronneberger et al. 2015, arXiv:1505.04597) over a map's window."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import torch
@@ -41,8 +42,8 @@ class CompletionNetwork(nn.Module):
         super().__init__()
         self.types, self.channels = types, channels
         self.first = nn.Sequential(nn.Conv2d(PLANES, channels[0], 4, 2, 1), nn.ReLU(inplace=True))
-        self.down = nn.ModuleList(_block(i, o) for i, o in zip(channels, channels[1:], strict=False))
-        self.up = nn.ModuleList(_block(i + o, i) for i, o in zip(channels, channels[1:], strict=False))
+        self.down = nn.ModuleList(_block(i, o) for i, o in pairwise(channels))
+        self.up = nn.ModuleList(_block(i + o, i) for i, o in pairwise(channels))
         self.out = nn.Conv2d(channels[0], 4 * (2 + types), 1)
         self.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
 

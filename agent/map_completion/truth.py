@@ -5,7 +5,9 @@ import numpy as np
 from agent.map_completion.network import WINDOW
 from agent.planner import Planner
 from agent.world import make_envs
+from logic import House
 from sim import HouseVectorEnv
+from sim.backend import Lattice
 
 UNKNOWN = 255
 """The type of a room that has none of those that are predicted."""
@@ -38,7 +40,9 @@ class Truth:
         self.house = np.zeros(self.world.num_envs, int)
 
     @staticmethod
-    def _house(house, lattice, anywhere, here, types: tuple[str, ...]) -> tuple[np.ndarray, ...]:
+    def _house(
+        house: House, lattice: Lattice, anywhere: np.ndarray, here: np.ndarray, types: tuple[str, ...]
+    ) -> tuple[np.ndarray, ...]:
         """A house's lattice: its origin (2,), its blocks' bits (X, Y) uint8, their rooms' types (X, Y)."""
         bits, rooms = np.zeros(lattice.shape, np.uint8), np.full(lattice.shape, UNKNOWN, np.uint8)
         for places, bit in ((anywhere, FLOOR), (here, TARGET)):
@@ -46,9 +50,9 @@ class Truth:
             bits[i, j] |= bit
         for room in sorted(house.rooms, key=lambda room: -room.area):
             if room.type in types:
-                west, north, east, south = (np.array(room.box) - [*lattice.origin, *lattice.origin]) / lattice.pitch
-                i, j = (slice(max(0, int(np.ceil(a))), int(b) + 1) for a, b in ((west, east), (north, south)))
-                rooms[i, j] = types.index(room.type)
+                box = (np.reshape(room.box, (2, 2)) - lattice.origin) / lattice.pitch
+                low, high = np.ceil(box[0]).clip(0).astype(int), np.floor(box[1]).astype(int) + 1
+                rooms[low[0] : high[0], low[1] : high[1]] = types.index(room.type)
         return np.array(lattice.origin, float), bits, rooms
 
     def begin(self, begun: np.ndarray) -> None:
@@ -56,33 +60,28 @@ class Truth:
         poses, _, houses = self.world.describe()
         self.pose[begun], self.house[begun] = poses[begun], houses[begun]
 
-    def read(self, planner: Planner, environments: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def read(
+        self, planner: Planner, environments: np.ndarray, corners: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The bits (n, W, W) uint8 of these environments' windows with such corners, and the rooms' types."""
-        block, pitch = 2 * planner.cell, self.world.config.step
-        axis = block * np.arange(WINDOW)
         bits = np.zeros((len(environments), WINDOW, WINDOW), np.uint8)
         rooms = np.full_like(bits, UNKNOWN)
+        south, east = np.mgrid[:WINDOW, :WINDOW]
         for n, (e, corner) in enumerate(zip(environments, corners, strict=True)):
             origin, floor, types = self.houses[self.house[e]]
-            x, y, heading = self.pose[e]
             # A map's axes are the walls', its east the one that the body began along, or next to clockwise.
-            quarter = round(float(heading) / (np.pi / 4)) // 2 % 4
-            east, south = ((1, 0), (0, -1), (-1, 0), (0, 1))[quarter], ((0, 1), (1, 0), (0, -1), (-1, 0))[quarter]
-            along, down = axis + block * corner[1], axis + block * corner[0]
-            # One of the two axes of a map is each axis of the house.
-            for k, (bound, start) in enumerate(zip(floor.shape, (x, y), strict=True)):
-                way = along * east[k] if east[k] else down * south[k]
-                at = np.rint((start + way - origin[k]) / pitch).astype(int)
-                if k == 0:
-                    i, i_in = np.clip(at, 0, bound - 1), (at >= 0) & (at < bound)
-                else:
-                    j, j_in = np.clip(at, 0, bound - 1), (at >= 0) & (at < bound)
-            if east[0]:
-                inside = j_in[:, None] & i_in[None]
-                bits[n] = np.where(inside, floor[i[None], j[:, None]], 0)
-                rooms[n] = np.where(inside, types[i[None], j[:, None]], UNKNOWN)
-            else:
-                inside = i_in[:, None] & j_in[None]
-                bits[n] = np.where(inside, floor[i[:, None], j[None]], 0)
-                rooms[n] = np.where(inside, types[i[:, None], j[None]], UNKNOWN)
+            quarter = round(float(self.pose[e, 2]) / (np.pi / 4)) // 2 % 4
+            (x, y), (u, v) = QUARTERS[quarter], QUARTERS[quarter - 1]
+            ways = (
+                x * (east + corner[1]) + u * (south + corner[0]),
+                y * (east + corner[1]) + v * (south + corner[0]),
+            )
+            metres = self.pose[e, :2, None, None] + 2 * planner.cell * np.stack(ways)
+            i, j = np.rint((metres - origin[:, None, None]) / self.world.config.step).astype(int)
+            inside = (i >= 0) & (i < floor.shape[0]) & (j >= 0) & (j < floor.shape[1])
+            bits[n, inside], rooms[n, inside] = floor[i[inside], j[inside]], types[i[inside], j[inside]]
         return bits, rooms
+
+
+QUARTERS = (1, 0), (0, -1), (-1, 0), (0, 1)
+"""East and south of a house that headings lead to, by quarters of a turn; a map's south is the one before."""

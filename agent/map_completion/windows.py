@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from agent.map_completion.network import WINDOW
 from agent.planner import Planner
 from agent.planner.arrays import Bytes, Shorts, Wholes
 from agent.planner.candidates import NOT_COMPUTED
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, TILE
-from agent.map_completion.network import WINDOW
 from sim.runtime import Array, Launch, start, ti
-
 
 SEEN = 3
 """Cells of a block from which on it counts as seen."""
@@ -27,7 +26,6 @@ class Windows:
     def __init__(self, planner: Planner) -> None:
         """Of these planners."""
         self.planner, count = planner, len(planner.advice)
-        self.half = 1 << planner.config.map_bits - 1
         own = {
             "asked": Array(ti.i32, count),
             "corners": Array(ti.i32, 2 * count),
@@ -47,7 +45,8 @@ class Windows:
         asked[: len(environments)] = environments
         for k, name in enumerate(("y", "x")):
             # The body's place is in half cells, of which a block has four.
-            corners[: len(environments), k] = (self.planner.read(name).numpy()[environments] + 2) // 4 - WINDOW // 2
+            block = (self.planner.read(name).numpy()[environments] + 2) // 4
+            corners[: len(environments), k] = block - WINDOW // 2
         return corners[: len(environments)].copy()
 
     def read(self, environments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -72,7 +71,7 @@ PATH = 1 << 7
 @cache
 def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
     """The kernels for a running Taichi. Arguments are named for the planner's arrays."""
-    mask, half, area = (1 << bits) - 1, 1 << bits - 1, 1 << 2 * bits
+    mask, area = (1 << bits) - 1, 1 << 2 * bits
 
     @ti.func
     def node(corner_y, corner_x, k):
@@ -104,10 +103,9 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
             if e >= 0:
                 for k in range(WINDOW * WINDOW):
                     y, x = node(corners[2 * n], corners[2 * n + 1], k)
-                    at, now = (y << bits) | x, ti.cast(given[n * WINDOW * WINDOW + k], ti.i32)
-                    place = e * (area >> 2) + ((y >> 1) << bits - 1 | (x >> 1))
-                    # A bit that is set in the planner says the opposite: sight ends there.
-                    now = now ^ PATH
+                    # The planner's bit says the opposite: sight ends there.
+                    now = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32) ^ PATH
+                    place = e * (area >> 2) + ((y >> 1 << bits - 1) | (x >> 1))
                     if ti.cast(prior[place], ti.i32) != now:
                         prior[place] = ti.cast(now, ti.u8)
                         tile = ((y >> TILE) << bits - TILE) | (x >> TILE)

@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
+from agent.planner.belief import OPAQUE
 from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.features import FEATURES
@@ -76,8 +77,8 @@ class Planner:
         begins.
 
         ``prior``: what places count, and which of the unseen ones stop sight, is read from the array of this
-        name, which a network or a study that knows the house fills, and not estimated. Raises ``ValueError`` for episodes too long for a cell
-        to keep when it was seen.
+        name, which a network or a study that knows the house fills, and not estimated. Raises ``ValueError``
+        for episodes too long for a cell to keep when it was seen.
         """
         if world.steps > LATEST - 2:
             raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
@@ -240,6 +241,15 @@ class Planner:
         blocks = self.arrays["odds"].view().reshape(-1, tiles, tiles, SIDE, SIDE)[environment]
         odds = np.roll(blocks.swapaxes(1, 2).reshape(2 * half, 2 * half), (half, half), axis=(0, 1))
         return np.where(odds == UNKNOWN, 0, odds)
+
+    def foreseen(self, environment: int) -> tuple[np.ndarray, np.ndarray]:
+        """With a prior: what places count (S / 2, S / 2) uint8, and bool, where sight and paths go on as far
+        as it says; for two by two cells of ``occupancy`` each.
+        """
+        half = 1 << self.config.map_bits - 1
+        blocks = self.arrays["prior"].view().reshape(-1, half, half)[environment]
+        blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1))
+        return blocks & np.uint8(OPAQUE - 1), blocks < OPAQUE
 
     def paths(self, environment: int) -> np.ndarray:
         """Nodes (S, S) from the goal where they were searched, else 65535; placed as ``occupancy``."""

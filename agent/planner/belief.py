@@ -18,8 +18,7 @@ class Belief:
     """What is believed of places on a map."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, prior: bool = False) -> None:
-        """``prior``: what places count is given from outside, by a network or by a study that knows the house.
-        """
+        """``prior``: what places count is given from outside, by a network or a study that knows the house."""
         self.config, self.occupancy, self.prior = config, occupancy, prior
 
     @ti.func
@@ -44,11 +43,8 @@ class Belief:
     @ti.func
     def hidden(self, memory: ti.template(), base, node):
         """Whether sight is believed to end at a node that was never seen (i32)."""
-        opaque = 0
-        if ti.static(self.prior):
-            if memory.prior[self.block(base, node)] >= ti.static(OPAQUE):
-                opaque = ti.cast(ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS, ti.i32)
-        return opaque
+        opaque = ti.cast(memory.prior[self.block(base, node)] >= ti.static(OPAQUE), ti.i32)
+        return opaque & ti.cast(ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS, ti.i32)
 
     @ti.func
     def floor(self, memory: ti.template(), base, x, y):

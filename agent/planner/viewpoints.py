@@ -154,9 +154,10 @@ class Viewpoints:
             while clear & (k < places):
                 there = self.occupancy.beside(node, tables.views[j + k])
                 k += 1
-                if ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID):
-                    clear = 0
-                elif self.candidates.belief.hidden(memory, base, there):
+                stops = ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID)
+                if ti.static(self.candidates.belief.prior):
+                    stops |= self.candidates.belief.hidden(memory, base, there)
+                if stops:
                     clear = 0
                 else:
                     i = self.candidates.first(base) + self.candidates.at(there)
