@@ -187,9 +187,10 @@ class Part:
         """What the film shows, in words."""
         [agent], [oracle] = (self.result.policies[name] for name in (self.agent, "oracle"))
         return (
-            f"The film shows `{self.agent}` in held-out house {self.filmed % HELD_OUT}, where its ratio is the "
-            f"median of the houses with the most rooms. It picks up {agent.targets[self.filmed]:.0f} targets, "
-            f"the oracle {oracle.targets[self.filmed]:.0f}. Orange rays see the target."
+            f"The film shows `{self.agent}` in held-out house {self.filmed % HELD_OUT}, where its ratio is "
+            "the median of the houses with the most rooms. It picks up "
+            f"{agent.targets[self.filmed]:.0f} targets, the oracle {oracle.targets[self.filmed]:.0f}. "
+            "Orange rays see the target."
         )
 
 

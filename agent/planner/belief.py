@@ -18,7 +18,7 @@ class Belief:
     """What is believed of places on a map."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, prior: bool = False) -> None:
-        """``prior``: what places count is given from outside, by a network or a study that knows the house."""
+        """``prior``: what places count is given, by a network or by a study that knows the house."""
         self.config, self.occupancy, self.prior = config, occupancy, prior
 
     @ti.func
