@@ -70,7 +70,7 @@ class TrainConfig:
 
     precision: Literal["highest", "high", "medium"] = "highest"
     """Of products of float32 matrices, as torch names it: medium may take bfloat16 inside, faster where a
-    processor has it."""
+    processor has AMX."""
 
     learning_rate: float = 1e-3
     """Step size of the optimiser at the start."""
@@ -340,7 +340,7 @@ class CompletionConfig(TrainConfig):
             raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
 
 
-PQN = PQNConfig(precision="medium")
+PQN = PQNConfig()
 
 PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig | CompletionConfig] = {
     "pqn": PQN,

@@ -35,6 +35,7 @@ from agent.learner import Diverged, Learner, Progress
 from agent.map_completion.learner import MapCompletion
 from agent.paper import Paper
 from agent.pqn import PQN
+from agent.precision import set_precision
 from agent.progress import progress
 from agent.released import CheckpointError
 from agent.simulator import simulator
@@ -158,7 +159,7 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     if config.device == "cuda" and not torch.cuda.is_available():
         raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
-    torch.set_float32_matmul_precision(config.precision)
+    set_precision(config.precision, config.device)
     envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
     if isinstance(config, PQNConfig):
         return PQN(config, envs)

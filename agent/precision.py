@@ -1,0 +1,37 @@
+"""The precision of matrix products, tried out before a run depends on it."""
+
+import subprocess
+import sys
+from functools import cache
+
+import torch
+
+from logic.errors import RequestError
+
+TRIAL = """
+import torch
+torch.set_float32_matmul_precision("medium")
+torch.rand(256, 128) @ torch.rand(128, 128)
+"""
+"""A product as a network has them."""
+
+
+def set_precision(precision: str, device: str = "cpu") -> None:
+    """Let torch multiply float32 matrices in this precision from now on: highest, high or medium.
+
+    Raises ``RequestError`` where the processor cannot multiply in less than the highest one.
+    """
+    if precision != "highest" and device == "cpu" and not _survives(TRIAL):
+        raise RequestError(
+            f"precision {precision}: this machine names instructions for it (AMX) that it cannot run. Give "
+            "highest, or set ONEDNN_MAX_CPU_ISA=AVX512_CORE_BF16"
+        )
+    torch.set_float32_matmul_precision(precision)
+
+
+@cache
+def _survives(program: str) -> bool:
+    """Whether a Python program ends well. In a process of its own: an instruction that the kernel grants but
+    the host does not run, as in some virtual machines, ends the process, and no flag tells of it.
+    """
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, check=False).returncode == 0
