@@ -13,6 +13,7 @@ import contextlib
 import json
 import os
 import queue
+import signal
 import sys
 import threading
 import traceback
@@ -162,7 +163,13 @@ def _private_pipes() -> tuple[TextIO, TextIO]:
 
 
 def _listen(parent: TextIO, requests: "queue.SimpleQueue[str]") -> None:
-    """Pass on the parent's lines, and end with it: the solvers do not notice by themselves."""
+    """Pass on the parent's lines, and end with it: the solvers do not notice by themselves.
+
+    The process leads a group (``logic.solver``), which ends with it: while it looks for SWI-Prolog, a program
+    runs in it that would write to a closed pipe, and complain where the user reads.
+    """
     for line in parent:
         requests.put(line)
+    with contextlib.suppress(OSError):  # Once confined, it may signal no process, and has started none.
+        os.killpg(0, signal.SIGKILL)
     os._exit(0)

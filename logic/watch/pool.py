@@ -34,6 +34,7 @@ class Spares:
         """Start them, for a grammar's directory."""
         self._opening = {"prepare": str(directory)}
         self._ready: list[Solver] = []
+        self._ended = False
         self.refill()
 
     def check(self) -> None:
@@ -59,11 +60,14 @@ class Spares:
         return worker
 
     def refill(self) -> None:
-        """Start as many as were taken."""
+        """Start as many as were taken, unless all has ended: connections are closed after the processes."""
+        if self._ended:
+            return
         self._ready += [Solver(self._opening) for _ in range(SIZE - len(self._ready))]
 
     def end(self) -> None:
-        """End all."""
+        """End all, and start no more."""
+        self._ended = True
         for worker in self._ready:
             worker.end()
         self._ready.clear()
@@ -135,7 +139,9 @@ class Pool:
         self._free.put_nowait(Stale())
 
     async def _open(self, hasty: bool = True) -> dict[str, Any]:
-        """Add a process, and say what it says of the rules."""
+        """Add a process, and say what it says of the rules; raises ``Stale`` past the end."""
+        if self._ended:
+            raise Stale
         worker = self._spares.take()
 
         def loaded() -> dict[str, Any]:
@@ -182,5 +188,5 @@ class Pool:
 def _heard(future: asyncio.Future[Any]) -> None:
     """Errors of what nobody waits for any more are of no use, but for our own."""
     error = None if future.cancelled() else future.exception()
-    if error and not isinstance(error, VitruviusError):
+    if error and not isinstance(error, VitruviusError | Stale):
         raise error

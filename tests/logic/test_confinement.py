@@ -40,6 +40,7 @@ class Scene:
             stderr=subprocess.DEVNULL,
             cwd=ROOT,
             text=True,
+            start_new_session=True,  # It ends with its group.
         )
         assert worker.stdin
         assert worker.stdout

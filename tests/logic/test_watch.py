@@ -349,6 +349,49 @@ def test_ctrl_c_ends_it_at_once_with_all_processes(tmp_path: Path) -> None:
         assert not [worker for worker in workers if is_alive(worker)]
 
 
+def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothing(tmp_path: Path) -> None:
+    lookup = tmp_path / "swipl"
+    # A folder notes that it has started: solver processes may write no file.
+    lookup.write_text(f"#!/bin/sh\ntrap '' PIPE\nmkdir {tmp_path}/started.$$\nsleep 0.5\necho 'A=\"b\"'\n")
+    lookup.chmod(0o755)
+    parent = (
+        "import os, pathlib, time\n"
+        "from logic.solver import Solver\n"
+        "solver = Solver({'prepare': ''})\n"
+        f"while not [*pathlib.Path({str(tmp_path)!r}).glob('started.*')]: time.sleep(0.01)\n"
+        "os._exit(0)\n"
+    )
+    path = os.pathsep.join((str(tmp_path), os.environ["PATH"]))
+    said = subprocess.run(
+        [sys.executable, "-c", parent],
+        stderr=subprocess.PIPE,
+        cwd=Path(__file__).parents[2],
+        env=os.environ | {"PATH": path},
+        text=True,
+        timeout=60,
+        check=True,
+    ).stderr  # Read until all that could write there have ended.
+    assert said == ""
+    (started,) = tmp_path.glob("started.*")
+    assert not is_alive(int(started.suffix[1:]))
+
+
+def test_past_its_end_the_page_starts_no_process() -> None:
+    async def asked() -> set[int]:
+        spares = Spares(SHIPPED / "family")
+        pool = Pool(SHIPPED / "family", spares)
+        pool.end()
+        spares.end()
+        before = {each for each in children(os.getpid()) if is_alive(each)}
+        spares.refill()  # As a sheet does that is cut off.
+        with pytest.raises(Stale):
+            await pool.verdict()
+        return {each for each in children(os.getpid()) if is_alive(each)} - before
+
+    with ThreadPoolExecutor(1) as thread:
+        assert not thread.submit(asyncio.run, asked()).result()
+
+
 def children(parent: int) -> list[int]:
     """Processes of this one."""
     listed = Path(f"/proc/{parent}/task").glob("*/children")
