@@ -12,6 +12,7 @@ from logic import House, HouseFileError
 from logic.spelling import keywords
 from sim import HouseVectorEnv
 from sim.config import Config
+from sim.tasks import suited, task
 
 
 @keywords(config="preset", mode="targets", num_envs="number")
@@ -41,6 +42,26 @@ def make_envs(
     except ValueError as error:
         raise HouseFileError(str(error)) from None
     return cast(HouseVectorEnv, envs.unwrapped)
+
+
+def playable(
+    houses: Sequence[House], targets: str, *, preset: str | Config = "default", backend: str = "continuous"
+) -> list[House]:
+    """The houses in which a task can be played, in their order: all, but of a task that says which suit it
+    those that suit it and have a place for a target. Where there is none, all.
+    """
+    known = task(targets)
+    if not hasattr(known, "suits"):
+        return list(houses)
+
+    def fits(house: House) -> bool:
+        try:
+            make_envs([house], 1, targets, preset=preset, backend=backend)
+        except HouseFileError:
+            return False
+        return True
+
+    return [house for house in suited(known, houses) if fits(house)] or list(houses)
 
 
 def shield(envs: HouseVectorEnv) -> Shield:

@@ -96,7 +96,7 @@ class Habit:
     on: the favourite has ``share`` of the targets, and each next region that share of what is left.
     """
 
-    share: float = 0.5
+    share: float = 0.65
     seed: int = 0
     ends_on_pick_up: ClassVar[bool] = False
 

@@ -80,6 +80,30 @@ def places(
     Raises ``ValueError`` where the body has nowhere to stand there, where it cannot come to a room
     in which the task has targets, or where a target has nowhere to lie.
     """
+    starts, reached, heading = _starts(house, geometry, lattice, survey, config, start)
+    first = np.argwhere(starts).astype(np.int32)
+    if isinstance(task, FixedTask):
+        return Places(first, _given(house, lattice, reached, config, task).astype(np.float32), heading, True)
+    room = _Room(house, geometry, lattice, reached, config)
+    if isinstance(task, WeightedTask):
+        return Places(first, *_weighted(room, task, heading))
+    return Places(first, np.argwhere(_free(room, task)).astype(np.float32), heading)
+
+
+def free_floor(
+    house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config
+) -> np.ndarray:
+    """Where a target may lie in some task, (m, 2) float32 steps: free floor that the body can come to."""
+    _, reached, _ = _starts(house, geometry, lattice, survey, config, None)
+    room = _Room(house, geometry, lattice, reached, config)
+    return np.argwhere(room.inside).astype(np.float32)
+
+
+def _starts(
+    house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config,
+    start: np.ndarray | None,
+) -> tuple[np.ndarray, np.ndarray, int]:  # fmt: skip
+    """Where episodes start, where the body can come to from there, (X, Y) bool, and the starts' heading."""
     free = survey.part > 0
     if start is not None:
         i, j, heading = start.tolist()
@@ -99,13 +123,7 @@ def places(
         heading = -1 if config.random_start else NORTH
         if not config.random_start:
             starts = _nearest(starts, geometry.floor, lattice)
-    first = np.argwhere(starts).astype(np.int32)
-    if isinstance(task, FixedTask):
-        return Places(first, _given(house, lattice, reached, config, task).astype(np.float32), heading, True)
-    room = _Room(house, geometry, lattice, reached, config)
-    if isinstance(task, WeightedTask):
-        return Places(first, *_weighted(room, task, heading))
-    return Places(first, np.argwhere(_free(room, task)).astype(np.float32), heading)
+    return starts, reached, heading
 
 
 def _given(

@@ -1,7 +1,7 @@
 """A searcher that knows the house but not where its target is: about the best that memory and search can do.
 
-It keeps the exact posterior over the target's places. Targets are sampled alike from all of them, so it is
-uniform over those that are left: not near the last target, and nowhere that it has looked since. It goes,
+It keeps the exact posterior over the target's places. It is its prior (``sim.priors``) over those that are
+left: not near the last target, and nowhere that it has looked since. For most tasks that is uniform. It goes,
 by a shortest path, to where a look would show most of that for each step that it costs, plans again every
 few steps, and once a ray has met the target it goes and picks it up. The difference between an agent and the
 searcher can be learnt; the difference between the searcher and the oracle cannot.
@@ -14,6 +14,7 @@ import numpy as np
 
 from sim.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
 from sim.lookout import WORD, Looks, Words, bit, in_steps, origins_of
+from sim.priors import PRIORS, PriorName
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
 from sim.vector import HouseVectorEnv
@@ -51,14 +52,20 @@ class Searcher:
     Only on the CPU; the bank must stay as it is. It takes 0.3 MB and 30 ms a house to prepare.
     """
 
-    def __init__(self, envs: HouseVectorEnv) -> None:
-        """Survey the houses, and find what a look from each viewpoint would show."""
+    def __init__(self, envs: HouseVectorEnv, prior: PriorName = "task") -> None:
+        """Survey the houses, and find what a look from each viewpoint would show.
+
+        ``prior`` is what it believes: ``task``, where the task puts targets and how often; ``floor``, all
+        free floor of the house alike, as if it did not know the task; ``finds``, the task's regions, which of
+        them is likely from where it has found targets. Raises ``ValueError`` for a prior that the task does
+        not allow.
+        """
         self.world: World = envs.unwrapped.world
         world, count = self.world, self.world.num_envs
-        spots = [here.targets for here in world.places]
+        tables = survey(world.backend, world.bank, list(range(len(world.places))), world.lattices)
+        self.prior = PRIORS[prior](world, tables, in_steps(SAMPLES, world))
+        spots, samples = self.prior.spots, self.prior.samples
         pitch = in_steps(VIEWS, world)
-        samples = [here.spread(in_steps(SAMPLES, world)) for here in world.places]
-        tables = survey(world.backend, world.bank, list(range(len(spots))), world.lattices)
         shapes = np.array([table.moves.shape for table in tables])
         words = -(-max(map(len, samples)) // WORD)
         views = 8 * np.prod(-(-shapes // pitch), axis=1)
@@ -81,6 +88,7 @@ class Searcher:
             "shown": Array(ti.u64, int(views.sum()) * words),
             "left": Array(ti.u64, count * -(-max(map(len, spots)) // WORD)),
             "sampled": Array(ti.u64, slots * words),
+            "weights": Array.of(np.ones(count * words, np.float32)),
             "distance": Array(ti.u16, slots * poses),
             "queue": Array(ti.i32, slots * poses),
             "notes": Array(ti.i32, count, 5),
@@ -97,9 +105,11 @@ class Searcher:
     def begin(self) -> None:
         """Forget all: for a reset that goes back to an episode that it knows."""
         self.arrays["notes"].fill(np.full((self.world.num_envs, 5), -1, np.int32))
+        self.prior.begin()
 
     def act(self) -> np.ndarray:
         """The next action (E,) int64 of each environment, from where it is. Ask once before each step."""
+        self.prior.weigh(self.arrays["weights"].view())
         self._act()
         return self.arrays["answer"].numpy()
 
@@ -148,7 +158,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
     def act(
         numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes, rows: Rows, spots: Numbers,
         samples: Indices, origins: Numbers, moves: Counts, shown: Words, left: Words, sampled: Words,
-        distance: Counts, queue: Indices, notes: Notes, last: Points, plan: Bytes,
+        weights: Numbers, distance: Counts, queue: Indices, notes: Notes, last: Points, plan: Bytes,
         answer: ti.types.ndarray(ti.i64, 1),
     ):  # fmt: skip
         """Look, strike out what is seen, plan again where a plan is at its end, and say the next action."""
@@ -175,7 +185,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                     note[DONE] = 0
                     note[LENGTH] = planner.plan(
                         numbers, indices, rows, spots, samples, origins, moves, shown, left, sampled,
-                        distance, queue, plan, row, e, slot, slots, count, state, note[KNOWN],
+                        weights, distance, queue, plan, row, e, slot, slots, count, state, note[KNOWN],
                     )  # fmt: skip
                 answer[e] = 0
                 if note[LENGTH] > 0:

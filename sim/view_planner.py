@@ -1,7 +1,7 @@
 """How the searcher goes on: it looks, and plans the path to the viewpoint that gains most for what it costs.
 
-The information gain of a viewpoint is how many places of the target that are left a look from there would
-show. Its cost is the length of a shortest path there, and a few steps more.
+The information gain of a viewpoint is the weight of the places of the target that are left and that a look
+from there would show. Its cost is the length of a shortest path there, and a few steps more.
 """
 
 from sim.backend import TARGET
@@ -89,22 +89,22 @@ class ViewPlanner:
     def plan(
         self, numbers: ti.template(), indices: ti.template(), rows: ti.template(), spots: ti.template(),
         samples: ti.template(), origins: ti.template(), moves: ti.template(), shown: ti.template(),
-        left: ti.template(), sampled: ti.template(), distance: ti.template(), queue: ti.template(),
-        plan: ti.template(), row, e, slot, slots, count, state, known,
+        left: ti.template(), sampled: ti.template(), weights: ti.template(), distance: ti.template(),
+        queue: ti.template(), plan: ti.template(), row, e, slot, slots, count, state, known,
     ):  # fmt: skip
         """Search for paths from here to all poses, nearest first, until no pose further away can be better;
         note the first actions of the path to the best. How many.
         """
         words, finer = sampled.shape[0] // slots, left.shape[0] // count
         base = slot * (queue.shape[0] // slots)
-        total = 0
+        total = ti.f32(0.0)
         for word in range(words):
             sampled[slot * words + word] = 0
         for k in range(row[SAMPLED]):
             spot = samples[row[SAMPLE] + k]
             if left[e * finer + spot // ti.static(WORD)] & bit(spot):
                 sampled[slot * words + k // ti.static(WORD)] |= bit(k)
-                total += 1
+                total += weights[e * words + k // ti.static(WORD)]
         across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
         pose = 8 * (state.cell[0] * row[LINES] + state.cell[1]) + state.cell[2]
         distance[base + pose], queue[base] = ti.u16(1), pose  # one more than it is: 0 is unknown
@@ -122,18 +122,19 @@ class ViewPlanner:
             elif best > 0 and total / cost <= best:
                 searching = False
             elif away > 0:
-                gain = 0
+                gain = ti.f32(0.0)
                 if i == state.cell[0] and j == state.cell[1]:
                     cell = ti.Vector([i, j, heading])
                     gain = self.turned(
-                        numbers, indices, spots, samples, origins, sampled, row, slot * words, state, cell
-                    )
+                        numbers, indices, spots, samples, origins, sampled, weights, row,
+                        slot * words, e * words, state, cell,
+                    )  # fmt: skip
                 elif i % ti.static(self.pitch) == 0 and j % ti.static(self.pitch) == 0:
                     view = i // ti.static(self.pitch) * across + j // ti.static(self.pitch)
                     view = (row[VIEW] + 8 * view + heading) * words
                     for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
                         both = shown[view + word] & sampled[slot * words + word]
-                        gain += ti.math.popcnt(both)
+                        gain += weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
                 if gain / cost > best:
                     goal, best = pose, gain / cost
             if searching:
@@ -158,18 +159,20 @@ class ViewPlanner:
     @ti.func
     def turned(
         self, numbers: ti.template(), indices: ti.template(), spots: ti.template(), samples: ti.template(),
-        origins: ti.template(), sampled: ti.template(), row, base, state, cell,
+        origins: ti.template(), sampled: ti.template(), weights: ti.template(), row,
+        base, weight, state, cell,
     ):  # fmt: skip
-        """How many of the samples that are left a look from a cell would show."""
+        """The weight of the samples that are left and that a look from a cell would show."""
         corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
         distance = self.looks.distances(numbers, indices, state.house, state.origin, cell)
-        window, gain = self.looks.window(distance, corner, state.origin, cell), 0
+        window, gain = self.looks.window(distance, corner, state.origin, cell), ti.f32(0.0)
         for k in range(row[SAMPLED]):
             at = 2 * (row[SPOT] + samples[row[SAMPLE] + k])
             i, j = spots[at], spots[at + 1]
             inside = window[0] <= i <= window[1] and window[2] <= j <= window[3]
             if inside and sampled[base + k // ti.static(WORD)] & bit(k):
-                gain += self.looks.meets(distance, state.origin, cell, self.looks.spot(corner, i, j))
+                met = self.looks.meets(distance, state.origin, cell, self.looks.spot(corner, i, j))
+                gain += weights[weight + k // ti.static(WORD)] * ti.cast(met, ti.f32)
         return gain
 
     @ti.func

@@ -18,6 +18,7 @@ from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
 from benchmarks.planner.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
 from benchmarks.planner.prior import ELSEWHERE, Informed
+from benchmarks.planner.tasks import Tasks
 from logic import save
 from logic.errors import RequestError
 from sim.lookout import origins_of
@@ -309,3 +310,24 @@ def test_an_error_is_that_of_houses_and_an_entry_without_places_is_left_open() -
     assert float(error) == pytest.approx(CERTAIN * 0.2 / 40**0.5 / 0.8, rel=0.1)
     assert rows[3][:4] == ("-5", "0", "0", "-")
     assert [row[5] for row in rows[:-1]] == [str(entry) for entry in TUNED.floor_odds]
+
+
+def test_a_searcher_that_knows_the_task_is_held_against_one_that_does_not(tmp_path: Path) -> None:
+    save(HOUSES, tmp_path / "family-4.jsonl")
+    study = Tasks(('{"task": "object", "piece": "table"}', "habit"), ("family",), 4, 1, tmp_path)
+    study.run()
+    page = (tmp_path / "tasks.md").read_text()
+    assert page.count("| searcher, task |") == page.count("| explorer |") == 2
+    assert page.count("| searcher, finds |") == 1  # an object goal has no shares to learn
+    assert "| oracle | 1.00 |" in page
+    kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.npz")}
+    assert len(kept) == 9
+    study.run()
+    assert (tmp_path / "tasks.md").read_text() == page
+    assert kept == {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.npz")}
+
+
+def test_a_task_that_is_none_is_refused_by_the_study(tmp_path: Path) -> None:
+    save(HOUSES, tmp_path / "family-4.jsonl")
+    with pytest.raises(RequestError, match="no task habits: did you mean habit"):
+        Tasks(("habits",), ("family",), 4, 1, tmp_path).run()

@@ -1,0 +1,154 @@
+"""What it is worth to know where a task puts its targets: ``vitruvius bench tasks``.
+
+Three searchers and the explorer play the same episodes in houses of validation seeds. All searchers know the
+house. ``searcher, floor`` takes a target to be anywhere on its free floor; ``searcher, task`` knows where the
+task puts targets, and how often; ``searcher, finds`` knows a habit's shares, and learns from its finds which
+region has which. The paired difference to the first, house by house, is what that knowledge is worth before
+anything is trained. Houses and scores are kept, so that a run that was stopped continues.
+"""
+
+import hashlib
+import inspect
+import io
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import torch
+import tyro
+
+from agent.banks import VALIDATION, bank_hash
+from agent.evaluation.baselines import Privileged, explorer, oracle
+from agent.evaluation.episodes import EpisodeScores, play
+from agent.evaluation.protocol import shortest_ways
+from agent.evaluation.tables import Table
+from agent.policies import Policy
+from agent.world import make_envs, playable
+from benchmarks.common.houses import in_turns
+from benchmarks.common.processes import say
+from benchmarks.planner.explorers import difference
+from logic import House, load, save
+from logic.errors import RequestError
+from logic.files import write_whole
+from sim import HouseVectorEnv, furniture_tasks, priors, searcher, view_planner
+from sim.priors import PriorName
+from sim.searcher import Searcher
+from sim.tasks import task
+
+SEED = VALIDATION[len(VALIDATION) // 2] + 100
+"""Of the houses: other studies of the planner have those before it."""
+
+SIZES = {"family": range(2, 7), "home": range(4, 11)}
+"""Rooms of a grammar's houses, those of its frozen bank; of another grammar's, those of ``family``."""
+
+SOURCES = [searcher, priors, view_planner, furniture_tasks]
+"""What scores of searchers depend on."""
+
+FLOOR, TASK, FINDS = "searcher, floor", "searcher, task", "searcher, finds"
+
+
+def searching(prior: PriorName) -> Callable[[HouseVectorEnv, int], Policy]:
+    """What makes a searcher with a prior."""
+
+    def make(envs: HouseVectorEnv, seed: int) -> Policy:
+        found = Searcher(envs, prior)
+        return Privileged(found.act, found.begin)
+
+    return make
+
+
+PLAYERS = {
+    "oracle": oracle, FLOOR: searching("floor"), TASK: searching("task"), FINDS: searching("finds"),
+    "explorer": explorer,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Tasks:
+    """Measure searchers with and without a task's prior, and the explorer."""
+
+    tasks: tyro.conf.UseAppendAction[tuple[str, ...]] = (
+        '{"task": "object", "piece": "bed"}', "habit", "secondary",
+    )  # fmt: skip
+    """Tasks, by name or as JSON. Repeat for several."""
+
+    grammars: tuple[str, ...] = ("family", "home")
+    """Whose houses: of family with 2 to 6 rooms, of home with 4 to 10."""
+
+    houses: int = 84
+    """Houses of a grammar, of all sizes in turn; object goal is played in those that have the piece."""
+
+    episodes: int = 4
+    """Episodes in each house."""
+
+    out: Path = Path("runs/tasks")
+    """Folder for houses, scores and tasks.md."""
+
+    def run(self) -> None:
+        """Play what was not played yet; print the tables."""
+        if min(self.houses, self.episodes) < 1:
+            raise RequestError("--houses and --episodes must be 1 or more")
+        torch.set_num_threads(1)
+        page = [self.sheet(name, grammar).markdown() for name in self.tasks for grammar in self.grammars]
+        write_whole(self.out / "tasks.md", "\n\n".join([*page, ""]).encode())
+        print("\n\n".join(page))
+
+    def bank(self, grammar: str) -> list[House]:
+        """The houses of a grammar, made once."""
+        path = self.out / f"{grammar}-{self.houses}.jsonl"
+        if not path.exists():
+            say(f"{path}: making {self.houses} houses")
+            sizes = SIZES.get(grammar, SIZES["family"])
+            save(in_turns(sizes, self.houses, grammar=grammar, seed=SEED), path)
+        return load(path)
+
+    def sheet(self, name: str, grammar: str) -> Table:
+        """The table of a task in a grammar's houses."""
+        try:
+            ends, weighted = task(name).ends_on_pick_up, hasattr(task(name), "regions")
+        except ValueError as error:
+            raise RequestError(str(error)) from None
+        houses = playable(self.bank(grammar), name)
+
+        @cache
+        def envs() -> HouseVectorEnv:
+            return make_envs(houses, len(houses) * self.episodes, name)
+
+        numbers = np.arange(len(houses) * self.episodes) % len(houses)
+        shown = [player for player in PLAYERS if player != FINDS or weighted]
+        played = {player: self.play(player, name, houses, numbers, envs) for player in shown}
+        most = played["oracle"][2 if ends else 0]
+        rows, base = [], None
+        for player, (targets, first, _) in played.items():
+            found = np.where(np.isfinite(first), most / np.maximum(first, most), 0.0)
+            score = (found if ends else targets).reshape(self.episodes, -1).sum(axis=0)
+            score = score / (self.episodes if ends else np.maximum(most.reshape(self.episodes, -1).sum(0), 1))
+            base = score if player == FLOOR else base
+            steps = first[np.isfinite(first)]
+            rows.append((
+                player, f"{targets.mean():.2f}", f"{np.median(steps):.0f}", f"{score.mean():.3f}",
+                "" if base is None or player == FLOOR else difference(score - base),
+            ))  # fmt: skip
+        headings = "player", "targets", "first find", "SPL" if ends else "ratio", f"less {FLOOR}"
+        return Table(
+            f"{name}, {grammar}, {len(houses)} houses, {self.episodes} episodes each", headings, rows
+        )
+
+    def play(
+        self, player: str, name: str, houses: list[House], numbers: np.ndarray,
+        envs: Callable[[], HouseVectorEnv],
+    ) -> np.ndarray:  # fmt: skip
+        """A player's targets, steps to the first and the fewest steps to it, of each episode (3, E); kept."""
+        known = [bank_hash(houses), json.dumps(name), player, len(numbers)]
+        key = hashlib.sha256(repr([*known, *map(inspect.getsource, SOURCES)]).encode()).hexdigest()
+        path, content = self.out / f"{key[:16]}.npz", io.BytesIO()
+        if not path.exists():
+            scores: EpisodeScores = play(envs(), PLAYERS[player](envs(), 0), 0, numbers)
+            shortest = shortest_ways(envs(), 0, numbers) if player == "oracle" else scores.first
+            np.savez(content, scores=np.stack([scores.targets, scores.first, shortest]))
+            write_whole(path, content.getvalue())
+            say(f"{name}, {player}: {scores.targets.mean():.2f} targets an episode")
+        return np.load(path)["scores"]
