@@ -13,7 +13,9 @@ from agent.policies import Explorer, Policy, QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.simulator import simulator
 from agent.world import layer_of, shield
+from logic.errors import RequestError
 from sim import HouseVectorEnv
+from sim.tasks import task
 
 
 def network_of(config: TrainConfig) -> Any:
@@ -39,6 +41,7 @@ def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int
     map completion: the explorer, by planners that foresee.
     """
     if isinstance(config, CompletionConfig):
+        _require_foreseen(config, envs)
         return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
     generator = torch.Generator().manual_seed(seed)
     layer = layer_of(config, envs, generator)
@@ -46,3 +49,17 @@ def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int
         return QPolicy(network, layer, generator, config.final_epsilon, config.forward, homing=True)
     tracker = Tracker(envs.config) if network.shape[3] else None
     return QPolicy(network, layer, generator, tracker=tracker)
+
+
+def _require_foreseen(config: CompletionConfig, envs: HouseVectorEnv) -> None:
+    """Raise ``RequestError`` for another task than map completion has learnt, or a map of other cells."""
+    body, learnt = max(envs.config.body), max(simulator(config).body)
+    if body != learnt:
+        raise RequestError(
+            f"map completion that learnt maps of a body of {learnt:.3f} m cannot read those of one of {body:.3f} m"
+        )
+    if task(config.targets) != envs.world.task:
+        raise RequestError(
+            f"map completion that learnt where targets of {config.targets} lie does not know those of "
+            f"{envs.world.task}: give --targets {config.targets}"
+        )

@@ -27,7 +27,7 @@ import torch
 from torch import Tensor, nn
 
 from agent.actions import ACTIONS
-from logic.errors import VitruviusError
+from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 
 INPUTS, OUTPUTS = ("observation", "memory", "blocked", "features"), ("q", "memories")
@@ -75,6 +75,8 @@ def export(network: Any, path: str | Path) -> None:
 
     Raises ``NoExporter`` where the packages ``onnx`` and ``onnxscript`` are missing.
     """
+    if not hasattr(network, "memory"):
+        raise RequestError("map completion chooses no actions: only a Q-network can be exported")
     step = Step(network).eval()
     example = step.example(2)  # of two: an axis of length one would be taken for a constant
     names = INPUTS[: len(example)]

@@ -87,7 +87,7 @@ class Evaluate:
         from agent import checkpoint
         from agent.evaluation.baselines import PAPERS
         from agent.evaluation.plots import ratio_plot
-        from agent.evaluation.protocol import measure
+        from agent.evaluation.protocol import measure, tasks_of
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
@@ -100,7 +100,7 @@ class Evaluate:
         for name in PAPERS:
             agents.setdefault(name, [checkpoint.load(name)])
         houses = banks.named(self.houses)
-        modes = self.targets or TARGET_MODES
+        modes = self.targets or tasks_of(agents)
         conditions = self.seed, self.backend, self.world, self.episodes
         others = {path: external(path, houses, modes, *conditions) for path in self.scores}
         with progress("measuring") as report:

@@ -10,7 +10,7 @@ import numpy as np
 
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
-from agent.config import TARGET_MODES
+from agent.config import TARGET_MODES, CompletionConfig
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
@@ -94,3 +94,12 @@ class Setting:
     def lookout(self) -> Lookout:
         """What notes how much of each house has been looked at."""
         return Lookout(self.envs)
+
+
+def tasks_of(agents: Mapping[str, Sequence[Checkpoint]]) -> tuple[str, ...]:
+    """The tasks that these agents are measured in where none are named: those that map completion among them
+    has learnt, which knows no others; else all target modes.
+    """
+    runs = [run.config for each in agents.values() for run in each]
+    learnt = {config.targets: None for config in runs if isinstance(config, CompletionConfig)}
+    return tuple(learnt) or TARGET_MODES
