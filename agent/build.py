@@ -56,7 +56,8 @@ def _require_foreseen(config: CompletionConfig, envs: HouseVectorEnv) -> None:
     body, learnt = max(envs.config.body), max(simulator(config).body)
     if body != learnt:
         raise RequestError(
-            f"map completion that learnt maps of a body of {learnt:.3f} m cannot read those of one of {body:.3f} m"
+            f"map completion that learnt maps of a body of {learnt:.3f} m cannot read those of one "
+            f"of {body:.3f} m"
         )
     if task(config.targets) != envs.world.task:
         raise RequestError(

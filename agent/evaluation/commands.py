@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import tyro
 
 from agent import banks
-from agent.config import TARGET_MODES, differences
+from agent.config import differences
 from agent.released import located
 from logic.commands import print_answer, say
 from logic.errors import RequestError

@@ -98,11 +98,11 @@ def test_what_is_written_is_what_places_count_and_where_paths_lead():
     planner = tracker.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
     windows, near = Windows(planner), planner.arrays["cells"].numpy() & NEAR
     given = np.zeros((1, WINDOW, WINDOW), np.uint8)
-    given[0, 40, 60], given[0, 41, 61] = 70 | PATH, 30
+    given[0, 2, 3], given[0, 3, 5] = 70 | PATH, 30
     windows.write(np.array([2]), given)
     counts, open_ = planner.foreseen(2)
     corner = middle(planner, 2) - WINDOW // 2 + len(counts) // 2
-    here, there = tuple(np.add(corner, (40, 60))), tuple(np.add(corner, (41, 61)))
+    here, there = tuple(np.add(corner, (2, 3))), tuple(np.add(corner, (3, 5)))
     assert (counts[here], open_[here], counts[there], open_[there]) == (70, True, 30, False)
     assert counts.sum() == 100
     assert not planner.foreseen(1)[0].any()
