@@ -22,6 +22,7 @@ STUDIES = {
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
+    "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""
