@@ -1,0 +1,137 @@
+"""Agents that a study compares, by name: what makes a policy of each, and what its scores depend on."""
+
+import hashlib
+import importlib
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numpy as np
+import torch
+from torch import Tensor
+
+import agent
+from agent import checkpoint
+from agent.build import policy_of
+from agent.evaluation.baselines import BASELINES
+from agent.policies import Explorer, Policy
+from agent.released import located
+from agent.world import shield
+from benchmarks.planner import prior
+from benchmarks.planner.prior import Informed
+from logic.errors import RequestError
+from logic.spelling import unknown
+from sim import HouseVectorEnv
+
+EXPLORER = "explorer"
+
+PRIORS = {f"prior-{what}": what for what in (prior.FLOOR, prior.ROOMS)}
+"""Explorers that know a part of the house from the start. They must be better: they test the study itself."""
+
+SOURCES = (
+    *("planner", "map_completion", "viewpoint_q"),
+    *("policies.py", "avoidance.py", "network.py", "recurrent.py", "memory.py", "build.py"),
+)
+"""Folders and files of ``agent`` that decide how its agents play."""
+
+Maker = Callable[[HouseVectorEnv], Policy]
+Playing = TypeVar("Playing", bound=Policy)
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One run of an agent."""
+
+    make: Maker
+    """Its policy for environments."""
+
+    key: str
+    """A name for all that its scores depend on but for the environments."""
+
+
+def contender(name: str) -> Contender:
+    """The agent of a name: a baseline, a prior, ``module:function``, a released agent or a checkpoint.
+
+    ``function`` takes environments and gives a policy. Raises ``RequestError`` and ``CheckpointError``.
+    """
+    if name in PRIORS:
+        return Contender(lambda envs: informed(envs, PRIORS[name]), _key(name, inspect.getsource(prior)))
+    if name in BASELINES:
+        return Contender(lambda envs: BASELINES[name](envs, 0), _key(name))
+    if ":" in name:
+        make = imported(name)
+        return Contender(make, _key(name, inspect.getsource(inspect.getmodule(make) or make)))
+    path = located(name)
+    kept = checkpoint.load(path)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    return Contender(lambda envs: policy_of(kept.network, kept.config, envs), _key(digest))
+
+
+def imported(name: str) -> Maker:
+    """The function of ``module:function``. Raises ``RequestError`` where there is none."""
+    module, _, function = name.partition(":")
+    try:
+        found = importlib.import_module(module)
+    except ImportError as error:
+        raise RequestError(f"--agent {name}: {error}. Give module:function that Python can import") from None
+    if not callable(make := getattr(found, function, None)):
+        public = [key for key, value in vars(found).items() if getattr(value, "__module__", "") == module]
+        raise RequestError(f"--agent {name}: {unknown('function', function, public)}")
+    return cast(Maker, make)
+
+
+def informed(envs: HouseVectorEnv, what: str) -> Explorer:
+    """An explorer with a prior, see ``benchmarks.planner.prior``."""
+    policy = Explorer(shield(envs), envs.config)
+    policy.tracker = Informed(envs, what)
+    return policy
+
+
+def with_shuffled_predictions(policy: Playing, name: str) -> Playing:
+    """The same policy, each of whose environments gets the prediction of another one, in another house.
+
+    Predictions are what its tracker's method ``predict`` returns: an array or a tuple of arrays (n, ...), a
+    row for each of n environments. Raises ``RequestError`` where there is no such method.
+    """
+    tracker: Any = getattr(policy, "tracker", None)
+    if not hasattr(tracker, "predict"):
+        raise RequestError(f"--shuffled {name}: it predicts nothing, its tracker has no method predict")
+    tracker.predict = Shuffled(tracker.predict)
+    return policy
+
+
+class Shuffled:
+    """Gives row k what is predicted for row k - 1; the first row what was for the last one of the last call.
+
+    So a batch of one is shuffled too. In the first call the first row gets what is for its own last row.
+    """
+
+    def __init__(self, predict: Callable[..., Any]) -> None:
+        """Shuffle what ``predict`` returns."""
+        self._predict, self._last = predict, []
+
+    def __call__(self, *given: Any) -> Any:
+        """The same with rows exchanged."""
+        made = self._predict(*given)
+        columns = list(made) if isinstance(made, tuple) else [made]
+        before, self._last = self._last, [column[-1:] for column in columns]
+        moved = [
+            _joined(last, column[:-1]) for last, column in zip(before or self._last, columns, strict=True)
+        ]
+        if not isinstance(made, tuple):
+            return moved[0]
+        return cast(Any, made)._make(moved) if hasattr(made, "_make") else tuple(moved)
+
+
+def _joined(first: Any, rest: Any) -> Any:
+    return torch.cat([first, rest]) if isinstance(rest, Tensor) else np.concatenate([first, rest])
+
+
+def _key(*parts: str) -> str:
+    """A hash of the parts, and of ``SOURCES``."""
+    root = Path(inspect.getfile(agent)).parent
+    files = [file for name in SOURCES for file in sorted([root / name, *(root / name).rglob("*.py")])]
+    text = [file.read_text() for file in files if file.is_file()]
+    return hashlib.sha256(repr([*parts, *text]).encode()).hexdigest()

@@ -1,0 +1,198 @@
+"""Whether an agent's choices of a viewpoint are better than the explorer's would be, from the same state.
+
+An agent plays, and beside it the explorer's planner keeps the same map. Where the agent chooses a viewpoint,
+the explorer chooses one too, and the states of simulator and planner are kept. Then both choices are played
+from there: the same explorer goes to the one, or to the other, and goes on by its own choices. Targets, noise
+and map are the same, so that what differs is what the choice is worth.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import torch
+
+from agent.evaluation.episodes import reset
+from agent.planner import Planner
+from agent.planner.paths import FAR
+from agent.planner.state import AT, NONE, SEARCH, SIZE
+from agent.policies import Explorer, Policy, Tracker
+from agent.world import shield
+from sim import HouseVectorEnv
+from sim.kernels import BLOCKED
+
+MEMORY = (
+    *("cells", "distance", "queue", "dirty", "reached", "tiles", "odds", "candidates", "gains"),
+    *("evidence", "last", "states"),
+)
+"""The arrays of planners that their next steps depend on."""
+
+LONG_AGO = 1 << 20
+"""Steps since a search for paths, after which there is another one."""
+
+
+class Tracked(Policy, Protocol):
+    """A policy that chooses viewpoints by planners."""
+
+    tracker: Tracker
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """Choices of viewpoints, (n,) each."""
+
+    environment: np.ndarray
+    """In which it was made."""
+    step: np.ndarray
+    """Steps of the episode before it."""
+    differs: np.ndarray
+    """Bool: whether the explorer would have gone elsewhere, or looked elsewhere there."""
+    targets: np.ndarray
+    """(n, 2) targets found in the next steps, after the agent's choice and after the explorer's."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The states of one environment before a decision, and both goals."""
+
+    simulator: dict[str, np.ndarray]
+    planner: dict[str, np.ndarray]
+    action: int
+    goals: tuple[tuple[int, int], tuple[int, int]]
+    """A node and a heading: the agent's, the explorer's."""
+
+
+def decisions(
+    envs: HouseVectorEnv,
+    again: HouseVectorEnv,
+    policy: Tracked,
+    houses: int,
+    steps: int,
+    ahead: int,
+    share: float,
+) -> Decisions:
+    """Sample a ``share`` of an agent's choices in an episode of ``steps``, and play on ``ahead`` steps.
+
+    Environment i of ``envs`` is in house i modulo ``houses``; ``again`` has environments of the same
+    arguments, as many as are to be played on at once. Choices in the last ``ahead`` steps are left out.
+    """
+    batch, where, targets, differs = [], [], [], []
+
+    def play_on() -> None:
+        targets.append(played_on(again, batch, ahead))
+        batch.clear()
+
+    for environment, step, kept in sampled(envs, policy, houses, steps - ahead, share):
+        where.append((environment, step))
+        differs.append(kept.goals[0] != kept.goals[1])
+        if differs[-1]:
+            batch.append(kept)
+        if len(batch) == again.num_envs:
+            play_on()
+    if batch:
+        play_on()
+    found, different = np.zeros((len(where), 2)), np.array(differs, bool)
+    found[different] = np.concatenate([np.zeros((0, 2)), *targets])
+    environments, times = np.array(where, int).reshape(-1, 2).T
+    return Decisions(environments, times, different, found)
+
+
+def sampled(
+    envs: HouseVectorEnv, policy: Tracked, houses: int, steps: int, share: float
+) -> Iterator[tuple[int, int, Kept]]:
+    """Play an episode; yields (environment, step, ``Kept``) for a ``share`` of the choices."""
+    count, rng = envs.num_envs, np.random.default_rng(0)
+    observation = reset(envs, 0, np.arange(count) % houses)
+    blocked = torch.zeros(count, dtype=torch.bool)
+    explorer = Tracker(envs.config)
+    policy.begin(count)
+    explorer.begin(count)
+    for step in range(steps):
+        actions = policy(observation, blocked)
+        chosen = _new(policy.tracker.planner) & (rng.random(count) < share) & (step > 0)
+        rows = np.flatnonzero(chosen)
+        before = [_memory(explorer.planner, row) for row in rows]
+        last = explorer.actions
+        states = explorer.planner.arrays["states"].view().reshape(count, SIZE)
+        states[rows, AT["kind"]] = NONE  # so that it chooses now
+        own = explorer.look(observation, blocked)
+        explorer.actions = actions
+        simulator = envs.state if len(rows) else {}
+        # Where the explorer believes that it knows where the target is, there is nothing to compare.
+        both = _new(own)
+        for row, memory in zip(rows, before, strict=True):
+            if both[row]:
+                goals = _goal(policy.tracker.planner, row), _goal(own, row)
+                _aim(memory, own, row)
+                yield int(row), step, Kept(_row(simulator, row), memory, int(last[row]), goals)
+        observation, _, _, _, info = envs.step_torch(actions)
+        blocked = info["blocked"]
+
+
+def played_on(envs: HouseVectorEnv, batch: list[Kept], steps: int) -> np.ndarray:
+    """Targets (n, 2) that the explorer finds from kept states (n), by the agent's choice and by its own."""
+    count, policy = envs.num_envs, Explorer(shield(envs), envs.config)
+    filled = [batch[k % len(batch)] for k in range(count)]
+    found = np.zeros((2, count))
+    envs.reset(seed=0)
+    for which in range(2):
+        envs.state = {
+            name: np.stack([kept.simulator[name] for kept in filled], axis=int(name == "flags"))
+            for name in filled[0].simulator
+        }
+        policy.begin(count)
+        tracker = policy.tracker
+        tracker.fresh.fill_(False)
+        tracker.actions = torch.tensor([kept.action for kept in filled])
+        for name in MEMORY:
+            if filled[0].planner[name].size:
+                tracker.planner.arrays[name].fill(np.concatenate([kept.planner[name] for kept in filled]))
+        states = tracker.planner.arrays["states"].view().reshape(count, SIZE)
+        states[:, [AT["goal"], AT["look"]]] = [kept.goals[which] for kept in filled]
+        observation = torch.from_numpy(envs.state["observation"])
+        blocked = torch.from_numpy(envs.state["flags"][BLOCKED])
+        for _ in range(steps):
+            observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
+            blocked = info["blocked"]
+            found[which] += reward.numpy()
+    return found[:, : len(batch)].T
+
+
+def _new(planner: Planner) -> np.ndarray:
+    """Where (E,) bool a viewpoint was chosen in the last step."""
+    return ((planner.read("kind") == SEARCH) & (planner.read("plan_age") == 0)).numpy()
+
+
+def _goal(planner: Planner, row: int) -> tuple[int, int]:
+    return int(planner.read("goal")[row]), int(planner.read("look")[row])
+
+
+def _memory(planner: Planner, row: int) -> dict[str, np.ndarray]:
+    """One environment's part of a planner's memory; of arrays that are not used, none."""
+    count, memory = len(planner.advice), {}
+    for name in MEMORY:
+        array = planner.arrays[name].view().reshape(-1)
+        parts = len(array) // count if len(array) >= count else 0
+        memory[name] = array[row * parts : (row + 1) * parts].copy()
+    return memory
+
+
+def _aim(memory: dict[str, np.ndarray], planner: Planner, row: int) -> None:
+    """Let a planner of this memory go to a given goal at once, of which it is told later.
+
+    The eye's place must have some path, or the goal is given up before paths to it are searched.
+    """
+    side = 1 << planner.config.map_bits
+    x, y = (int(planner.read(name)[row]) for name in ("x", "y"))
+    about = {((y + j >> 1) % side) * side + (x + i >> 1) % side for j in range(2) for i in range(2)}
+    memory["distance"][:] = FAR
+    memory["distance"][list(about)] = 1
+    memory["queue"][: len(about)] = list(about)
+    changes = {"kind": SEARCH, "plan_age": 0, "stale": 1, "path_age": LONG_AGO, "queued": len(about)}
+    for name, value in changes.items():
+        memory["states"][AT[name]] = value
+
+
+def _row(state: dict[str, np.ndarray], row: int) -> dict[str, np.ndarray]:
+    return {name: array[:, row] if name == "flags" else array[row] for name, array in state.items()}

@@ -1,0 +1,274 @@
+"""What learning adds to the explorer: ``vitruvius bench learning --agent runs/mine/agent.safetensors``.
+
+Every agent plays the same episodes as the explorer, four in each house: the same starts, and the same targets
+in the same order. Tables show what share of the oracle's targets each picks up, and the difference to the
+explorer, paired by house and episode. With ``--decisions`` they show how many of its choices of a viewpoint
+are others than the explorer's, and whether those are better (``decisions.py``); with ``--shuffled`` what
+is left of a gain where each environment gets the prediction of another one. Scores are kept by all that made
+them, so that a run that was stopped continues.
+"""
+
+import hashlib
+import io
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import numpy as np
+import torch
+import tyro
+
+from agent.banks import bank_hash, named
+from agent.evaluation.episodes import reset
+from agent.evaluation.statistics import mean
+from agent.evaluation.tables import Table
+from agent.policies import Policy
+from agent.world import make_envs
+from benchmarks.common.processes import say
+from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
+from benchmarks.planner.decisions import Decisions, Tracked, decisions
+from benchmarks.planner.explorers import SEED
+from logic import House, generate, load, save
+from logic.errors import RequestError
+from logic.files import write_whole
+from sim import HouseVectorEnv
+from sim.config import DEFAULT
+
+ORACLE, EARLY = "oracle", 500
+"""What others are shares of; the first steps, which are shown apart."""
+
+BANKS = {"star": ("family", range(2, 7)), "home": ("home", range(4, 11)), "large": ("family", range(12, 13))}
+"""Houses of validation seeds: a grammar, and numbers of rooms."""
+
+AT_ONCE = 64
+"""Choices that are played on at once."""
+
+
+@dataclass(frozen=True)
+class Learning:
+    """Compare agents with the explorer, episode by episode, in houses of validation seeds."""
+
+    agent: tyro.conf.UseAppendAction[tuple[str, ...]] = ("prior-rooms",)
+    """A released agent, a checkpoint, ``module:function`` that makes a policy of environments, a baseline, or
+    ``prior-floor`` and ``prior-rooms``, explorers that know a part of the house. Several training runs of one
+    agent: NAME=FILE,FILE,FILE. Repeat for other agents."""
+
+    bank: str = "star"
+    """``star``, ``home``, ``large`` (12 rooms); or a house file, or a bank's name."""
+
+    targets: str = "secondary"
+    """Where targets lie: a task's name, or JSON of a task."""
+
+    houses: int = 64
+    """Houses of each number of rooms, of those that are made."""
+
+    episodes: int = 4
+    """Episodes in each house, with other targets each."""
+
+    steps: int = DEFAULT.steps
+    """Of an episode that are played."""
+
+    world: Literal["default", "noisy"] = "default"
+    """The simulator that agents play in. The oracle plays in the default one."""
+
+    shuffled: bool = False
+    """Also play each agent with the predictions of other environments: a gain by prediction must go."""
+
+    decisions: float = 0.0
+    """Share of an agent's choices of a viewpoint that are compared with the explorer's; 0 for none."""
+
+    ahead: int = 200
+    """Steps for which both choices are played on."""
+
+    out: Path = Path("runs/learning")
+    """Folder for houses, scores and learning.md."""
+
+    def run(self) -> None:
+        """Play what was not played yet; print the tables."""
+        if min(self.houses, self.episodes) < 1 or not 1 <= self.steps <= DEFAULT.steps:
+            raise RequestError(f"--houses and --episodes must be 1 or more, --steps 1 to {DEFAULT.steps}")
+        if not 0 <= self.decisions <= 1 or not 0 < self.ahead < self.steps:
+            raise RequestError("--decisions must be a share from 0 to 1, --ahead 1 or more and below --steps")
+        agents = dict(map(runs_of, self.agent))
+        most, baseline = (self.scores(name, contender(name)) for name in (ORACLE, EXPLORER))
+        compared = {EXPLORER: baseline[None]}
+        for name, files in agents.items():
+            compared[name] = np.stack([self.scores(name, contender(file)) for file in files])
+            if self.shuffled:
+                shuffled = [self.scores(name, contender(file), shuffled=True) for file in files]
+                compared[f"{name}, shuffled"] = np.stack(shuffled)
+        shares = {name: share(each, most) for name, each in compared.items()}
+        page = [scores_table(self.title, shares)]
+        if self.decisions:
+            made = {
+                name: [self.decided(name, contender(file)) for file in files]
+                for name, files in agents.items()
+            }
+            page.append(decisions_table(self.title, made, len(self.bank_houses), self.ahead))
+        text = "\n\n".join(table.markdown() for table in page)
+        write_whole(self.out / "learning.md", f"{text}\n".encode())
+        print(text)
+
+    @property
+    def title(self) -> str:
+        """What the tables are of."""
+        noisy = ", noisy" if self.world == "noisy" else ""
+        houses, episodes = len(self.bank_houses), self.episodes
+        return f"{self.bank}, {self.targets}{noisy}, {houses} houses of {episodes} episodes"
+
+    @cached_property
+    def bank_houses(self) -> list[House]:
+        """The houses, made once."""
+        if self.bank not in BANKS:
+            return named(self.bank)
+        path = self.out / f"{self.bank}-{self.houses}.jsonl"
+        if not path.exists():
+            grammar, rooms = BANKS[self.bank]
+            made = (generate(n, grammar=grammar, seed=SEED + n, count=self.houses) for n in rooms)
+            save([house for houses in made for house in houses], path)
+        return load(path)
+
+    def environments(self, number: int, world: str) -> HouseVectorEnv:
+        """That many, over the houses."""
+        targets: Any = json.loads(self.targets) if self.targets.startswith("{") else self.targets
+        return make_envs(self.bank_houses, number, targets, preset=world)
+
+    def path(self, what: str, key: str, *more: Any) -> Path:
+        """Where the result for an agent of this key is kept."""
+        known = (bank_hash(self.bank_houses), self.targets, self.episodes, self.steps, key, *more)
+        return self.out / f"{what}-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}.npz"
+
+    def scores(self, name: str, agent: Contender, shuffled: bool = False) -> np.ndarray:
+        """Targets (2, episodes, H): of the first ``EARLY`` steps, and of all."""
+        world = "default" if name == ORACLE else self.world
+        path = self.path("scores", agent.key, world, shuffled)
+        if not path.exists():
+            torch.set_num_threads(1)
+            envs = self.environments(self.episodes * len(self.bank_houses), world)
+            policy = agent.make(envs)
+            if shuffled:
+                policy = with_shuffled_predictions(policy, name)
+            targets = episode(envs, policy, self.steps, len(self.bank_houses))
+            _write(path, targets=targets.reshape(2, self.episodes, -1))
+            say(f"{name}{', shuffled' * shuffled}: {targets[1].mean():.2f} targets an episode")
+        return np.load(path)["targets"]
+
+    def decided(self, name: str, agent: Contender) -> Decisions:
+        """Choices of an agent beside the explorer's."""
+        path = self.path("decisions", agent.key, self.world, self.decisions, self.ahead)
+        if not path.exists():
+            torch.set_num_threads(1)
+            envs = self.environments(self.episodes * len(self.bank_houses), self.world)
+            again = self.environments(AT_ONCE, self.world)
+            policy = agent.make(envs)
+            if not hasattr(policy, "tracker"):
+                raise RequestError(f"--decisions: {name} has no planner, and chooses no viewpoints")
+            tracked = cast(Tracked, policy)
+            made = decisions(
+                envs, again, tracked, len(self.bank_houses), self.steps, self.ahead, self.decisions
+            )
+            _write(path, **vars(made))
+        return Decisions(**np.load(path))
+
+
+def runs_of(text: str) -> tuple[str, tuple[str, ...]]:
+    """An agent's name, and those of its training runs. Raises ``RequestError`` for none."""
+    name, given, files = text.partition("=")
+    runs = tuple(filter(None, files.split(","))) if given else (text,)
+    if not name or not runs:
+        raise RequestError(f"--agent {text}: give NAME=FILE,FILE, or one agent")
+    return name, runs
+
+
+def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np.ndarray:
+    """Targets (2, E) that a policy picks up in the first ``EARLY`` steps, and in all; environment i is in
+    house i modulo ``houses``.
+    """
+    observation = reset(envs, 0, np.arange(envs.num_envs) % houses)
+    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
+    policy.begin(envs.num_envs)
+    targets = np.zeros((2, envs.num_envs))
+    for step in range(steps):
+        observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
+        blocked = info["blocked"]
+        targets[int(step >= EARLY) :] += reward.numpy()
+    return targets
+
+
+def share(targets: np.ndarray, most: np.ndarray) -> np.ndarray:
+    """Targets (S, 2, episodes, H) as shares of the oracle's (2, episodes, H) in the same house.
+
+    Where the oracle finds none, as if it found one in all of the episodes.
+    """
+    return targets / np.maximum(most.mean(axis=1, keepdims=True), 1 / most.shape[1])
+
+
+def scores_table(title: str, shares: dict[str, np.ndarray]) -> Table:
+    """Shares (S, 2, episodes, H) of the oracle's targets by agent, less those of the explorer."""
+    headings = (
+        "agent",
+        "runs",
+        "share",
+        "difference",
+        "95 % interval",
+        "spread of runs",
+        f"first {EARLY}",
+        "difference there",
+    )
+    rows = []
+    for name, each in shares.items():
+        # Of an episode, then of the house.
+        early, late = np.moveaxis((each - shares[EXPLORER]).mean(axis=2), 1, 0)
+        spread = f"{late.mean(axis=1).std(ddof=1):.3f}" if len(each) > 1 else "-"
+        interval, own = mean(late), each.mean(axis=(0, 2, 3))
+        compared = (
+            ("", "", "")
+            if name == EXPLORER
+            else (difference(late), f"{interval.low:+.3f} to {interval.high:+.3f}", difference(early))
+        )
+        rows.append(
+            (name, str(len(each)), f"{own[1]:.3f}", *compared[:2], spread, f"{own[0]:.3f}", compared[2])
+        )
+    return Table(f"Share of the oracle's targets, {title}", headings, rows)
+
+
+def difference(pairs: np.ndarray) -> str:
+    """A mean difference (S, H), with its standard error over houses."""
+    of_house = pairs.mean(axis=0)
+    return f"{of_house.mean():+.3f} ± {of_house.std() / max(len(of_house) - 1, 1) ** 0.5:.3f}"
+
+
+def decisions_table(title: str, made: dict[str, list[Decisions]], houses: int, ahead: int) -> Table:
+    """How many choices differ from the explorer's, and targets found after them."""
+    rows = []
+    for name, runs in made.items():
+        different = np.concatenate([each.differs for each in runs])
+        house = np.concatenate([each.environment for each in runs])[different] % houses
+        after = np.concatenate([each.targets for each in runs])[different]
+        gain = after[:, 0] - after[:, 1]
+        better, worse = ((gain > 0).mean(), (gain < 0).mean()) if len(gain) else (np.nan, np.nan)
+        rows.append((
+            name, str(len(different)), f"{different.mean():.3f}" if len(different) else "-",
+            f"{after[:, 0].mean() if len(gain) else np.nan:.3f}", clustered(gain, house),
+            f"{better:.3f}", f"{worse:.3f}",
+        ))  # fmt: skip
+    headings = ("agent", "choices", "differ", f"targets in {ahead} steps", "difference", "better", "worse")
+    return Table(f"Choices of a viewpoint that are not the explorer's, {title}", headings, rows)
+
+
+def clustered(values: np.ndarray, group: np.ndarray) -> str:
+    """A mean of ``values`` (n,), with its standard error where only ``group`` (n,) are independent."""
+    if len(np.unique(group)) < 2:
+        return "-"
+    sums = np.bincount(group, values - values.mean())
+    number = len(np.unique(group))
+    error = np.sqrt(np.square(sums).sum() * number / (number - 1)) / len(values)
+    return f"{values.mean():+.3f} ± {error:.3f}"
+
+
+def _write(path: Path, **arrays: np.ndarray) -> None:
+    content = io.BytesIO()
+    np.savez(content, **arrays)
+    write_whole(path, content.getvalue())
