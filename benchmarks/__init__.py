@@ -22,11 +22,8 @@ STUDIES = {
     "transfer": ("benchmarks.agents.transfer:Transfer", "Agents in houses of other kinds."),
     "phases": ("benchmarks.agents.phases:Phases", "Where the steps of an episode go."),
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
-<<<<<<< HEAD
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
-=======
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
->>>>>>> study
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""

@@ -39,27 +39,19 @@ class Informed(Tracker):
         """Forget, and look up the houses that the bodies are in."""
         super().begin(environments)
         poses, _, houses = self.environments.describe()
-<<<<<<< HEAD
-        ground = np.zeros((environments, SIDE // 2, SIDE // 2), np.uint8)
-=======
         self.planner.arrays["prior"].fill(self.predict(poses, houses).ravel())
 
     def predict(self, poses: np.ndarray, houses: np.ndarray) -> np.ndarray:
-        """What nodes of the maps (E, SIDE, SIDE) uint8 count, for bodies at these poses in these houses."""
-        environments = len(houses)
-        ground = np.zeros((environments, SIDE, SIDE), np.uint8)
->>>>>>> study
+        """What blocks of the maps (E, SIDE / 2, SIDE / 2) uint8 count, for bodies at these poses in these
+        houses.
+        """
+        ground = np.zeros((len(houses), SIDE // 2, SIDE // 2), np.uint8)
         for envs, count in self.counts:
             truth = Truth(envs, poses, self.planner.cell)
             for e, house in enumerate(map(int, houses)):
                 away, _ = truth.trees[house].query(truth.where(e, NODES), distance_upper_bound=BESIDE)
-<<<<<<< HEAD
                 ground[e][(away < BESIDE).reshape(SIDE // 2, -1)] = count
-        self.planner.arrays["prior"].fill(ground.ravel())
-=======
-                ground[e, ::2, ::2][(away < BESIDE).reshape(SIDE // 2, -1)] = count
         return ground
->>>>>>> study
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
         """The planners, with what the last actions led to, and at first with the walls."""

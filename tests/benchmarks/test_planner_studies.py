@@ -168,7 +168,7 @@ def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
     _, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
     found = Informed(envs, what)
     found.begin(len(HOUSES))
-    known = found.planner.arrays["prior"].numpy().reshape(-1, 256, 256)
+    known = found.planner.arrays["prior"].numpy().reshape(-1, 128, 128)
     cell = found.planner.cell
     right, floor, counts = 0, 0, set()
     for e, (x, y, heading) in enumerate(info["pose"]):
@@ -181,9 +181,9 @@ def test_a_prior_has_the_ground_as_it_lies_in_the_house(what: str) -> None:
             theirs, some = (each < BESIDE for each in away)
             count = CERTAIN * some if what == "floor" else CERTAIN if theirs else ELSEWHERE * some
             # It knows every fourth place or so: at the edge of floor it may know none.
-            assert known[e, j % 256, i % 256] in (count, ELSEWHERE * some, 0)
+            assert known[e, j % 256 // 2, i % 256 // 2] in (count, ELSEWHERE * some, 0)
             if away[what == "floor"] < BESIDE / 4:
-                right, floor = right + (known[e, j % 256, i % 256] == count), floor + 1
+                right, floor = right + (known[e, j % 256 // 2, i % 256 // 2] == count), floor + 1
             counts.add(count)
     assert right > 0.9 * floor > 20
     assert counts == ({0, CERTAIN} if what == "floor" else {0, ELSEWHERE, CERTAIN})
