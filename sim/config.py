@@ -118,4 +118,7 @@ PAPER = replace(
 NOISY = replace(DEFAULT, noise=0.02, dropout=0.02, slip=0.01)
 """A sensor and wheels such as cheap ones are."""
 
-PRESETS = {"default": DEFAULT, "noisy": NOISY, "paper": PAPER}
+LONG = replace(DEFAULT, steps=3000)
+"""Episodes for houses of 8 to 12 rooms."""
+
+PRESETS = {"default": DEFAULT, "long": LONG, "noisy": NOISY, "paper": PAPER}

@@ -91,10 +91,12 @@ class HouseVectorEnv(VectorEnv):
     ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
     ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
     types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
-    [1.0, 2.0, 0.0]}``, or another task, ``{"task": "reach", "room": "hall"}``, or a ``.json`` file of one:
+    [1.0, 2.0, 0.0]}``, or another task, ``habit``, ``{"task": "object", "piece": "bed"}``, ``{"task":
+    "reach", "room": "hall"}``, or a ``.json`` file of one:
     ``sim.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
+    ``preset``: ``default``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in
+    place of the preset's.
     ``seed``: of the first reset, if that is given none.
     """
 
