@@ -10,7 +10,7 @@ from logic.spelling import unknown
 from sim.config import DEFAULT, PRESETS, Config
 from sim.tasks import task
 
-SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "noise", "dropout"
+SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "kinds", "noise", "dropout"
 """The fields of a simulator's configuration that say what an agent observes."""
 
 DISTURBED = "noise", "dropout"

@@ -61,6 +61,7 @@ class HouseVectorEnv(VectorEnv):
     | distance | to the nearest wall, piece or target; 1 if there is none within the range | 7.89 m |
     | is target | 1 where that is the target | |
 
+    ``Config.kinds`` puts columns before the distance: whether the ray ends on a piece of each of these kinds.
     Ray i looks 58.5 - 3 i degrees counter-clockwise from the heading. The ``paper`` preset looks at 60 - 3 i
     and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
 
