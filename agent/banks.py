@@ -34,6 +34,12 @@ BANKS = {
     "home-test-v1": Bank(
         "home", range(4, 11), "5a8daf1d35f302516c96b8b2459da00515caf1a6eb5ed8b60b699e65d7acd5d4"
     ),
+    "large-test-v1": Bank(
+        "family", range(8, 13), "590c7346f4cb94d0385f2c70261cb217411579a10bb6d27d0eeeeeb7c1274823"
+    ),
+    "home-large-test-v1": Bank(
+        "home", range(8, 13), "dc346454637e41b95cd82eb3adbd6fd4db7f54feea72af9208baa7d3de7cea50"
+    ),
 }
 """The banks of the benchmark, by name; each is a file of ``benchmarks/houses``."""
 

@@ -35,7 +35,7 @@ class TrainConfig:
     }
 
     targets: str = "main"
-    """Where targets lie: main, secondary or mixed; or another task: module:Class, or as JSON, for example
+    """Where targets lie: main, secondary, mixed or habit; or another task: module:Class, or as JSON, such as
     '{"task": "reach", "room": "kitchen"}'."""
 
     world: Literal["default", "paper"] = "default"

@@ -10,8 +10,11 @@ from logic.spelling import unknown
 from sim.config import DEFAULT, PRESETS, Config
 from sim.tasks import task
 
-SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "noise", "dropout"
+SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "kinds", "noise", "dropout"
 """The fields of a simulator's configuration that say what an agent observes."""
+
+DISTURBED = "noise", "dropout"
+"""Those of them that say how wrong it is."""
 
 
 def simulator(config: TrainConfig) -> Config:
@@ -47,8 +50,14 @@ def sensor(config: TrainConfig, world: str = "default") -> Config:
 
 
 def with_sensor(world: Config, seeing: Config = DEFAULT) -> Config:
-    """A simulator with what another one's body observes."""
-    return replace(world, **{name: getattr(seeing, name) for name in SENSOR})
+    """A simulator with what another one's body observes, but for the noise of a world that has its own."""
+    kept = DISTURBED if world.noise or world.dropout else ()
+    return replace(world, **{name: getattr(seeing, name) for name in SENSOR if name not in kept})
+
+
+def undisturbed(world: Config) -> Config:
+    """A simulator without noise, drop-outs and slips."""
+    return replace(world, noise=0.0, dropout=0.0, slip=0.0)
 
 
 def require_task(targets: str) -> None:

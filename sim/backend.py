@@ -22,7 +22,10 @@ from sim.geometry import Geometry
 from sim.runtime import Array
 
 WALL, PIECE, TARGET = 1, 2, 3
-"""What a ray hits; 0 is nothing."""
+"""What a ray hits; 0 is nothing. Where kinds of pieces are told apart, a piece of the first of them is
+``NAMED``, and so on."""
+
+NAMED = 16
 
 
 @dataclass(frozen=True)

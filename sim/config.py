@@ -12,6 +12,9 @@ PIXEL = FOOT / 8.5
 MOST_RAYS = 1024
 """Memory of environments and networks grows with their rays: 360, a degree apart, look all around."""
 
+MOST_KINDS = 64
+"""Kinds of pieces that an observation tells apart at most."""
+
 
 @dataclass(frozen=True)
 class Config:
@@ -54,6 +57,10 @@ class Config:
     sees_kind: bool = False
     """Whether an observation says for each ray if it ends on a wall and if on a piece, before the target."""
 
+    kinds: tuple[str, ...] = ()
+    """Kinds of pieces that an observation tells apart: of each, before the distance, whether the ray ends on
+    such a piece. Each must be in some house of the bank."""
+
     noise: float = 0.0
     """Standard deviation of each distance, metres: normal, cut to 0 and the range."""
 
@@ -86,6 +93,8 @@ class Config:
         if not (0 <= self.noise < float("inf") and 0 <= self.dropout <= 1 and 0 <= self.slip <= 1):
             found = f"noise {self.noise} m, dropout {self.dropout} and slip {self.slip}"
             raise ValueError(f"{found}: not negative, and the last two at most 1")
+        if len(set(self.kinds)) < len(self.kinds) or len(self.kinds) > MOST_KINDS:
+            raise ValueError(f"kinds are {', '.join(self.kinds)}: each once, {MOST_KINDS} at most")
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
 
@@ -97,7 +106,12 @@ class Config:
     @property
     def channels(self) -> int:
         """Numbers in an observation for each ray."""
-        return 2 + self.sees_angle + 2 * self.sees_kind
+        return 2 + self.sees_angle + 2 * self.sees_kind + len(self.kinds)
+
+    @property
+    def notes_hits(self) -> bool:
+        """Whether a backend must say of a ray that it ends on a wall, or on a piece and of which kind."""
+        return self.sees_kind or bool(self.kinds)
 
 
 DEFAULT = Config()
@@ -118,4 +132,7 @@ PAPER = replace(
 NOISY = replace(DEFAULT, noise=0.02, dropout=0.02, slip=0.01)
 """A sensor and wheels such as cheap ones are."""
 
-PRESETS = {"default": DEFAULT, "noisy": NOISY, "paper": PAPER}
+LONG = replace(DEFAULT, steps=3000)
+"""Episodes for houses of 8 to 12 rooms."""
+
+PRESETS = {"default": DEFAULT, "long": LONG, "noisy": NOISY, "paper": PAPER}

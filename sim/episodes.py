@@ -7,7 +7,7 @@ depends on how many environments there are, on how often others reset, or, for t
 
 import numpy as np
 
-from sim.backend import PIECE, TARGET, WALL, Backend
+from sim.backend import NAMED, PIECE, TARGET, WALL, Backend
 from sim.body import SKIN
 from sim.config import Config
 from sim.philox import below, philox, uniform
@@ -185,8 +185,8 @@ class Episodes:
         observation: ti.template(),
         e,
     ):
-        """Write what ``lanes`` rays see, from number ``ray`` on: (angle / 359 degrees,) distance / range,
-        (is wall, is piece,) is target.
+        """Write what ``lanes`` rays see, from number ``ray`` on: (angle / 359 degrees,) (is a piece of each
+        named kind,) distance / range, (is wall, is piece,) is target.
         """
         distance, kind = self.backend.see(
             numbers, indices, state.house, state.origin, state.cell, state.target, ray
@@ -211,11 +211,14 @@ class Episodes:
                     angle -= ti.static(self.config.ray_spacing) * (ray + r)
                     observation[to] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
                     to += 1
+                for place in ti.static(range(len(self.config.kinds))):
+                    observation[to + place] = ti.select(kind[r] == ti.static(NAMED + place), 1.0, 0.0)
+                to += ti.static(len(self.config.kinds))
                 observation[to] = distance[r] * ti.static(1 / self.config.range)
                 to += 1
                 if ti.static(self.config.sees_kind):
                     observation[to] = ti.select(kind[r] == WALL, 1.0, 0.0)
-                    observation[to + 1] = ti.select(kind[r] == PIECE, 1.0, 0.0)
+                    observation[to + 1] = ti.select((kind[r] == PIECE) | (kind[r] >= NAMED), 1.0, 0.0)
                     to += 2
                 observation[to] = ti.select(kind[r] == TARGET, 1.0, 0.0)
 

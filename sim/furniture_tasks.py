@@ -74,8 +74,8 @@ class Object:
         """Raise ``ValueError`` where no house has such a piece, or one has none."""
         lacking = [index for index, house in enumerate(houses) if not self.suits(house)]
         if len(lacking) == len(houses):
-            kinds = sorted({kind for house in houses for kind in pieces_in(house)})
-            raise ValueError(f"targets: {unknown('piece', self.piece, kinds)}")
+            known = sorted({kind for house in houses for kind in pieces_in(house)})
+            raise ValueError(f"targets: {unknown('piece', self.piece, known)}")
         if lacking:
             raise ValueError(
                 f"house {lacking[0]} of {len(houses)} has no {self.piece}: "

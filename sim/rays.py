@@ -8,6 +8,7 @@ one minimum does for two comparisons, and loops over rays have no branch: they b
 
 import numpy as np
 
+from sim.backend import NAMED, TARGET
 from sim.config import Config
 from sim.runtime import constants, ti
 
@@ -36,6 +37,8 @@ class Rays:
     def __init__(self, config: Config, lanes: int) -> None:
         """Make the table of directions."""
         self.config, self.lanes = config, lanes
+        # At one distance the target comes after pieces, whatever their kinds.
+        self.last = NAMED + len(config.kinds) if config.kinds else TARGET
         self.turn = 45 // config.ray_spacing
         self.none = int(np.float32(config.range).view(np.uint32))
         self.floats = ti.types.vector(lanes, ti.f32)
@@ -130,6 +133,13 @@ class Rays:
         ahead, aside = ti.select(low > eye, low, high) - eye, 0.5 * (low + high) - eye
         self.meet(nearest, kinds, over_x, slope_x, ahead[0], aside[1], reach[1], kind, True)
         self.meet(nearest, kinds, over_y, slope_y, ahead[1], aside[0], reach[0], kind, True)
+
+    @ti.func
+    def name_target(self, kinds: ti.template()):
+        """Give the target its own number again."""
+        if ti.static(self.last != TARGET):
+            for r in range(ti.static(self.lanes)):
+                kinds[r] = ti.select(kinds[r] == ti.static(self.last), ti.u32(TARGET), kinds[r])
 
     @ti.func
     def metres(self, nearest):

@@ -61,6 +61,7 @@ class HouseVectorEnv(VectorEnv):
     | distance | to the nearest wall, piece or target; 1 if there is none within the range | 7.89 m |
     | is target | 1 where that is the target | |
 
+    ``Config.kinds`` puts columns before the distance: whether the ray ends on a piece of each of these kinds.
     Ray i looks 58.5 - 3 i degrees counter-clockwise from the heading. The ``paper`` preset looks at 60 - 3 i
     and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
 
@@ -91,10 +92,12 @@ class HouseVectorEnv(VectorEnv):
     ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
     ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
     types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
-    [1.0, 2.0, 0.0]}``, or another task, ``{"task": "reach", "room": "hall"}``, or a ``.json`` file of one:
+    [1.0, 2.0, 0.0]}``, or another task, ``habit``, ``{"task": "object", "piece": "bed"}``, ``{"task":
+    "reach", "room": "hall"}``, or a ``.json`` file of one:
     ``sim.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
+    ``preset``: ``default``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in
+    place of the preset's.
     ``seed``: of the first reset, if that is given none.
     """
 

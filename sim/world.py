@@ -12,6 +12,7 @@ from sim.backend import Backend, Bank, Lattice
 from sim.config import Config
 from sim.episodes import HEADER
 from sim.kernels import NEXT_STEP, SAME_STEP, kernels
+from sim.kinds import check_kinds
 from sim.places import Places, places
 from sim.runtime import Array, Launch, start, ti
 from sim.survey import survey
@@ -90,6 +91,7 @@ class World:
             raise ValueError("episodes of that task end otherwise: make a new environment for it")
         if self.backend.fit(self.config, houses) != self.config:
             raise ValueError("these houses need another body and step: make a new environment for them")
+        check_kinds(houses, self.config.kinds)
         getattr(wanted, "check", lambda houses: None)(houses)
         bank = self.backend.pack(houses)
         self.lattices, self.places = self._places(houses, bank, wanted)

@@ -124,6 +124,9 @@ BASELINES: dict[str, Callable[[HouseVectorEnv, int], Policy]] = {
 """By name, what makes a baseline's policy for environments and a seed. Every other score is a share of the
 oracle's."""
 
+PRIVILEGED = ("searcher", "oracle")
+"""Those that know where they are: noise and slips would only make their plans wrong."""
+
 PAPERS = ("paper-original", "paper")
 """The paper's agent: the weights that its authors released, and the same trained again here."""
 

@@ -35,13 +35,14 @@ class Evaluate:
     Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
 
     houses: Path = Path(banks.NAME)
-    """Houses to measure in: a frozen bank, test-v1 (256 houses of family, 2 to 6 rooms) or home-test-v1 (256
-    of home, 4 to 10 rooms), the paper's house, paper-house, or a house file."""
+    """Houses to measure in: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to 10
+    rooms), large-test-v1 or home-large-test-v1 (8 to 12), the paper's house, paper-house, or a house file.
+    An object goal is played in those that have the piece, and free floor beside it."""
 
     targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
-    """Where targets lie: main, secondary, mixed (or all), or another task as for train; in the paper's house
-    paper-main, paper-secondary and paper-mixed too. By default main, secondary and mixed, one after the
-    other."""
+    """Where targets lie: main, secondary, mixed (or all), habit, or another task as for train; in the
+    paper's house paper-main, paper-secondary and paper-mixed too. By default main, secondary and mixed, one
+    after the other."""
 
     seed: int = 0
     """Seeds starts and targets, the same for every policy."""
@@ -49,9 +50,10 @@ class Evaluate:
     backend: str = "continuous"
     """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
 
-    world: Literal["default", "paper"] = "default"
-    """Preset of the simulator that all play in, each with its own rays: in the paper's a collision ends the
-    episode."""
+    world: Literal["default", "long", "noisy", "paper"] = "default"
+    """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:
+    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher and oracle;
+    paper: a collision ends the episode."""
 
     episodes: int = 1
     """Episodes in each house."""
@@ -185,7 +187,7 @@ class Record:
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
     houses: tyro.conf.Positional[Path]
-    """House file, or a frozen bank: test-v1, home-test-v1; or the paper's house, paper-house."""
+    """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
 
     house: int = 0
     """Which house of the file, from 0."""

@@ -10,20 +10,26 @@ import numpy as np
 
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
+<<<<<<< HEAD
 from agent.config import TARGET_MODES, CompletionConfig
 from agent.evaluation.baselines import BASELINES
+=======
+from agent.config import TARGET_MODES
+from agent.evaluation.baselines import BASELINES, PRIVILEGED
+>>>>>>> tasks
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.policies import Policy
 from agent.progress import Report
-from agent.simulator import sensor, with_sensor
-from agent.world import make_envs
+from agent.simulator import sensor, undisturbed, with_sensor
+from agent.world import make_envs, playable
 from logic import House
 from logic.spelling import keywords
 from sim import HouseVectorEnv
 from sim.config import PRESETS, Config
 from sim.lookout import Lookout
 from sim.oracle import Oracle
+from sim.tasks import task
 
 
 @keywords(targets="modes", preset="agents")
@@ -42,28 +48,34 @@ def measure(
     """Measure agents, by name the training runs of each, and baselines in a bank, mode by mode.
 
     ``baselines`` names some of ``BASELINES``; figures are shares of the oracle's, so it is among them.
-    ``world`` names the simulator's preset that all play in, each with its own sensor; each house is played
-    in that many ``episodes``. ``report`` follows the work. Raises ``HouseFileError`` where a mode cannot be
-    played in one of the houses.
+    ``world`` names the simulator's preset that all play in, each with its own sensor; searcher and oracle,
+    which know where they are, without its noise and slips. Each house is played in that many ``episodes``;
+    for a task that not all houses suit, each of the others (``agent.world.playable``). ``report`` follows
+    the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
     """
-    numbers, baseline = np.arange(len(houses) * episodes) % len(houses), with_sensor(PRESETS[world])
+    baseline = with_sensor(PRESETS[world])
+    exact = undisturbed(baseline)
     for number, mode in enumerate(modes):
-        sensors = {baseline, *(sensor(run.config, world) for runs in agents.values() for run in runs)}
-        settings = {each: Setting(houses, mode, each, backend, len(numbers)) for each in sensors}
-        default = settings[baseline]
+        suited = playable(houses, mode, backend=backend)
+        numbers = np.arange(len(suited) * episodes) % len(suited)
+        sensors = {baseline, exact, *(sensor(run.config, world) for runs in agents.values() for run in runs)}
+        settings = {each: Setting(suited, mode, each, backend, len(numbers)) for each in sensors}
         policies: list[tuple[str, Setting, Callable[[HouseVectorEnv, int], Policy]]] = [
             (name, settings[sensor(run.config, world)], partial(policy_of, run.network, run.config))
             for name, runs in agents.items()
             for run in runs
         ]
-        policies += [(name, default, BASELINES[name]) for name in baselines]
+        policies += [
+            (name, settings[exact if name in PRIVILEGED else baseline], BASELINES[name]) for name in baselines
+        ]
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
         for place, (name, setting, make) in enumerate(policies):
             report((number + place / len(policies)) / len(modes), f"{mode}: {name}")
             played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.lookout)
             scores[name] = (*scores.get(name, ()), played)
-        rooms = np.array([len(house.secondary) for house in houses])[numbers]
-        yield Result(mode, rooms, shortest_ways(default.envs, seed, numbers), scores, episodes)
+        rooms = np.array([len(house.secondary) for house in suited])[numbers]
+        shortest = shortest_ways(settings[exact].envs, seed, numbers)
+        yield Result(mode, rooms, shortest, scores, episodes, baseline.steps, task(mode).ends_on_pick_up)
     report(1.0, f"{len(houses)} houses")
 
 

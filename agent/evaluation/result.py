@@ -33,10 +33,13 @@ HUMAN_RATIO = 0.48
 """The human's share of the oracle's targets, in both modes."""
 
 DEFINITIONS = {
-    "targets": "picked up in an episode of 1500 steps: interquartile mean over houses and training runs",
+    "targets": "picked up in an episode of 1500 steps, in the world long of 3000: interquartile mean over "
+    "houses and training runs",
     "ratio": "targets as a share of the oracle's in the same house: interquartile mean",
-    "success": f"share of episodes whose first target was picked up within {SUCCESS_STEPS} steps",
+    "success": f"share of episodes whose first target was picked up within {SUCCESS_STEPS} steps; at all, "
+    "where that ends the episode",
     "spl": "success weighted by the shortest way's length over the way taken, in steps",
+    "first_find": "steps to the first target, where that ends the episode; a whole episode's without one",
     "coverage_500": "share of the house looked at after 500 steps: of the places where a target may lie, "
     "in any room, those where it would have been seen",
     "coverage_1500": "the same after 1500 steps",
@@ -68,6 +71,12 @@ class Result:
 
     episodes: int = 1
     """How many of the H episodes were in each house."""
+
+    steps: int = 1500
+    """Steps after which an episode is truncated."""
+
+    ends_on_pick_up: bool = False
+    """Whether the first pick-up ends the episode: then that is its success, whenever it comes."""
 
     @property
     def oracle(self) -> np.ndarray:
@@ -115,7 +124,8 @@ class Result:
     def _figures(self, policy: str) -> dict[str, Estimate]:
         counts = self.stacked(policy, lambda scores: scores.targets)
         first = self.stacked(policy, lambda scores: scores.first)
-        success = first <= SUCCESS_STEPS
+        success = np.isfinite(first) if self.ends_on_pick_up else first <= SUCCESS_STEPS
+        found = {"first_find": mean(np.minimum(first, self.steps))} if self.ends_on_pick_up else {}
         coverage = {
             f"coverage_{step}": mean(self.stacked(policy, lambda scores, k=k: scores.coverage[k]))
             for k, step in enumerate(COVERAGE_STEPS)
@@ -132,6 +142,7 @@ class Result:
             "ratio": self.ratio(policy),
             "success": mean(success),
             "spl": mean(success * self.shortest / np.maximum(first, self.shortest)),
+            **found,
             **coverage,
             "rooms": mean(rooms),
             "blocked": mean(blocked),

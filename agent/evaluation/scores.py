@@ -63,6 +63,8 @@ class ModeScores(msgspec.Struct):
     policies: dict[str, PolicyScores]
     rooms: list[int] = []
     shortest: list[int | None] = []
+    steps: int = 1500
+    ends_on_pick_up: bool = False
 
 
 class ScoreFile(msgspec.Struct):
@@ -98,6 +100,8 @@ def modes_of(results: Iterable[Result]) -> dict[str, ModeScores]:
             },
             result.rooms.tolist(),
             _integers(result.shortest),
+            result.steps,
+            result.ends_on_pick_up,
         )
         for result in results
     }
@@ -106,7 +110,8 @@ def modes_of(results: Iterable[Result]) -> dict[str, ModeScores]:
 def result_of(mode: ModeScores, name: str) -> Result:
     """The result that was written as the target mode of this name."""
     policies = {name: tuple(map(_scores, policy.runs)) for name, policy in mode.policies.items()}
-    return Result(name, np.array(mode.rooms), _reals(mode.shortest), policies)
+    ways, how = _reals(mode.shortest), {"steps": mode.steps, "ends_on_pick_up": mode.ends_on_pick_up}
+    return Result(name, np.array(mode.rooms), ways, policies, **how)
 
 
 def load(path: Path) -> ScoreFile:
@@ -149,9 +154,12 @@ def external(
             f"{path}: targets in {', '.join(file.targets)}, here in {', '.join(modes)}: not comparable. "
             "Choose by --targets"
         )
+    from agent.world import playable  # here: it imports Taichi
+
+    counts = {mode: len(playable(houses, mode, backend=backend)) * episodes for mode in found}
     return {
         mode: {
-            name: tuple(_whole_scores(path, name, run, len(houses) * episodes) for run in policy.runs)
+            name: tuple(_whole_scores(path, name, run, counts[mode]) for run in policy.runs)
             for name, policy in file.targets[mode].policies.items()
             if name not in REFERENCES and policy.runs
         }

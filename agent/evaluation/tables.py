@@ -22,14 +22,14 @@ def human_name(mode: str) -> str:
 
 
 SCORE_NOTE = (
-    "All policies meet the same starts and targets. Targets: picked up in an episode of 1500 steps. Ratio: "
-    "to the oracle's in the same house; the oracle knows the house and the target and takes the shortest "
-    "way. Both are interquartile means, with 95 % intervals over training runs and houses. Success: the "
-    f"share of episodes with a first target within {SUCCESS_STEPS} steps. SPL: that times the shortest "
-    "way's length over the way taken. Last column: the share of houses with more targets than the paper's "
-    "human, who had the whole map in sight, in the paper's own house: the human's row says whether that is "
-    "another house. Random + avoidance is the paper's random walk; the explorer is the planner without a "
-    "network."
+    "All policies meet the same starts and targets. Targets: picked up in an episode. Ratio: to the oracle's "
+    "in the same house; the oracle knows the house and the target and takes the shortest way. Both are "
+    "interquartile means, with 95 % intervals over training runs and houses. Success: the share of episodes "
+    f"with a first target within {SUCCESS_STEPS} steps, or at all, where it ends the episode. SPL: that "
+    "times the shortest way's length over the way taken. Steps to find: to that target, or a whole "
+    "episode's. Last column: the share of houses with more targets than the paper's human, who had the "
+    "whole map in sight, in the paper's own house: the human's row says whether that is another house. "
+    "Random + avoidance is the paper's random walk; the explorer is the planner without a network."
 )
 """What the columns and rows of ``score_table`` mean."""
 
@@ -81,6 +81,8 @@ def tables(result: Result) -> list[Table]:
 
 def score_table(result: Result) -> Table:
     """How well each policy does."""
+    if result.ends_on_pick_up:
+        return find_table(result)
     human = HUMAN.get(result.mode)
     rows = []
     for name, label in _labels(result).items():
@@ -95,11 +97,26 @@ def score_table(result: Result) -> Table:
             (human_name(result.mode), f"{human.targets} of {human.oracle}", f"{HUMAN_RATIO}", "", "", "")
         )
         headings += (f"> {human.targets}",)
+    return Table(f"Targets in {_where(result)}, {_count(result)}", headings, rows)
+
+
+def find_table(result: Result) -> Table:
+    """How each policy does where the first target ends the episode."""
+    rows = []
+    for name, label in _labels(result).items():
+        figures = result.figures(name)
+        rows.append((
+            label, figures["success"].text(2), figures["spl"].text(2), f"{figures['first_find'].value:.0f}"
+        ))  # fmt: skip
+    title = f"One target in {_where(result)}, {_count(result)}"
+    return Table(title, ("policy", "success", "SPL", "steps to find"), rows)
+
+
+def _count(result: Result) -> str:
+    """How many houses, and episodes in each where there are several."""
     houses = len(result.rooms) // result.episodes
     count = f"{houses} house" + ("s" if houses > 1 else "")
-    if result.episodes > 1:
-        count += f", {result.episodes} episodes each"
-    return Table(f"Targets in {_where(result)}, {count}", headings, rows)
+    return count + (f", {result.episodes} episodes each" if result.episodes > 1 else "")
 
 
 def behaviour_table(result: Result) -> Table:

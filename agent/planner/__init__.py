@@ -129,7 +129,7 @@ class Planner:
         self.body = body = Body(
             rays=rays,
             channels=world.channels,
-            distance=int(world.sees_angle),
+            distance=world.sees_angle + len(world.kinds),
             step=step,
             touching=world.in_cells,
             target=world.target / 2 / self.cell,

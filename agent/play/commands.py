@@ -28,7 +28,7 @@ class Play:
     groups: ClassVar = {"house": "The game", "player": "Results"}
 
     houses: tyro.conf.Positional[Path] = Path(banks.NAME)
-    """House file, or a frozen bank: test-v1, home-test-v1; or the paper's house, paper-house."""
+    """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
 
     house: int | None = None
     """Which house of the file, from 0; by default all, one after the other."""

@@ -40,7 +40,7 @@ class Phases:
     """Checkpoints, of agents of the default world; by default those that come with the project."""
 
     houses: Path = Path(NAME)
-    """House file, or a frozen bank: test-v1, home-test-v1."""
+    """House file, or a frozen bank, such as test-v1 or home-test-v1."""
 
     targets: TargetMode = "secondary"
     """Where targets lie."""

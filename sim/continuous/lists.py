@@ -152,7 +152,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         side_0, side_1 = cell[1], cell[3]
         if axis == 1:
             low, high, side_0, side_1 = cell[1], cell[3], cell[0], cell[2]
-        faces = not ((kind == -PIECE) & (low > line[0]) | (kind == PIECE) & (high < line[0]))
+        faces = not ((kind <= -PIECE) & (low > line[0]) | (kind >= PIECE) & (high < line[0]))
         ahead = ti.max(0.0, ti.max(low - line[0], line[0] - high))
         aside = ti.max(0.0, ti.max(side_0 - line[2], line[1] - side_1))
         result = ti.cast(faces & (ahead * ahead + aside * aside < ti.static(config.range**2)), ti.i32)

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from logic import House
-from sim.backend import PIECE, WALL, Bank
+from sim.backend import WALL, Bank
 from sim.config import Config
 from sim.continuous.layout import CELL, HEADER
 from sim.continuous.lists import listed_arrays
 from sim.geometry import Geometry, geometry
+from sim.kinds import codes
 from sim.rays import SEAM
 
 ANYWHERE = np.array([0, 0, 1e6, 1e6])
@@ -26,7 +27,10 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
                 f"house {index} of {len(houses)}: the original's collision rule is for rooms with one door, "
                 f"to a main room, not for the topology {house.topology!r}: use the preset 'default'"
             )
-    parts = [_Part.of(shape, house.is_star) for shape, house in zip(shapes, houses, strict=True)]
+    parts = [
+        _Part.of(shape, house.is_star, codes(house, config.kinds))
+        for shape, house in zip(shapes, houses, strict=True)
+    ]
     count = len(parts)
     numbers, at = [np.array([part.corner for part in parts], np.float32).ravel()], 2 * count
     header = np.zeros((count, HEADER), np.int32)
@@ -57,13 +61,13 @@ class _Part:
     rooms: np.ndarray
 
     @classmethod
-    def of(cls, shape: Geometry, one_door: bool) -> "_Part":
+    def of(cls, shape: Geometry, one_door: bool, kinds: list[int]) -> "_Part":
         solids = shape.solids
         boxes = np.hstack([solids[:, :2] - solids[:, 2:], solids[:, :2] + solids[:, 2:]])
         walls = len(shape.verticals) + len(shape.horizontals)
         west, north, east, south = shape.bounds
-        across = [_lines(boxes[: len(shape.verticals)], boxes[walls:], axis=0)]
-        across += [_lines(boxes[len(shape.verticals) : walls], boxes[walls:], axis=1)]
+        across = [_lines(boxes[: len(shape.verticals)], boxes[walls:], kinds, axis=0)]
+        across += [_lines(boxes[len(shape.verticals) : walls], boxes[walls:], kinds, axis=1)]
         astride = shape.floor if shape.overlapping else ANYWHERE
         # Only the original's rule reads doors, and it is for rooms with one.
         doors = np.vstack([astride, shape.doors if one_door else shape.rooms])
@@ -72,7 +76,7 @@ class _Part:
         return cls((west, north), (columns, rows), boxes, walls, np.vstack(across), len(across[0]), rooms)
 
 
-def _lines(walls: np.ndarray, pieces: np.ndarray, axis: int) -> np.ndarray:
+def _lines(walls: np.ndarray, pieces: np.ndarray, kinds: list[int], axis: int) -> np.ndarray:
     """Lines across an axis (n, 4) float32: where, middle, reach, kind; a piece's side is negative where it
     looks west.
     """
@@ -81,7 +85,7 @@ def _lines(walls: np.ndarray, pieces: np.ndarray, axis: int) -> np.ndarray:
         np.column_stack([walls[:, axis], walls[:, other], walls[:, other + 2], np.full(len(walls), WALL)])
     ]
     for side, sign in ((axis, -1), (axis + 2, 1)):
-        kind = np.full(len(pieces), sign * PIECE)
+        kind = sign * np.array(kinds)
         rows.append(np.column_stack([pieces[:, side], pieces[:, other], pieces[:, other + 2], kind]))
     at, low, high, kind = np.vstack(rows).astype(np.float32).T
     half = np.float32(0.5)

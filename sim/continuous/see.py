@@ -1,6 +1,5 @@
 """What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
 
-from sim.backend import TARGET
 from sim.body import Body
 from sim.config import Config
 from sim.continuous.layout import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
@@ -32,19 +31,20 @@ class Sight:
             line = first_line + 4 * listed(indices, block, k)
             ahead, aside, reach, kind = self.line(numbers, line, eye[0], eye[1])
             self.rays.meet(
-                nearest, kinds, over_x, slope_x, ahead, aside, reach, kind, ti.static(self.config.sees_kind)
+                nearest, kinds, over_x, slope_x, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
             )
         for k in range(end_of(indices, block, row), end_of(indices, block, row + 1)):
             line = first_line + 4 * listed(indices, block, k)
             ahead, aside, reach, kind = self.line(numbers, line, eye[1], eye[0])
             self.rays.meet(
-                nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.sees_kind)
+                nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
             )
         half = ti.static(self.config.target / 2)
         if self.rays.may_see(target - eye, half, self.body.headings[cell[2]]):
             self.rays.meet_square(
-                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(TARGET)
+                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(self.rays.last)
             )
+            self.rays.name_target(kinds)
         return self.rays.metres(nearest), kinds
 
     @ti.func

@@ -72,11 +72,13 @@ class Cells:
     ``size``: columns and rows. ``stands``, ``filled``: (columns, rows) bool, where a body can be and where
     pieces are. ``moves``: (columns, rows) int64, what it can do there. ``upright`` (columns + 1, rows) and
     ``level`` (columns, rows + 1) int32: what is on the edges across x, at their west end, and across y, which
-    is 0, ``WALL`` or ``PIECE``.
+    is 0, ``WALL``, ``PIECE`` or a named kind's.
     """
 
-    def __init__(self, shape: Geometry, cell: float) -> None:
-        """Divide a house whose edges all lie on the grid: see ``off_grid``. ``cell``: metres."""
+    def __init__(self, shape: Geometry, cell: float, kinds: Sequence[int] | None = None) -> None:
+        """Divide a house whose edges all lie on the grid: see ``off_grid``. ``cell``: metres; ``kinds``: what
+        is on the edges of each piece, by default ``PIECE``.
+        """
         west, north, east, south = shape.bounds
         self.side, self.corner, self.origin = cell, (west, north), middle(shape, cell)
         columns, rows = round((east - west) / cell), round((south - north) / cell)
@@ -89,11 +91,11 @@ class Cells:
         for box in [shape.floor, *shape.rooms]:
             x, y, x_end, y_end = self._span(box)
             inside[x:x_end, y:y_end] = True
-        for box in shape.pieces:
+        for box, kind in zip(shape.pieces, kinds or [PIECE] * len(shape.pieces), strict=True):
             x, y, x_end, y_end = self._span(box)
             self.filled[x:x_end, y:y_end] = True
-            self.upright[[x, x_end], y:y_end] = PIECE
-            self.level[x:x_end, [y, y_end]] = PIECE
+            self.upright[[x, x_end], y:y_end] = kind
+            self.level[x:x_end, [y, y_end]] = kind
         for box in shape.verticals:
             x, y, _, y_end = self._span(box)
             self.upright[x, y:y_end] = WALL

@@ -20,6 +20,7 @@ from sim.body import Body
 from sim.config import Config
 from sim.geometry import geometry
 from sim.grid.cells import Cells
+from sim.kinds import codes
 from sim.rays import SEAM, Rays, directions
 from sim.runtime import Array, Launch, start, ti
 
@@ -35,7 +36,10 @@ Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
 def pack(houses: Sequence[House], config: Config) -> Bank:
     """Bring houses to the device: what can be done and seen in each cell."""
     shapes = [geometry(house) for house in houses]
-    parts = [Cells(shape, config.step) for shape in shapes]
+    parts = [
+        Cells(shape, config.step, codes(house, config.kinds))
+        for shape, house in zip(shapes, houses, strict=True)
+    ]
     header = np.zeros((len(parts), HEADER), np.int32)
     cells, row, at = [], 0, header.size
     for k, part in enumerate(parts):
@@ -47,7 +51,7 @@ def pack(houses: Sequence[House], config: Config) -> Bank:
     indices = np.concatenate([header.ravel(), *cells]).astype(np.int32)
     count = len(directions(config))
     arrays = {
-        "numbers": Array(ti.f32, row * count * (1 + config.sees_kind)),
+        "numbers": Array(ti.f32, row * count * (1 + config.notes_hits)),
         "jobs": Array.of(np.concatenate([_jobs(k, part) for k, part in enumerate(parts)]).ravel()),
         "lines": Array.of(np.concatenate([line for part in parts for line in part.lines]).astype(np.float32)),
         "origins": Array.of(np.concatenate([part.origin for part in parts])),
@@ -79,7 +83,7 @@ def _houses(parts: list[Cells]) -> np.ndarray:
 @cache
 def _kernel(program: Any, config: Config) -> Any:
     """A kernel that casts rays from the middles of cells."""
-    rays, cell, reach, sees_kind = Rays(config, 1), config.step, config.range, config.sees_kind
+    rays, cell, reach, notes_hits = Rays(config, 1), config.step, config.range, config.notes_hits
     body = Body(config)
     count = rays.count
 
@@ -134,7 +138,7 @@ def _kernel(program: Any, config: Config) -> Any:
                             other += 1
                         line += sign
                 numbers[job * count + k] = nearest
-                if ti.static(sees_kind):
+                if ti.static(notes_hits):
                     numbers[jobs.shape[0] // 3 * count + job * count + k] = ti.cast(kind, ti.f32)
 
     return cast

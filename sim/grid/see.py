@@ -1,6 +1,5 @@
 """What rays hit in the grid backend: looked up for the eye's cell, and the target before it."""
 
-from sim.backend import TARGET
 from sim.body import Body
 from sim.config import Config
 from sim.grid.move import looked_up
@@ -26,7 +25,7 @@ class Sight:
         at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count) + first
         for r in range(ti.static(self.rays.lanes)):
             nearest[r] = ti.bit_cast(numbers[at + r], ti.u32)
-        if ti.static(self.config.sees_kind):
+        if ti.static(self.config.notes_hits):
             kinds_at = at + numbers.shape[0] // 2
             for r in range(ti.static(self.rays.lanes)):
                 kinds[r] = ti.cast(numbers[kinds_at + r], ti.u32)
@@ -37,8 +36,9 @@ class Sight:
             self.rays.across(first, 0, over_x, slope_x)
             self.rays.across(first, 1, over_y, slope_y)
             self.rays.meet_square(
-                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(TARGET)
+                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(self.rays.last)
             )
+            self.rays.name_target(kinds)
         return self.rays.metres(nearest), kinds
 
     @ti.func

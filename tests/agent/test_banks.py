@@ -12,7 +12,12 @@ from logic import House, HouseFileError, Rect, Star, check, generate, load, save
 from logic.promises import PROMISES
 from sim.arguments import BANK
 
-GRAMMAR_AND_LEAST_MOST_ROOMS = {"test-v1": ("family", 2, 6), "home-test-v1": ("home", 4, 10)}
+GRAMMAR_AND_LEAST_MOST_ROOMS = {
+    "test-v1": ("family", 2, 6),
+    "home-test-v1": ("home", 4, 10),
+    "large-test-v1": ("family", 8, 12),
+    "home-large-test-v1": ("home", 8, 12),
+}
 
 PROMISED = {
     # This bank is older than one promise, which 52 of its houses do not keep: that fronts are clear.
@@ -24,6 +29,8 @@ PROMISED = {
         | {"hall": (3.0, 11.0), "living": (15.0, 36.0), "bathroom": (3.4, 9.5), "storage": (1.2, 6.0)},
         narrowest=PROMISES["home"].narrowest | {"hall": 1.5, "kitchen": 2.0},
     ),
+    "large-test-v1": PROMISES["family"],
+    "home-large-test-v1": PROMISES["home"],
 }
 
 
@@ -60,7 +67,7 @@ def test_a_bank_is_named_where_a_house_file_may_stand_and_a_misspelt_name_is_sho
 
 
 def test_all_houses_of_homes_have_a_hub_so_that_targets_may_lie_in_it(frozen):
-    assert all(house.hub for house in frozen["home-test-v1"])
+    assert all(house.hub for name in ("home-test-v1", "home-large-test-v1") for house in frozen[name])
 
 
 def test_the_seeds_set_apart_are_apart():

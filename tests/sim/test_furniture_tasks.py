@@ -1,6 +1,7 @@
 """Targets beside pieces of a kind, and where a house's habits put them: every place, and how often."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -147,3 +148,60 @@ def test_a_habit_belongs_to_the_house_and_the_seed():
 def test_a_share_is_at_most_all(share):
     with pytest.raises(ValueError, match="share: above 0 and at most 1"):
         HouseVectorEnv([HOUSE], targets={"task": "habit", "share": share})
+
+
+SEES = replace(DEFAULT, kinds=("stove", "bed"), sees_kind=True)
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_rays_tell_the_named_kinds_of_the_pieces_that_they_end_on(backend):
+    houses = [HOUSE] if backend == "grid" else [HOUSE, *sample_houses.RANDOM]
+    plain, named = (
+        HouseVectorEnv(houses, num_envs=300, targets="all", backend=backend, preset=preset)
+        for preset in (replace(DEFAULT, sees_kind=True), SEES)
+    )
+    plain.reset(seed=3, options={"house": np.arange(300) % len(houses)})
+    _, info = named.reset(seed=3, options={"house": np.arange(300) % len(houses)})
+    boxes = [
+        [(piece.type, box(*piece.box)) for room in house.rooms for piece in room.pieces] for house in houses
+    ]
+    met = Counter()
+    for step in range(30):
+        actions = np.random.default_rng(step).choice(3, p=[0.2, 0.2, 0.6], size=300)
+        without = plain.step(actions)[0]
+        seen, _, _, _, info = named.step(actions)
+        np.testing.assert_array_equal(seen[..., 2:], without)
+        assert not seen[seen[..., 4] == 0][:, :2].any()
+        angle = info["pose"][:, 2:] + named.config.ray_angles
+        ends = info["pose"][:, None, :2] + (seen[..., 2] * named.config.range)[..., None] * np.stack(
+            [np.cos(angle), -np.sin(angle)], axis=-1
+        )
+        for e, r in np.argwhere(seen[..., 4] == 1):
+            around = shapely.Point(ends[e, r])
+            near = {kind for kind, shape in boxes[info["house"][e]] if shape.boundary.distance(around) < 1e-3}
+            told = {kind for place, kind in enumerate(SEES.kinds) if seen[e, r, place]}
+            assert len(told) <= 1
+            if len(near) == 1:
+                assert told == near & {*SEES.kinds}
+                met.update(near)
+    assert min(met["bed"], met["stove"]) > 50
+    assert backend == "grid" or met["table"] > 50
+
+
+def test_the_kinds_alone_leave_the_distance_and_the_target_last():
+    config = replace(DEFAULT, kinds=("bed",))
+    named, plain = (
+        HouseVectorEnv([HOUSE], num_envs=20, targets="all", preset=each) for each in (config, DEFAULT)
+    )
+    seen, _ = named.reset(seed=0)
+    np.testing.assert_array_equal(seen[..., 1:], plain.reset(seed=0)[0])
+    assert seen.shape == (20, 40, 3)
+
+
+def test_a_kind_that_no_house_has_is_refused_in_one_line():
+    with pytest.raises(
+        ValueError, match=r"^kinds: there is no piece bedd: did you mean bed\? There are bed, stove$"
+    ):
+        HouseVectorEnv([HOUSE], preset=replace(DEFAULT, kinds=("bedd",)))
+    with pytest.raises(ValueError, match="kinds are bed, bed: each once"):
+        replace(DEFAULT, kinds=("bed", "bed"))

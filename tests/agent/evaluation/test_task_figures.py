@@ -1,0 +1,85 @@
+"""Figures of a task that ends on the first pick-up, of worlds with noise, and of houses that a task suits."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from agent.evaluation.baselines import PRIVILEGED
+from agent.evaluation.commands import Evaluate
+from agent.evaluation.protocol import measure
+from agent.evaluation.scores import modes_of, result_of
+from agent.evaluation.tables import score_table
+from agent.simulator import undisturbed, with_sensor
+from agent.world import playable
+from logic import HouseFileError, save
+from sim.config import DEFAULT, LONG, NOISY, PRESETS
+from tests.agent.evaluation.cases import result, scores, short_episodes
+from tests.sample_houses import ONE_ROOM, drawn, random_house
+
+TABLE = '{"task": "object", "piece": "table"}'
+BARE = drawn(ONE_ROOM.replace("A", "a"))
+"""A house without a piece."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short():
+    with short_episodes():
+        yield
+
+
+def test_success_is_any_find_and_spl_the_shortest_way_over_the_way_taken():
+    ends = {"steps": 1000, "ends_on_pick_up": True}
+    one = replace(result(scores([1, 0, 1], [400, np.inf, 150]), oracle=(1, 1, 1), rooms=(2, 2, 2),
+                         shortest=(200, 100, 150)), **ends)  # fmt: skip
+    figures = one.figures("agent")
+    assert figures["success"].value == pytest.approx(2 / 3)
+    assert figures["spl"].value == pytest.approx((0.5 + 0 + 1) / 3)
+    assert figures["first_find"].value == pytest.approx((400 + 1000 + 150) / 3)
+    table = score_table(one)
+    assert table.headings == ("policy", "success", "SPL", "steps to find")
+    assert table.rows[0][3] == "517"
+    again = result_of(modes_of([one])["secondary"], "secondary")
+    assert again.figures("agent")["spl"].value == figures["spl"].value
+
+
+def test_an_object_goal_is_played_in_the_houses_that_have_the_piece():
+    houses = [random_house(0), BARE, random_house(3)]
+    assert playable(houses, TABLE) == [houses[0], houses[2]]
+    assert playable(houses, "main") == houses
+    [found] = measure({}, houses, (TABLE,), episodes=3, baselines=("searcher", "oracle"))
+    assert len(found.rooms) == 6
+    assert found.ends_on_pick_up
+    for name in ("searcher", "oracle"):
+        [played] = found.policies[name]
+        assert (played.targets <= 1).all()
+        assert found.figures(name)["success"].value > 0.8
+    assert found.figures("oracle")["spl"].value == 1 > found.figures("searcher")["spl"].value
+
+
+def test_evaluate_in_a_noisy_world_writes_the_figures_of_an_object_goal(tmp_path, capsys, monkeypatch):
+    save([random_house(0), BARE], tmp_path / "houses.jsonl")
+    monkeypatch.setitem(PRESETS, "noisy", replace(NOISY, steps=300))
+    Evaluate(houses=tmp_path / "houses.jsonl", targets=(TABLE,), world="noisy", json=True).run()
+    printed = json.loads(capsys.readouterr().out)["answer"]
+    figures = printed["targets"][TABLE]["policies"]["oracle"]["figures"]
+    assert printed["world"] == "noisy"
+    assert figures["success"]["value"] == figures["spl"]["value"] == 1
+    assert "first_find" in printed["definitions"]
+
+
+def test_a_piece_that_no_house_has_is_told_in_one_line(tmp_path):
+    save([random_house(0), BARE], tmp_path / "houses.jsonl")
+    with pytest.raises(HouseFileError, match=r"no piece tabel: did you mean table\? There are table$"):
+        Evaluate(houses=tmp_path / "houses.jsonl", targets=(TABLE.replace("table", "tabel"),)).run()
+
+
+def test_a_noisy_world_disturbs_all_but_those_that_know_where_they_are():
+    assert with_sensor(NOISY) == NOISY
+    assert undisturbed(NOISY) == DEFAULT
+    assert PRIVILEGED == ("searcher", "oracle")
+
+
+def test_long_episodes_have_twice_the_steps():
+    assert replace(DEFAULT, steps=3000) == LONG
