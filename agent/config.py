@@ -296,7 +296,8 @@ class PaperConfig(TrainConfig):
 PQN = PQNConfig()
 
 PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig] = {
-    "pqn": PQN,
+    # More environments, and one pass over each rollout: half the time a step.
+    "pqn": replace(PQN, num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
     "pqn-map": replace(PQN, targets="secondary", steps=2_000_000, map=True),
     "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
     "dqn": DQNConfig(
