@@ -21,10 +21,10 @@ from agent.pqn import PQN
 from agent.world import make_envs, shield
 from logic import generate
 
-SIZES = [64, 256, 1024]
+SIZES = [64, 256, 512, 1024]
 
 
-def started(environments: int = 256) -> PQN:
+def started(environments: int = 512) -> PQN:
     """A run by the preset ``pqn`` on one core that does not end, after its first rollout."""
     torch.set_num_threads(1)
     preset = PRESETS["pqn"]
@@ -125,7 +125,7 @@ def test_rollout(benchmark, learner):
 
 @pytest.mark.benchmark(group="update")
 def test_update(benchmark, learner):
-    """Returns, and two epochs of four minibatches forwards and backwards."""
+    """Returns, and all minibatches forwards and backwards."""
     epochs = learner.config.update_epochs
     measure(benchmark, learner, lambda: learner.train_epochs(learner.returns()), learning=epochs)
 
