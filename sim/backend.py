@@ -21,8 +21,8 @@ from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import Array
 
-WALL, PIECE, TARGET = 1, 2, 3
-"""What a ray hits; 0 is nothing."""
+WALL, PIECE, TARGET, DOOR = 1, 2, 3, 4
+"""What a ray hits; 0 is nothing. No backend hits a door, a closed one: ``sim.doors``."""
 
 
 @dataclass(frozen=True)

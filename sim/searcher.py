@@ -54,6 +54,8 @@ class Searcher:
     def __init__(self, envs: HouseVectorEnv) -> None:
         """Survey the houses, and find what a look from each viewpoint would show."""
         self.world: World = envs.unwrapped.world
+        if self.world.config.closed_doors:
+            raise ValueError("a searcher looks through doorways: give it environments with closed_doors=0")
         world, count = self.world, self.world.num_envs
         spots = [here.targets for here in world.places]
         pitch = in_steps(VIEWS, world)

@@ -94,7 +94,8 @@ class HouseVectorEnv(VectorEnv):
     [1.0, 2.0, 0.0]}``, or another task, ``{"task": "reach", "room": "hall"}``, or a ``.json`` file of one:
     ``sim.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the preset's.
+    ``preset``: ``default``, ``doors``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in place of the
+    preset's.
     ``seed``: of the first reset, if that is given none.
     """
 
