@@ -40,11 +40,11 @@ class SearchDoors(NamedTuple):
     poses that wait and the distance at which each is found.
     """
 
-    doorways: ti.template()
-    pushes: ti.template()
-    pushed: ti.template()
-    waiting: ti.template()
-    found_at: ti.template()
+    doorways: Any
+    pushes: Any
+    pushed: Any
+    waiting: Any
+    found_at: Any
 
 
 @cache

@@ -8,7 +8,7 @@ that bodies meet and rays end on. So every backend has them, and none knows of t
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,8 @@ Pushes = ti.types.ndarray(ti.u8, 1)
 class DoorArrays(NamedTuple):
     """The doors of a bank, and how far those of each environment are opened, as kernels pass them on."""
 
-    doorways: ti.template()
-    pushes: ti.template()
+    doorways: Any
+    pushes: Any
 
 
 def doorways(shapes: Sequence[Geometry]) -> np.ndarray:

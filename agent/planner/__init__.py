@@ -129,6 +129,7 @@ class Planner:
             rays=rays,
             channels=world.channels,
             distance=int(world.sees_angle),
+            doors=world.sees_doors,
             step=step,
             touching=world.in_cells,
             target=world.target / 2 / self.cell,

@@ -35,9 +35,8 @@ def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.nda
     for k, lattice in enumerate(envs.world.lattices):
         shape = envs.geometries[k]
         spots = lattice.origin + lattice.pitch * np.argwhere(np.ones(lattice.shape, bool))
-        free = spots[shape.holds(spots) & Boxes.of(shape).clear(spots, envs.config.body[0] / 2)]
-        if backend == "grid":
-            free = spots[envs.world.places[k].targets.astype(int) @ [lattice.shape[1], 1]]
+        half = envs.config.body[0] / 2 - (2e-3 if backend == "grid" else 0)  # there bodies touch walls
+        free = spots[shape.holds(spots) & Boxes.of(shape).clear(spots, half)]
         away = np.abs(free[:, None] - shape.doors[:, :2]).max(axis=2).min(axis=1)
         near = free[away < 0.3]
         some = [free[rng.integers(len(free), size=EACH // 2)], near[rng.integers(len(near), size=EACH // 2)]]
