@@ -46,23 +46,33 @@ class Shield:
         step: float,
         margin: float = 0.005,
         noise: float = 0.0,
+        doors: bool = False,
     ) -> None:
         """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
-        keeps on every side, ``noise`` the standard deviation of the rays' distances; metres.
+        keeps on every side, ``noise`` the standard deviation of the rays' distances; metres. ``doors``:
+        observations tell walls, pieces and closed doors, as (distance, wall, piece, door, target), and a
+        body may walk at a door, which opens it.
         """
+        self.doors = doors
         self.reach, self.apart, self.tolerance = reach, pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
         self.most = 1 - SPREAD * noise / reach
         self.clear = torch.tensor(clearance(angles, body, step, margin) / reach, dtype=torch.float32)
+        self.at_door = 1.5 * self.clear.amax(0)
         # Where the body stands straight, the walls run along the first two; diagonally, along the others.
         turned = angles + np.pi / 4 * np.array([[0], [2], [1], [3]])
         self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed."""
-        distance, is_target = observation[..., -2], observation[..., -1]
-        far = (distance + is_target)[..., None, :]  # 1 or more where the target is: it is never in the way
+        distance, passed = observation[..., -2], observation[..., -1]
+        if self.doors:
+            distance, is_door = observation[..., -5], observation[..., -2]
+            passed = passed + is_door
+            # A bump before a door is a push.
+            blocked = blocked & ~((is_door > 0) & (distance < self.at_door.to(distance.device))).any(-1)
+        far = (distance + passed)[..., None, :]  # 1 or more where the target is: it is never in the way
         free = (far - self.clear.to(distance.device)).amin(-1) >= 0
         free, free_diagonally = free.unbind(-1)
         # The vote is costly and rarely needed: only where the two regions differ.

@@ -342,14 +342,9 @@ class CompletionConfig(TrainConfig):
 
 PQN = PQNConfig()
 
-<<<<<<< HEAD
 PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig | CompletionConfig] = {
-    "pqn": PQN,
-=======
-PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig] = {
     # More environments, and one pass over each rollout: half the time a step.
     "pqn": replace(PQN, num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
->>>>>>> speed
     "pqn-map": replace(PQN, targets="secondary", steps=2_000_000, map=True),
     "map-completion": CompletionConfig(
         targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3

@@ -68,7 +68,13 @@ def shield(envs: HouseVectorEnv) -> Shield:
     """The avoidance layer for the body and the rays of these environments."""
     config = envs.config
     return Shield(
-        config.ray_angles, config.range, config.body[0], config.step, margin=air(config), noise=config.noise
+        config.ray_angles,
+        config.range,
+        config.body[0],
+        config.step,
+        margin=air(config),
+        noise=config.noise,
+        doors=config.sees_doors,
     )
 
 

@@ -21,9 +21,9 @@ from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import Array
 
-WALL, PIECE, TARGET = 1, 2, 3
-"""What a ray hits; 0 is nothing. Where kinds of pieces are told apart, a piece of the first of them is
-``NAMED``, and so on."""
+WALL, PIECE, TARGET, DOOR = 1, 2, 3, 4
+"""What a ray hits; 0 is nothing. No backend hits a door, a closed one: ``sim.doors``. Where kinds of pieces
+are told apart, a piece of the first of them is ``NAMED``, and so on."""
 
 NAMED = 16
 

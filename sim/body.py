@@ -13,6 +13,22 @@ SKIN = 1e-5
 blocks nor is picked up."""
 
 
+@ti.func
+def slides_into(box, p, q, half):
+    """Whether a square that slides from p to q meets a box (west, north, east, south) (i32): three axes to
+    separate them by, x, y and across the way. The same bits for p to q as for q to p, so that ways can be
+    searched backwards.
+    """
+    west, north, east, south = box[0], box[1], box[2], box[3]
+    x, y = 0.5 * (p[0] + q[0] - west - east), 0.5 * (p[1] + q[1] - north - south)
+    dx, dy = ti.abs(q[0] - p[0]), ti.abs(q[1] - p[1])
+    width = 0.5 * (east - west) + half - ti.static(SKIN)
+    height = 0.5 * (south - north) + half - ti.static(SKIN)
+    near = (ti.abs(x) < width + 0.5 * dx) & (ti.abs(y) < height + 0.5 * dy)
+    across = ti.abs((q[0] - p[0]) * y - (q[1] - p[1]) * x) <= dx * height + dy * width
+    return ti.cast(near & across, ti.i32)
+
+
 @ti.data_oriented
 class Body:
     """Where a body is at a pose: an ``origin`` (x, y), metres, and a ``cell`` (i, j, heading), int32."""

@@ -14,6 +14,8 @@ MOST_RAYS = 1024
 
 MOST_KINDS = 64
 """Kinds of pieces that an observation tells apart at most."""
+MOST_PUSHES = 255
+"""Steps that a door may take to open: they are counted in 8 bits."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,12 @@ class Config:
     """Whether an observation begins with each ray's absolute direction."""
 
     sees_kind: bool = False
-    """Whether an observation says for each ray if it ends on a wall and if on a piece, before the target."""
+    """Whether an observation says for each ray if it ends on a wall and if on a piece, before the target;
+    where doors are closed, after these, also if on one of them."""
+
+    closed_doors: int = 0
+    """Steps of walking at a closed door until it opens for the rest of the episode: all doors between rooms
+    begin an episode closed. 0: doorways are open."""
 
     kinds: tuple[str, ...] = ()
     """Kinds of pieces that an observation tells apart: of each, before the distance, whether the ray ends on
@@ -97,6 +104,15 @@ class Config:
             raise ValueError(f"kinds are {', '.join(self.kinds)}: each once, {MOST_KINDS} at most")
         if self.collision not in ("swept", "original"):
             raise ValueError(f"unknown collision {self.collision!r}: there are swept, original")
+        if not 0 <= self.closed_doors <= MOST_PUSHES:
+            raise ValueError(f"closed_doors is {self.closed_doors} steps: from 0 to {MOST_PUSHES}")
+        if self.closed_doors and (
+            self.collision != "swept" or self.ends_on_collision or self.body[0] != self.body[1]
+        ):
+            raise ValueError(
+                "closed_doors needs collision 'swept', a body as wide on a diagonal as along an axis, and "
+                "episodes that do not end on a collision: walking at a door is one"
+            )
 
     @property
     def ray_angles(self) -> np.ndarray:
@@ -106,12 +122,17 @@ class Config:
     @property
     def channels(self) -> int:
         """Numbers in an observation for each ray."""
-        return 2 + self.sees_angle + 2 * self.sees_kind + len(self.kinds)
+        return 2 + self.sees_angle + 2 * self.sees_kind + self.sees_doors + len(self.kinds)
 
     @property
     def notes_hits(self) -> bool:
         """Whether a backend must say of a ray that it ends on a wall, or on a piece and of which kind."""
         return self.sees_kind or bool(self.kinds)
+
+    @property
+    def sees_doors(self) -> bool:
+        """Whether an observation says for each ray if it ends on a closed door."""
+        return self.sees_kind and self.closed_doors > 0
 
 
 DEFAULT = Config()
@@ -135,4 +156,7 @@ NOISY = replace(DEFAULT, noise=0.02, dropout=0.02, slip=0.01)
 LONG = replace(DEFAULT, steps=3000)
 """Episodes for houses of 8 to 12 rooms."""
 
-PRESETS = {"default": DEFAULT, "long": LONG, "noisy": NOISY, "paper": PAPER}
+DOORS = replace(DEFAULT, closed_doors=4, sees_kind=True)
+"""All doors between rooms are closed at first, and rays tell a door from a wall."""
+
+PRESETS = {"default": DEFAULT, "doors": DOORS, "long": LONG, "noisy": NOISY, "paper": PAPER}

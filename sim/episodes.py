@@ -7,9 +7,10 @@ depends on how many environments there are, on how often others reset, or, for t
 
 import numpy as np
 
-from sim.backend import NAMED, PIECE, TARGET, WALL, Backend
+from sim.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
 from sim.body import SKIN
 from sim.config import Config
+from sim.doors import Doors
 from sim.philox import below, philox, uniform
 from sim.runtime import ti
 
@@ -84,22 +85,36 @@ def store(reals: ti.template(), wholes: ti.template(), e, state):
 class Episodes:
     """One environment's step and reset, for a configuration and a backend."""
 
-    def __init__(self, config: Config, backend: Backend, ends_on_pick_up: bool) -> None:
-        """``ends_on_pick_up``: whether an episode is over when its target is picked up."""
+    def __init__(self, config: Config, backend: Backend, ends_on_pick_up: bool, lanes: int) -> None:
+        """``ends_on_pick_up``: whether an episode is over when its target is picked up. ``lanes``: rays in a
+        look.
+        """
+        if config.closed_doors:
+            self.doors = Doors(config, backend.body, lanes)
         self.config, self.backend, self.body = config, backend, backend.body
         self.ends_on_pick_up = ends_on_pick_up
         # Apart by more than this, a target is not picked up from where the one before it was.
         self.apart = config.target + max(config.body)
 
     @ti.func
-    def advance(self, numbers: ti.template(), indices: ti.template(), places: ti.template(), state, action):
+    def advance(
+        self,
+        numbers: ti.template(),
+        indices: ti.template(),
+        places: ti.template(),
+        doors: ti.template(),
+        e,
+        state,
+        action,
+    ):
         """One step but for sight: the state, and picked up, terminated, truncated, blocked (i32)."""
-        cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
+        cell, blocked, door = self.move(numbers, indices, doors, e, state, action)
         if ti.static(self.config.slip > 0):
             counter = ti.Vector([state.episode, state.time, 0, WHEELS])
             words = philox(state.seed, ti.cast(counter, ti.u64))
             if uniform(words[0]) < ti.static(self.config.slip):
-                cell, blocked = state.cell, 0
+                cell, blocked, door = state.cell, 0, -1
+        self.push(doors, e, door)
         terminated = 0
         if ti.static(self.config.ends_on_collision):
             terminated = blocked
@@ -117,7 +132,27 @@ class Episodes:
         return state, picked, terminated, truncated, blocked
 
     @ti.func
-    def begin(self, places: ti.template(), state, house):
+    def move(self, numbers: ti.template(), indices: ti.template(), doors: ti.template(), e, state, action):
+        """The cell that an action leads to, whether something is in the way (i32), and which closed door is,
+        -1 for none. Nothing is changed.
+        """
+        cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
+        door = -1
+        if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
+            if action == 2:
+                door = self.doors.ahead(doors, e, state.house, state.origin, state.cell)
+                blocked |= ti.cast(door >= 0, ti.i32)
+        return cell, blocked, door
+
+    @ti.func
+    def push(self, doors: ti.template(), e, door):
+        """Walk at a closed door for a step; -1 for none."""
+        if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
+            if door >= 0:
+                self.doors.push(doors, e, door)
+
+    @ti.func
+    def begin(self, places: ti.template(), doors: ti.template(), e, state, house):
         """The next episode, in the given house, or a sampled one if that is negative."""
         state.episode += 1
         state.house = house
@@ -126,7 +161,15 @@ class Episodes:
         at = 1 + HEADER * state.house
         state.origin = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
         state.time, state.found, state.over = 0, 0, 0
-        return self.sample_start(places, self.sample_target(places, state, -1.0))
+        state = self.sample_start(places, self.sample_target(places, state, -1.0))
+        self.close_doors(doors, e, state)
+        return state
+
+    @ti.func
+    def close_doors(self, doors: ti.template(), e, state):
+        """Close the doors of an environment's house as its episode begins."""
+        if ti.static(self.config.closed_doors > 0):
+            self.doors.close(doors, e, state.house, state.origin, state.cell)
 
     @ti.func
     def sample_start(self, places: ti.template(), state):
@@ -179,6 +222,7 @@ class Episodes:
         self,
         numbers: ti.template(),
         indices: ti.template(),
+        doors: ti.template(),
         state,
         ray,
         lanes: ti.template(),
@@ -186,11 +230,13 @@ class Episodes:
         e,
     ):
         """Write what ``lanes`` rays see, from number ``ray`` on: (angle / 359 degrees,) (is a piece of each
-        named kind,) distance / range, (is wall, is piece,) is target.
+        named kind,) distance / range, (is wall, is piece, (is door,)) is target.
         """
         distance, kind = self.backend.see(
             numbers, indices, state.house, state.origin, state.cell, state.target, ray
         )
+        if ti.static(self.config.closed_doors > 0):
+            self.doors.hide(doors, e, state.house, state.origin, state.cell, ray, distance, kind)
         if ti.static(self.config.noise > 0 or self.config.dropout > 0):
             for r in range(ti.static(lanes)):
                 distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
@@ -220,6 +266,9 @@ class Episodes:
                     observation[to] = ti.select(kind[r] == WALL, 1.0, 0.0)
                     observation[to + 1] = ti.select((kind[r] == PIECE) | (kind[r] >= NAMED), 1.0, 0.0)
                     to += 2
+                if ti.static(self.config.sees_doors):
+                    observation[to] = ti.select(kind[r] == DOOR, 1.0, 0.0)
+                    to += 1
                 observation[to] = ti.select(kind[r] == TARGET, 1.0, 0.0)
 
     @ti.func

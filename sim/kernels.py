@@ -11,6 +11,7 @@ import numpy as np
 
 from sim.backend import Backend
 from sim.config import Config
+from sim.doors import DoorArrays, Pushes
 from sim.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded, store
 from sim.runtime import ti
 
@@ -43,7 +44,7 @@ def kernels(
     """Kernels for a running Taichi. Arguments are named for the world's arrays."""
     lanes = 1 if by_ray else config.rays
     backend = make(config, lanes)
-    episodes = Episodes(config, backend, ends_on_pick_up)
+    episodes = Episodes(config, backend, ends_on_pick_up, lanes)
     rays, all_rays = config.rays, not by_ray
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
     Bytes, Longs = ti.types.ndarray(ti.u8, 1), ti.types.ndarray(ti.i64, 1)
@@ -60,6 +61,8 @@ def kernels(
         numbers: Numbers,
         indices: Indices,
         places: Indices,
+        doorways: Numbers,
+        pushes: Pushes,
         reals: Reals,
         wholes: Wholes,
         option_wholes: Options,
@@ -70,28 +73,32 @@ def kernels(
         ``option_reals`` (E, 4): origin, with the cell that is the rest of ``option_wholes``, and target; what
         is NaN is sampled.
         """
+        doors = ti.static(DoorArrays(doorways, pushes))
         for e in range(reals.shape[0]):
             if option_wholes[e][0] != ti.static(KEEP):
-                state = episodes.begin(places, loaded(reals, wholes, e), option_wholes[e][0])
+                state = episodes.begin(places, doors, e, loaded(reals, wholes, e), option_wholes[e][0])
                 at = option_reals[e]
                 if at[0] == at[0]:
                     state.origin = ti.Vector([at[0], at[1]])
                     state.cell = ti.Vector([option_wholes[e][1], option_wholes[e][2], option_wholes[e][3]])
                 if at[2] == at[2]:
                     state.target = ti.Vector([at[2], at[3]])
+                episodes.close_doors(doors, e, state)
                 store(reals, wholes, e, state)
                 if ti.static(all_rays):
-                    episodes.look(numbers, indices, state, 0, rays, observation, e)
+                    episodes.look(numbers, indices, doors, state, 0, rays, observation, e)
         if ti.static(by_ray):
             for e, r in ti.ndrange(reals.shape[0], rays):
                 if option_wholes[e][0] != ti.static(KEEP):
-                    episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
+                    episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, observation, e)
 
     @ti.kernel
     def step(
         numbers: Numbers,
         indices: Indices,
         places: Indices,
+        doorways: Numbers,
+        pushes: Pushes,
         reals: Reals,
         wholes: Wholes,
         action: Longs,
@@ -108,6 +115,7 @@ def kernels(
         Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated, blocked; in
         ``SAME_STEP`` also ``final`` and the ``last`` state.
         """
+        doors = ti.static(DoorArrays(doorways, pushes))
         for e in range(reals.shape[0]):
             if ti.static(all_rays):
                 # What the next environment looks up comes from memory while this one steps.
@@ -115,33 +123,38 @@ def kernels(
                 prefetched[e] = backend.prefetch(numbers, indices, after.house, after.origin, after.cell)
             state = loaded(reals, wholes, e)
             if ti.static(mode == NEXT_STEP) and state.over:
-                state = episodes.begin(places, state, SAMPLE)
+                state = episodes.begin(places, doors, e, state, SAMPLE)
                 reward[e] = 0.0
                 flag(flags, e, reals.shape[0], 0, 0, 0)
             else:
                 state, picked, terminated, truncated, blocked = episodes.advance(
-                    numbers, indices, places, state, ti.cast(action[e], ti.i32)
+                    numbers, indices, places, doors, e, state, ti.cast(action[e], ti.i32)
                 )
                 reward[e] = ti.cast(picked, ti.f32)
                 flag(flags, e, reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
                 store(last_reals, last_wholes, e, state)
                 if ti.static(all_rays):
-                    episodes.look(numbers, indices, state, 0, rays, final, e)
-                    state = episodes.begin(places, state, SAMPLE)
+                    episodes.look(numbers, indices, doors, state, 0, rays, final, e)
+                    state = episodes.begin(places, doors, e, state, SAMPLE)
             store(reals, wholes, e, state)
             if ti.static(all_rays):
-                episodes.look(numbers, indices, state, 0, rays, observation, e)
+                episodes.look(numbers, indices, doors, state, 0, rays, observation, e)
         if ti.static(by_ray):
             if ti.static(mode == SAME_STEP):
                 for e, r in ti.ndrange(reals.shape[0], rays):
                     if wholes[e][6]:
-                        episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, final, e)
+                        episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, final, e)
                 for e in range(reals.shape[0]):
                     if wholes[e][6]:
-                        store(reals, wholes, e, episodes.begin(places, loaded(reals, wholes, e), SAMPLE))
+                        store(
+                            reals,
+                            wholes,
+                            e,
+                            episodes.begin(places, doors, e, loaded(reals, wholes, e), SAMPLE),
+                        )
             for e, r in ti.ndrange(reals.shape[0], rays):
-                episodes.look(numbers, indices, loaded(reals, wholes, e), r, 1, observation, e)
+                episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, observation, e)
 
     @ti.kernel
     def describe(reals: Reals, wholes: Wholes, pose: Numbers, target: Numbers, house: Indices):

@@ -119,6 +119,8 @@ class Lookout:
         ``spots``: for each house the centres (n, 2) float64 of the targets that are looked for, metres.
         """
         self.world: World = envs.unwrapped.world
+        if self.world.config.closed_doors:
+            raise ValueError("a lookout looks through doorways: give it environments with closed_doors=0")
         pitch = in_steps(PITCH, self.world)
         spots = [here.targets[here.spread(pitch)] for here in self.world.places]
         self.arrays = {

@@ -3,6 +3,7 @@
 It knows the house, which no agent does: it bounds what an agent can reach, one target at a time. A search
 runs backwards from all poses that pick the target up, no further than it must, and goes on from where it
 stopped when it is asked about a pose further away. It moves as ``step`` does, bit for bit, on any backend.
+Where doors are closed it walks at them until they open: a path counts those steps too.
 """
 
 from collections.abc import Sequence
@@ -113,14 +114,18 @@ class _Searches:
         places = count * int(columns * rows)
         if 8 * places >= 1 << 31:
             raise ValueError(f"{count} searches at once are too many in houses of {columns} x {rows} places")
+        closed = world.config.closed_doors > 0
         self.arrays = {
             "moves": Array(ti.u16, places),
             "distance": Array(ti.i16, 8 * places),
             "queue": Array(ti.i32, 8 * places),
-            "notes": Array(ti.i32, count, 6),
+            "notes": Array(ti.i32, count, 7),
             "goals": Array(ti.f32, count, 2),
             "first": Array(ti.i32, 1),
             "answer": Array(ti.i64, count),
+            "pushed": Array(ti.u8, count * world.arrays["pushes"].shape[0] // world.num_envs),
+            "waiting": Array(ti.i32, 8 * places if closed else 1),
+            "found_at": Array(ti.i32, 8 * places if closed else 1),
         }
         self.house, self.origin = np.full(count, -1), np.full((count, 2), np.nan)
         self.launches: dict[str, Launch] = {}
@@ -145,6 +150,10 @@ class _Searches:
             arrays = [self.arrays[name].ndarray for name in names]
             for s, lattice, table in zip(new, lattices, surveys, strict=True):
                 self.kernels["learn"](*arrays, s, *lattice.first, table.moves)
+                if world.config.closed_doors:
+                    moves, notes = arrays[0], arrays[2]
+                    rows = world.arrays["doorways"].ndarray
+                    self.kernels["mark"](moves, notes, rows, s, int(house[s]), *origin[s].tolist())
         self.house[:count], self.origin[:count] = house, origin
         return self
 

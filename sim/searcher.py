@@ -61,6 +61,8 @@ class Searcher:
         not allow.
         """
         self.world: World = envs.unwrapped.world
+        if self.world.config.closed_doors:
+            raise ValueError("a searcher looks through doorways: give it environments with closed_doors=0")
         world, count = self.world, self.world.num_envs
         tables = survey(world.backend, world.bank, list(range(len(world.places))), world.lattices)
         self.prior = PRIORS[prior](world, tables, in_steps(SAMPLES, world))

@@ -96,8 +96,8 @@ class HouseVectorEnv(VectorEnv):
     "reach", "room": "hall"}``, or a ``.json`` file of one:
     ``sim.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
-    ``preset``: ``default``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``. ``max_episode_steps``: in
-    place of the preset's.
+    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.
+    ``max_episode_steps``: in place of the preset's.
     ``seed``: of the first reset, if that is given none.
     """
 

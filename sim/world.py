@@ -10,7 +10,8 @@ import numpy as np
 from logic import House
 from sim.backend import Backend, Bank, Lattice
 from sim.config import Config
-from sim.episodes import HEADER
+from sim.doors import door_arrays
+from sim.episodes import HEADER, HOUSE
 from sim.kernels import NEXT_STEP, SAME_STEP, kernels
 from sim.kinds import check_kinds
 from sim.places import Places, places
@@ -19,7 +20,8 @@ from sim.survey import survey
 from sim.tasks import AnyTask, FixedTask, Targets, task
 
 STATE = "reals", "wholes"
-"""Arrays that a step depends on and that are not the bank's."""
+"""Arrays that a step depends on and that are not the bank's. Where doors are closed also ``pushes``, which
+is as long as the bank's doors ask for."""
 
 TABLES = "numbers", "indices", "places"
 """Arrays of the bank."""
@@ -97,6 +99,7 @@ class World:
         self.lattices, self.places = self._places(houses, bank, wanted)
         self.houses, self.bank, self.task = list(houses), bank, wanted
         self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
+        self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
         for launch in self.launches.values():
             launch.bind(self.arrays)
 
@@ -232,14 +235,34 @@ class World:
         }
 
     @property
+    def open_doors(self) -> np.ndarray:
+        """Which doors of its house, in the order of ``Geometry.doors``, are open in each environment, (E, D)
+        bool; beyond a house's last door False.
+        """
+        house = self.state["wholes"][:, HOUSE]
+        count = np.array([len(shape.doors) for shape in self.bank.geometries])[house]
+        most = max(len(shape.doors) for shape in self.bank.geometries)
+        is_open = np.arange(most) < count[:, None]
+        if self.config.closed_doors:
+            pushes = self.arrays["pushes"].numpy().reshape(self.num_envs, -1)[:, :most]
+            is_open &= pushes >= self.config.closed_doors
+        return is_open
+
+    @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, 10) and (E,) int32."""
-        return {name: self.arrays[name].numpy() for name in STATE}
+        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, 10) and (E,) int32; where
+        doors are closed also how often each was walked at, (E D,) uint8.
+        """
+        return {name: self.arrays[name].numpy() for name in self._state_names}
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        for name in STATE:
+        for name in self._state_names:
             self.arrays[name].fill(state[name])
+
+    @property
+    def _state_names(self) -> tuple[str, ...]:
+        return (*STATE, "pushes") if self.config.closed_doors else STATE
 
 
 FARTHEST = 100.0

@@ -30,7 +30,7 @@ SKIN = 1e-5
 ROUNDING = 5e-6
 """Metres: more than float32 can shift where a ray passes a line's end, or a body a box."""
 
-WALL, PIECE, TARGET = 1, 2, 3
+WALL, PIECE, DOOR, TARGET = 1, 2, 4, 3
 """What a ray hits, in the order in which hits at one distance count; 0 is nothing."""
 
 
@@ -103,24 +103,29 @@ def cast(lines: np.ndarray, eye: np.ndarray, angle: np.ndarray, slack: float = 0
 
 @dataclass(frozen=True)
 class Boxes:
-    """A house's walls (W, 4) and pieces (P, 4), (west, north, east, south), as kernels have them."""
+    """A house's walls (W, 4), pieces (P, 4) and closed doors (D, 4), (west, north, east, south), as kernels
+    have them.
+    """
 
     walls: np.ndarray
     pieces: np.ndarray
+    doors: np.ndarray
 
     @classmethod
-    def of(cls, shape: Geometry) -> "Boxes":
-        """Rounded to float32 and kept in float64."""
-        rows = shape.solids
+    def of(cls, shape: Geometry, closed: np.ndarray | None = None) -> "Boxes":
+        """Rounded to float32 and kept in float64. ``closed`` (D,) bool: which doors are, by default none."""
+        doors = shape.doors[np.zeros(len(shape.doors), bool) if closed is None else closed]
+        rows = np.concatenate([shape.solids, doors])
         boxes = np.hstack([rows[:, :2] - rows[:, 2:], rows[:, :2] + rows[:, 2:]])
         boxes = boxes.astype(np.float32).astype(float)
         count = len(shape.verticals) + len(shape.horizontals)
-        return cls(boxes[:count], boxes[count:])
+        last = len(shape.solids)
+        return cls(boxes[:count], boxes[count:last], boxes[last:])
 
     @property
     def all(self) -> np.ndarray:
-        """Walls, then pieces."""
-        return np.concatenate([self.walls, self.pieces])
+        """Walls, pieces, closed doors."""
+        return np.concatenate([self.walls, self.pieces, self.doors])
 
     def clear(self, centre: np.ndarray, half: np.ndarray | float) -> np.ndarray:
         """Whether squares round centres (N, 2) are clear of everything, by 1e-4 m. (N,) bool."""
@@ -160,15 +165,19 @@ def sights(
     low, high = (goal - half).astype(float), (goal + half).astype(float)
     ring = [low, np.column_stack([high[:, 0], low[:, 1]]), high, np.column_stack([low[:, 0], high[:, 1]])]
     square = np.stack([np.stack(ring, axis=1), np.stack([*ring[1:], ring[0]], axis=1)], axis=2)
-    kinds = (sides(boxes.walls), sides(boxes.pieces).reshape(-1, 2, 2), square)
+    kinds = (
+        sides(boxes.walls),
+        *(sides(some).reshape(-1, 2, 2) for some in (boxes.pieces, boxes.doors)),
+        square,
+    )
     inside = ~((low > eye) | (high < eye)).any(axis=1)
-    # For each axis what is met of the lines across it, walls, pieces and targets.
+    # For each axis what is met of the lines across it, walls, pieces, doors and targets.
     met = []
     for axis in (0, 1):
         for lines in kinds:
             one = lines if lines.ndim == 3 else lines[0]
             met.append(meetings(lines[..., one[:, 0, axis] == one[:, 1, axis], :, :], eye, angle))
-        met[-3][2][:] = True  # a wall has two faces
+        met[-4][2][:] = met[-2][2][:] = True  # a wall or a door has two faces
         met[-1][0][inside] = np.inf
     outcomes = []
     for slack, only_faces in ((SEAM - ROUNDING, True), (SEAM + ROUNDING, False)):
@@ -178,11 +187,11 @@ def sights(
                 np.where((miss <= slack) & (face | (not only_faces)), far, np.inf).min(axis=1, initial=np.inf)
                 for far, miss, face in met
             ]
-        ).reshape(2, 3, -1)
+        ).reshape(2, 4, -1)
         # Of hits at one distance, on one line that is, the first kind counts.
         first = nearest.min(axis=1)
         same = nearest <= first[:, None] + 1e-9
-        kind = same.argmax(axis=1) + 1
+        kind = np.array([WALL, PIECE, DOOR, TARGET])[same.argmax(axis=1)]
         clear = (same | (nearest > first[:, None] + 1e-5)).all(axis=(0, 1))
         with np.errstate(invalid="ignore"):
             clear &= (np.abs(first[0] - first[1]) > 1e-5) | (kind[0] == kind[1])

@@ -10,13 +10,8 @@ import numpy as np
 
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
-<<<<<<< HEAD
 from agent.config import TARGET_MODES, CompletionConfig
-from agent.evaluation.baselines import BASELINES
-=======
-from agent.config import TARGET_MODES
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
->>>>>>> tasks
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
 from agent.policies import Policy

@@ -130,6 +130,7 @@ class Planner:
             rays=rays,
             channels=world.channels,
             distance=world.sees_angle + len(world.kinds),
+            doors=world.sees_doors,
             step=step,
             touching=world.in_cells,
             target=world.target / 2 / self.cell,

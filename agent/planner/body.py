@@ -11,6 +11,9 @@ class Body(NamedTuple):
     distance: int
     """The channel that has it."""
 
+    doors: bool
+    """Whether the channel before the last tells the rays that end on a closed door."""
+
     step: int
     """Half cells."""
 

@@ -13,8 +13,8 @@ from agent.planner.body import Body
 from agent.planner.visibility import FINE
 from sim.runtime import ti
 
-NOTHING, WALL, TARGET = range(3)
-"""What a ray ends on: its range, a wall or a piece, the target."""
+NOTHING, WALL, TARGET, DOOR = range(4)
+"""What a ray ends on: its range, a wall or a piece, the target, a closed door."""
 
 LEAST = 3
 """Rays that must agree on a line."""
@@ -36,6 +36,7 @@ class Scan:
     def __init__(self, body: Body) -> None:
         """Read what its sensor says."""
         self.rays, self.channels, self.column = body.rays, body.channels, body.distance
+        self.doors = body.doors
         self.reach, self.noise, self.dropout = body.reach / FINE, body.noise, body.dropout
         self.apart, self.eighth = pair(body.noise), body.eighth
         self.error = max(body.noise, 0.05) / self.reach
@@ -54,6 +55,9 @@ class Scan:
         kind = ti.select(self.raw(observation, e, ray) < self.most, WALL, NOTHING)
         if observation[(e * self.rays + ray + 1) * self.channels - 1] > 0:
             kind = TARGET
+        if ti.static(self.doors):  # noqa: SIM102 - decided as it is compiled
+            if observation[(e * self.rays + ray + 1) * self.channels - 2] > 0:
+                kind = DOOR
         return kind
 
     @ti.func

@@ -13,7 +13,7 @@ from agent.planner.features import describe
 from agent.planner.goal import Goal
 from agent.planner.occupancy import Occupancy, number_type
 from agent.planner.paths import Paths
-from agent.planner.scan import TARGET, WALL, Scan
+from agent.planner.scan import DOOR, TARGET, WALL, Scan
 from agent.planner.state import SEARCH, first_state, loaded, store
 from agent.planner.target import Target
 from agent.planner.viewpoints import Viewpoints
@@ -24,6 +24,7 @@ Sight = ti.types.struct(
     due=ti.i32,  # whether the rays were swept
     hits=ti.i32,  # cells found to be occupied that were not known to be
     forward=ti.i32,  # whether the rays leave the body room to go forward
+    door=ti.i32,  # whether the body is before a closed door
     spotted=ti.i32,  # rays that met the target
     missed=ti.i32,  # whether a ray missed a known target that it should have met
     low=ti.math.vec2,  # the corners of where rays met it, cells from the eye
@@ -106,6 +107,10 @@ class Step:
             end = d * reach
             if (kind == WALL) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
                 sight.forward = 0
+            if ti.static(self.body.doors):
+                sight.door |= ti.cast(
+                    (kind == DOOR) & (d < 1.5 * tables.clear[(heading & 1) * self.body.rays + r]), ti.i32
+                )
             if sight.due:
                 far = ti.cast(d * self.body.reach, ti.i32)
                 unseen, reached = self.visibility.floor(
@@ -153,7 +158,8 @@ class Step:
             spot = ti.cast(ti.floor(eye + offset + 0.5), ti.i32)
             state.found_here += self.belief.within(self.belief.start_room(memory, base), spot[0], spot[1])
         state.known = known
-        if blocked != 0:
+        # What blocks a body before a closed door is the door, which opens.
+        if (blocked != 0) & (sight.door == 0):
             sight.forward = 0
         if (px | py) & 1 == 0:
             # It may stand nearer to a wall than the map would have let it go.
@@ -161,7 +167,7 @@ class Step:
         way = self.occupancy.ahead(state.heading)
         noted = sight.due | ti.cast(blocked, ti.i32)
         passes = self.occupancy.passes(memory, base, px, py, way[0], way[1], ti.static(self.body.step))
-        if (sight.forward == 0) & noted & passes:
+        if (sight.forward == 0) & noted & passes & (sight.door == 0):
             # It cannot go where the map says it can: what hinders it lies between two rays.
             qx, qy = px + self.ahead * way[0], py + self.ahead * way[1]
             self.occupancy.close(memory, base, (qx + (way[0] > 0)) >> 1, (qy + (way[1] > 0)) >> 1)

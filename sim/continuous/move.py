@@ -3,7 +3,7 @@
 import numpy as np
 
 from sim.backend import Bank, Lattice
-from sim.body import SKIN, Body
+from sim.body import SKIN, Body, slides_into
 from sim.config import Config
 from sim.continuous.layout import BOXES, FIRST_BOX, FIRST_PIECE, FLOOR, HEADER, ROOMS, cell_of, end_of, listed
 from sim.geometry import Geometry
@@ -79,17 +79,9 @@ class Motion:
 
     @ti.func
     def meets(self, numbers: ti.template(), box, p, q, half):
-        """Whether a square that slides from p to q meets a box (i32): three axes to separate them by, x, y
-        and across the way. The same bits for p to q as for q to p, so that ways can be searched backwards.
-        """
-        west, north, east, south = numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]
-        x, y = 0.5 * (p[0] + q[0] - west - east), 0.5 * (p[1] + q[1] - north - south)
-        dx, dy = ti.abs(q[0] - p[0]), ti.abs(q[1] - p[1])
-        width = 0.5 * (east - west) + half - ti.static(SKIN)
-        height = 0.5 * (south - north) + half - ti.static(SKIN)
-        near = (ti.abs(x) < width + 0.5 * dx) & (ti.abs(y) < height + 0.5 * dy)
-        across = ti.abs((q[0] - p[0]) * y - (q[1] - p[1]) * x) <= dx * height + dy * width
-        return ti.cast(near & across, ti.i32)
+        """Whether a square that slides from p to q meets a box (i32)."""
+        corners = ti.Vector([numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]])
+        return slides_into(corners, p, q, half)
 
     @ti.func
     def original(self, numbers: ti.template(), indices: ti.template(), house, centre, half):
