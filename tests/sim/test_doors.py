@@ -59,7 +59,7 @@ def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.nda
         half = envs.config.body[0] / 2 - (2e-3 if backend == "grid" else 0)  # there bodies touch walls
         free = spots[shape.holds(spots) & Boxes.of(shape).clear(spots, half)]
         away = np.abs(free[:, None] - shape.doors[:, :2]).max(axis=2).min(axis=1)
-        near = free[away < 0.3]
+        near = free[away < 0.25]
         some = [free[rng.integers(len(free), size=EACH // 2)], near[rng.integers(len(near), size=EACH // 2)]]
         poses.append(np.concatenate(some))
     pose = np.column_stack([np.concatenate(poses), rng.integers(8, size=count) * np.pi / 4])
@@ -67,7 +67,7 @@ def posed(backend: str, houses: list, seed: int) -> tuple[HouseVectorEnv, np.nda
     standing = envs.world.open_doors
     state = envs.state
     pushes = state["pushes"].reshape(count, -1)
-    pushes[:] = np.maximum(pushes, DOORS.closed_doors * (rng.random(pushes.shape) < 0.4))
+    pushes[:] = np.maximum(pushes, DOORS.closed_doors * (rng.random(pushes.shape) < 0.2))
     envs.state = state | {"pushes": pushes.ravel()}
     assert (envs.world.open_doors >= standing).all()
     return envs, pose, pushes < DOORS.closed_doors
@@ -115,7 +115,7 @@ def test_rays_and_moves_meet_closed_doors_and_no_open_ones(backend, houses):
             else:
                 assert not pushed[here].any()
         if action == 2:
-            assert pushed.sum() > 0.04 * envs.num_envs
+            assert pushed.sum() > 0.02 * envs.num_envs
         assert (seen[..., 3].any(axis=1)).mean() > 0.2
 
 
@@ -217,7 +217,7 @@ def moves_of(house, origin, config):
     j = np.arange(np.ceil((north - origin[1]) / config.step), (south - origin[1]) / config.step).astype(int)
     place = origin + config.step * np.array([(a, b) for a in i for b in j])
     shape, half = geometry(house), config.body[0] / 2
-    free = Boxes.of(shape).clear(place, half)
+    free = shape.holds(place) & ~stopped(Boxes.of(shape), place, place, np.full(len(place), half))[0]
     cells = np.array([(a, b) for a in i for b in j])[free]
     moved = {}
     for heading, way in enumerate([(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)]):
