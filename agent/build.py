@@ -4,13 +4,14 @@ from typing import Any
 
 import torch
 
-from agent.config import PaperConfig, PQNConfig, QLearningConfig, TrainConfig
+from agent.config import PaperConfig, PQNConfig, QLearningConfig, TrainConfig, ViewpointQConfig
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
 from agent.planner import FEATURES
-from agent.policies import QPolicy, Tracker
+from agent.policies import Explorer, QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.simulator import simulator
+from agent.viewpoint_q.network import Chooser, ViewpointNetwork
 from agent.world import layer_of
 from sim import HouseVectorEnv
 
@@ -22,18 +23,22 @@ def network_of(config: TrainConfig) -> Any:
     world = simulator(config)
     if isinstance(config, PaperConfig):
         return PaperNetwork.of(config)
-    assert isinstance(config, QLearningConfig)
     with seeded(config.seed):
+        if isinstance(config, ViewpointQConfig):
+            return ViewpointNetwork(world.steps)
+        assert isinstance(config, QLearningConfig)
         if isinstance(config, PQNConfig) and config.network == "recurrent":
             return RecurrentQNetwork(world.rays, world.channels)
         features = FEATURES if isinstance(config, PQNConfig) and config.map else 0
         return QNetwork(world.rays, world.channels, config.half_lives, features)
 
 
-def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy:
+def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy | Explorer:
     """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
     generator = torch.Generator().manual_seed(seed)
     layer = layer_of(config, envs, generator)
+    if isinstance(config, ViewpointQConfig):
+        return Explorer(layer, envs.config, chooser=Chooser(network))
     if isinstance(config, PaperConfig) and config.plays_as_original:
         return QPolicy(network, layer, generator, config.final_epsilon, config.forward, homing=True)
     tracker = Tracker(envs.config) if network.shape[3] else None

@@ -10,12 +10,14 @@ import safetensors
 import safetensors.torch
 
 from agent.build import network_of
-from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig, ViewpointQConfig
 from agent.released import FORMAT, CheckpointError, located, require_sizes
 from logic.files import write_whole
 from logic.spelling import printable
 
-KINDS: dict[str, type[TrainConfig]] = {kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig)}
+KINDS: dict[str, type[TrainConfig]] = {
+    kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig, ViewpointQConfig)
+}
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ import torch
 from agent import checkpoint, ranks
 from agent.banks import bank_hash
 from agent.checkpoint import Checkpoint
-from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig, ViewpointQConfig
 from agent.dqn import DQN
 from agent.learner import Diverged, Learner, Progress
 from agent.paper import Paper
@@ -37,6 +37,7 @@ from agent.pqn import PQN
 from agent.progress import progress
 from agent.released import CheckpointError
 from agent.simulator import simulator
+from agent.viewpoint_q.learner import ViewpointQ
 from agent.world import make_envs
 from logic import House
 from logic.errors import RequestError, VitruviusError
@@ -162,7 +163,9 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     if isinstance(config, PQNConfig):
         return PQN(config, envs)
     if ranks.size() > 1:
-        raise RequestError("deep Q-learning from a replay buffer runs in one process alone")
+        raise RequestError(f"{config.algorithm} runs in one process alone")
+    if isinstance(config, ViewpointQConfig):
+        return ViewpointQ(config, envs)
     if isinstance(config, DQNConfig):
         return DQN(config, envs)
     assert isinstance(config, PaperConfig)

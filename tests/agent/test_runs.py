@@ -17,13 +17,14 @@ import torch
 from agent import checkpoint, runs
 from agent.banks import bank_hash
 from agent.cli import parse
-from agent.config import PRESETS, DQNConfig, PQNConfig
+from agent.config import PRESETS, PQNConfig
 from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.pqn import PQN
 from agent.released import CheckpointError
 from agent.report.folder import report
 from agent.runs import run
+from agent.viewpoint_q.learner import ViewpointQ
 from logic import load, save
 from logic.errors import RequestError
 from logic.stopping import Terminated
@@ -35,6 +36,7 @@ HOUSES = [random_house(seed) for seed in range(4)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
 WITH_MAP = replace(CONFIG, map=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
+VIEWPOINTS = replace(PRESETS["viewpoints"], num_envs=4, steps=4000, sim=("steps=300",), batch_size=32)
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 
 
@@ -112,12 +114,14 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "config", [CONFIG, WITH_MAP, RECURRENT, REPLAY], ids=["pqn", "pqn-map", "pqn-recurrent", "dqn"]
+    "config",
+    [CONFIG, WITH_MAP, RECURRENT, VIEWPOINTS, REPLAY],
+    ids=["pqn", "pqn-map", "pqn-recurrent", "viewpoints", "dqn"],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
     run(HOUSES, config, tmp_path / "whole")
-    learner = DQN if isinstance(config, DQNConfig) else PQN
+    learner = {"pqn": PQN, "dqn": DQN, "viewpoint-q": ViewpointQ}[config.algorithm]
     iterate = learner.iterate
     for left in (1, 2):
         turns = iter([iterate] * left)
