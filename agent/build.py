@@ -4,14 +4,22 @@ from typing import Any
 
 import torch
 
-from agent.config import CompletionConfig, PaperConfig, PQNConfig, QLearningConfig, TrainConfig
+from agent.config import (
+    CompletionConfig,
+    PaperConfig,
+    PQNConfig,
+    QLearningConfig,
+    TrainConfig,
+    ViewpointQConfig,
+)
 from agent.map_completion import CompletionNetwork, Foresight
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
 from agent.planner import FEATURES
-from agent.policies import Explorer, Policy, QPolicy, Tracker
+from agent.policies import Explorer, QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.simulator import simulator
+from agent.viewpoint_q.network import Chooser, ViewpointNetwork
 from agent.world import layer_of, shield
 from logic.errors import RequestError
 from sim import HouseVectorEnv
@@ -25,18 +33,19 @@ def network_of(config: TrainConfig) -> Any:
     world = simulator(config)
     if isinstance(config, PaperConfig):
         return PaperNetwork.of(config)
-    if isinstance(config, CompletionConfig):
-        with seeded(config.seed):
-            return CompletionNetwork(len(config.rooms), config.channels)
-    assert isinstance(config, QLearningConfig)
     with seeded(config.seed):
+        if isinstance(config, CompletionConfig):
+            return CompletionNetwork(len(config.rooms), config.channels)
+        if isinstance(config, ViewpointQConfig):
+            return ViewpointNetwork(world.steps)
+        assert isinstance(config, QLearningConfig)
         if isinstance(config, PQNConfig) and config.network == "recurrent":
             return RecurrentQNetwork(world.rays, world.channels)
         features = FEATURES if isinstance(config, PQNConfig) and config.map else 0
         return QNetwork(world.rays, world.channels, config.half_lives, features)
 
 
-def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> Policy:
+def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy | Explorer:
     """A trained network's policy, as it is measured and filmed: its own layer, a few random actions. That of
     map completion: the explorer, by planners that foresee.
     """
@@ -45,6 +54,8 @@ def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int
         return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
     generator = torch.Generator().manual_seed(seed)
     layer = layer_of(config, envs, generator)
+    if isinstance(config, ViewpointQConfig):
+        return Explorer(layer, envs.config, chooser=Chooser(network))
     if isinstance(config, PaperConfig) and config.plays_as_original:
         return QPolicy(network, layer, generator, config.final_epsilon, config.forward, homing=True)
     tracker = Tracker(envs.config) if network.shape[3] else None

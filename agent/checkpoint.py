@@ -10,13 +10,20 @@ import safetensors
 import safetensors.torch
 
 from agent.build import network_of
-from agent.config import CompletionConfig, DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.config import (
+    CompletionConfig,
+    DQNConfig,
+    PaperConfig,
+    PQNConfig,
+    TrainConfig,
+    ViewpointQConfig,
+)
 from agent.released import FORMAT, CheckpointError, located, require_sizes
 from logic.files import write_whole
 from logic.spelling import printable
 
 KINDS: dict[str, type[TrainConfig]] = {
-    kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig, CompletionConfig)
+    kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig, CompletionConfig, ViewpointQConfig)
 }
 
 

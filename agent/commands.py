@@ -14,14 +14,14 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.config import LEARNT_IN, PRESETS, PQNConfig, TrainConfig
+from agent.config import LEARNT_IN, PRESETS, PQNConfig, TrainConfig, ViewpointQConfig
 from agent.options import options_of
 from agent.settings import read, written
 from logic.commands import print_answer
 from logic.errors import RequestError
 from logic.spelling import unknown
 
-Preset = Literal["pqn", "pqn-map", "pqn-recurrent", "dqn", "paper", "map-completion"]
+Preset = Literal["pqn", "pqn-map", "map-completion", "viewpoints", "pqn-recurrent", "dqn", "paper"]
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 
@@ -149,7 +149,10 @@ class Export:
         from logic.files import require_file
 
         require_file(self.out, [".onnx"])
-        export(checkpoint.load(self.agent).network, self.out)
+        agent = checkpoint.load(self.agent)
+        if isinstance(agent.config, ViewpointQConfig):
+            raise RequestError(f"{self.agent}: chooses viewpoints on a planner's map, which ONNX has not")
+        export(agent.network, self.out)
         if self.json:
             print_answer("export", Written([str(self.out)]))
         _say(f"{self.out}")

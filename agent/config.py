@@ -340,15 +340,60 @@ class CompletionConfig(TrainConfig):
             raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
 
 
+@dataclass(frozen=True)
+class ViewpointQConfig(TrainConfig):
+    """Q-learning over the viewpoints that a planner offers: options, of some 25 steps each.
+
+    Preset ``viewpoints`` begins as the explorer, and learns which of the views is worth more than the
+    planner takes it to be. See ``agent.viewpoint_q``.
+    """
+
+    groups: ClassVar = {"gamma": "Q-learning over viewpoints"}
+
+    gamma: float = 0.998
+    """Discount per step."""
+
+    q_lambda: float = 0.8
+    """Lambda of Q(lambda), over options: 0 one option, 1 all that follow."""
+
+    privileged: bool = True
+    """Whether the reward in training is how likely each step found the target, by the true house, and not
+    whether it did: with less noise, and up to a sixth more of it. An agent that plays never reads the house."""
+
+    update_epochs: int = 4
+    """Passes over the choices of the episodes played last."""
+
+    batch_size: int = 512
+    """Choices that an update learns from."""
+
+    max_grad_norm: float = 1.0
+    """Longer gradients are clipped to this norm."""
+
+    algorithm: ClassVar[str] = "viewpoint-q"
+    positive: ClassVar[tuple[str, ...]] = (
+        *(*TrainConfig.positive, "update_epochs", "batch_size", "max_grad_norm"),
+    )
+    fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "gamma", "q_lambda")
+
+    def __post_init__(self) -> None:
+        """Refuse what no run can have, before anything is made."""
+        super().__post_init__()
+        if self.device != "cpu":
+            raise RequestError("viewpoints needs device cpu: that is where maps are kept")
+
+
 PQN = PQNConfig()
 
-PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig | CompletionConfig] = {
+VIEWPOINTS = ViewpointQConfig(targets="secondary", num_envs=64, steps=20_000_000, epsilon=0.1)
+
+PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig | CompletionConfig | ViewpointQConfig] = {
     # More environments, and one pass over each rollout: half the time a step.
     "pqn": replace(PQN, num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
     "pqn-map": replace(PQN, targets="secondary", steps=2_000_000, map=True),
     "map-completion": CompletionConfig(
         targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3
     ),
+    "viewpoints": VIEWPOINTS,
     "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
     "dqn": DQNConfig(
         num_envs=64, learning_rate=5e-4, final_lr_fraction=0.1, epsilon=1.0, exploration_fraction=0.1

@@ -50,18 +50,37 @@ class Policy(Protocol):
         ...
 
 
+class Chooser(Protocol):
+    """Chooses among the viewpoints that planners offer."""
+
+    offers: int
+    """How many it asks for, at most."""
+
+    def __call__(self, planner: Planner) -> object:
+        """Choose where the planners chose in their last step: by ``Planner.take``."""
+        ...
+
+
 class Tracker:
     """Keeps a planner in step with what a policy does: the policy sets ``actions`` after each choice."""
 
-    def __init__(self, world: Config, config: PlannerConfig = TUNED, prior: bool = False) -> None:
-        """Make planners for environments of the configuration ``world``; for ``prior`` see ``Planner``."""
-        self.world, self.config, self.prior = world, config, prior
-        self.planner = Planner(world, 1, config, prior)
+    def __init__(
+        self,
+        world: Config,
+        config: PlannerConfig = TUNED,
+        prior: bool = False,
+        chooser: Chooser | None = None,
+    ) -> None:
+        """Make planners for environments of the configuration ``world``; for ``prior`` see ``Planner``.
+        ``chooser`` takes other viewpoints than they do.
+        """
+        self.world, self.config, self.prior, self.chooser = world, config, prior, chooser
+        self.planner = self._planner(1)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""
         if len(self.planner.advice) != environments:
-            self.planner = Planner(self.world, environments, self.config, self.prior)
+            self.planner = self._planner(environments)
         self.actions = torch.zeros(environments, dtype=torch.int64)
         self.fresh = torch.ones(environments, dtype=torch.bool)
 
@@ -69,7 +88,13 @@ class Tracker:
         """The planners, with what the last actions led to."""
         self.planner.step(observation, blocked, self.actions, self.fresh)
         self.fresh.fill_(False)
+        if self.chooser:
+            self.chooser(self.planner)
         return self.planner
+
+    def _planner(self, environments: int) -> Planner:
+        offers = self.chooser.offers if self.chooser else 0
+        return Planner(self.world, environments, self.config, self.prior, offers)
 
 
 class QPolicy:
@@ -128,12 +153,12 @@ class QPolicy:
 
 
 class Explorer:
-    """The planner's advice under avoidance: to the target that was seen, or else to the next best view.
-    Nothing is learnt but what its ``tracker`` may foresee.
+    """The planner's advice under avoidance: to the target that was seen, or else to the next best view, or to
+    that which a chooser takes. Nothing is learnt but what its ``tracker`` foresees, or its chooser has.
     """
 
     choice: Choice
-    """Of the last call: what is advised has the value 1."""
+    """Of the last call: its values are 1 for what is advised, as it has none of actions."""
 
     def __init__(
         self,
@@ -141,12 +166,13 @@ class Explorer:
         world: Config = DEFAULT,
         config: PlannerConfig = TUNED,
         tracker: Tracker | None = None,
+        chooser: Chooser | None = None,
     ) -> None:
-        """Explore environments of the configuration ``world`` under ``avoidance``; ``tracker`` keeps the
-        planners, if they are others than those of ``config``.
+        """Explore environments of the configuration ``world`` under ``avoidance``; with a ``chooser`` to the
+        views that it chooses. ``tracker`` keeps the planners, if they are others than these.
         """
         self.avoidance, self.interventions = avoidance, 0
-        self.tracker = tracker or Tracker(world, config)
+        self.tracker = tracker or Tracker(world, config, chooser=chooser)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""
@@ -156,9 +182,9 @@ class Explorer:
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         advice = self.tracker.look(observation, blocked).advice
-        preference = one_hot(advice, ACTIONS).float()
-        self.choice = Choice(preference, preference, self.avoidance(observation, blocked))
-        actions = subsume(preference, self.choice.allowed)
+        advised = one_hot(advice, ACTIONS).float()
+        self.choice = Choice(advised, advised, self.avoidance(observation, blocked))
+        actions = subsume(advised, self.choice.allowed)
         self.interventions += int((actions != advice).sum())
         self.tracker.actions = actions
         return actions

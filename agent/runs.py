@@ -29,7 +29,14 @@ import torch
 from agent import checkpoint, ranks
 from agent.banks import bank_hash
 from agent.checkpoint import Checkpoint
-from agent.config import CompletionConfig, DQNConfig, PaperConfig, PQNConfig, TrainConfig
+from agent.config import (
+    CompletionConfig,
+    DQNConfig,
+    PaperConfig,
+    PQNConfig,
+    TrainConfig,
+    ViewpointQConfig,
+)
 from agent.dqn import DQN
 from agent.learner import Diverged, Learner, Progress
 from agent.map_completion.learner import MapCompletion
@@ -39,6 +46,7 @@ from agent.precision import set_precision
 from agent.progress import progress
 from agent.released import CheckpointError
 from agent.simulator import simulator
+from agent.viewpoint_q.learner import ViewpointQ
 from agent.world import make_envs
 from logic import House
 from logic.errors import RequestError, VitruviusError
@@ -167,6 +175,8 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
         raise RequestError(f"{config.algorithm} runs in one process alone")
     if isinstance(config, CompletionConfig):
         return MapCompletion(config, envs)
+    if isinstance(config, ViewpointQConfig):
+        return ViewpointQ(config, envs)
     if isinstance(config, DQNConfig):
         return DQN(config, envs)
     assert isinstance(config, PaperConfig)

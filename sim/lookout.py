@@ -167,10 +167,17 @@ class Lookout:
         rooms = self._rooms[house]
         self._been |= (np.abs(pose[:, None, :2] - rooms[..., :2]) < rooms[..., 2:]).all(axis=-1)
 
+    def counts(self) -> np.ndarray:
+        """How many of its house's spots each environment has looked at, (E,) int32."""
+        return self.arrays["counts"].numpy()
+
+    def totals(self) -> np.ndarray:
+        """How many spots each environment's house has, (E,) int64."""
+        return self._total[self.world.state["wholes"][:, 3]]
+
     def share(self) -> np.ndarray:
         """The share of its house's spots that each environment has looked at, (E,) float64."""
-        house = self.world.state["wholes"][:, 3]
-        return self.arrays["counts"].numpy() / self._total[house]
+        return self.counts() / self.totals()
 
     def rooms(self) -> np.ndarray:
         """How many secondary rooms each environment's eye has been in, (E,) int64."""

@@ -17,7 +17,7 @@ from agent.checkpoint import Checkpoint
 from agent.evaluation.commands import WIDTH
 from agent.evaluation.episodes import reset
 from agent.evaluation.map_picture import MapPicture, beside
-from agent.policies import QPolicy
+from agent.policies import Explorer, QPolicy
 from agent.progress import Report
 from agent.simulator import sensor
 from agent.world import make_envs
@@ -44,7 +44,7 @@ class Moment(NamedTuple):
 class Watcher(Protocol):
     """What looks on while an episode is played in one environment."""
 
-    def begin(self, envs: HouseVectorEnv, policy: QPolicy) -> None:
+    def begin(self, envs: HouseVectorEnv, policy: QPolicy | Explorer) -> None:
         """An episode is to begin."""
         ...
 
@@ -152,7 +152,7 @@ def record_mosaic(
 
 
 def _played(
-    envs: HouseVectorEnv, policy: QPolicy, seed: int, steps: int | None, report: Report
+    envs: HouseVectorEnv, policy: QPolicy | Explorer, seed: int, steps: int | None, report: Report
 ) -> Iterator[Moment]:
     """Play an episode in each environment."""
     observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)

@@ -16,10 +16,11 @@ from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.features import FEATURES
 from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
+from agent.planner.offers import CHOICE, OFFER
 from agent.planner.paths import FAR
 from agent.planner.reachability import SIDE, UNKNOWN, WORDS
 from agent.planner.state import AT, NONE, SIZE, TARGET
-from agent.planner.step import step_kernel
+from agent.planner.step import step_kernel, take_kernel
 from agent.planner.viewpoints import views
 from agent.planner.visibility import FINE, fan
 from logic.errors import RequestError
@@ -66,19 +67,29 @@ class Planner:
     advice: Tensor
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
 
+    offers: Tensor
+    """(E, K, ``OFFER``) float32, the viewpoints of the last choice, as ``agent.planner.offers`` lists their
+    numbers. The same memory after every step."""
+
+    offered: Tensor
+    """(E, ``CHOICE``) float32, of the last step: how many were offered, 0 where none was chosen; whether it
+    can go forward; and what all candidates count. The same memory after every step."""
+
     def __init__(
         self,
         world: Config,
         environments: int,
         config: PlannerConfig = TUNED,
         prior: bool = False,
+        offers: int = 0,
     ) -> None:
         """Make planners for E environments of the configuration ``world``, in each of which an episode
         begins.
 
         ``prior``: what places count, and which of the unseen ones stop sight, is read from the array of this
-        name, which a network or a study that knows the house fills, and not estimated. Raises ``ValueError``
-        for episodes too long for a cell to keep when it was seen.
+        name, which a network or a study that knows the house fills, and not estimated. ``offers``: at each
+        choice so many viewpoints are noted at most, the planner's own first, of which ``take`` takes another.
+        Raises ``ValueError`` for episodes too long for a cell to keep when it was seen.
         """
         if world.steps > LATEST - 2:
             raise ValueError(f"a cell has room for episodes of {LATEST - 2:,} steps, not of {world.steps:,}")
@@ -119,13 +130,15 @@ class Planner:
             "evidence": Array(ti.u8, area if errs else 1),
             "last": Array(ti.f32, count * rays if world.slip else 1),
             "prior": Array(ti.u8, area >> 2 if prior else 1),
+            "offers": Array(ti.f32, count * offers * OFFER),
+            "offered": Array(ti.f32, count * CHOICE if offers else 1),
         }
         kept = {
             "states": Array(ti.i32, count * SIZE),
             "advice": Array(ti.i64, count),
             "features": Array(ti.f32, count * FEATURES),
         }
-        self.arrays = given | tables | memory | kept
+        self.arrays = given | tables | memory | kept | {"picks": Array(ti.i64, count)}
         self.body = body = Body(
             rays=rays,
             channels=world.channels,
@@ -141,11 +154,16 @@ class Planner:
             eighth=45 // world.ray_spacing,
             errs=errs,
             prior=prior,
+            offers=offers,
         )
         self._launch = Launch(step_kernel(program, config, body), self.arrays)
+        self._take = Launch(take_kernel(program, config, body), self.arrays) if offers else None
         tensors = {name: array.tensor(array.dtype, array.shape) for name, array in self.arrays.items()}
         self._given = [tensors[name] for name in ("observation", "blocked", "action", "begun")]
         self._states = tensors["states"].view(count, SIZE)
+        self.offers = tensors["offers"].view(count, offers, OFFER)
+        self.offered = tensors["offered"].view(-1, CHOICE) if offers else torch.zeros(count, CHOICE)
+        self._picks = tensors["picks"]
         self.advice, self.features = tensors["advice"], tensors["features"].view(count, FEATURES)
 
     def step(self, observation: Tensor, blocked: Tensor, action: Tensor, begun: Tensor) -> None:
@@ -156,6 +174,15 @@ class Planner:
         for held, given in zip(self._given, (observation, blocked, action, begun), strict=True):
             held.copy_(given.reshape(-1))
         self._launch()
+
+    def take(self, picks: Tensor) -> None:
+        """Go to others of the ``offers`` than the planner chose in the last step: ``picks`` (E,) int64, 0 for
+        its own. Where it chose none, or has not so many, nothing changes.
+        """
+        if self._take is None:
+            raise ValueError("these planners note no offers: make them with offers")
+        self._picks.copy_(picks)
+        self._take()
 
     @property
     def state(self) -> dict[str, Tensor]:

@@ -53,6 +53,12 @@ class Memory(NamedTuple):
     prior: Any
     """(E, S S / 4) uint8, or one number: what each block counts, where that is given (``belief.py``)."""
 
+    offers: Any
+    """(E, K, ``OFFER``) float32, or one number: the viewpoints that may be taken (``offers.py``)."""
+
+    offered: Any
+    """(E, ``CHOICE``) float32, or a few numbers: how many, and what else a choice is among."""
+
 
 class Tables(NamedTuple):
     """What follows from the body and its rays, the same for all environments."""

@@ -43,3 +43,6 @@ class Body(NamedTuple):
 
     prior: bool
     """Whether what unseen places count is given from outside."""
+
+    offers: int
+    """How many viewpoints are noted at a choice, for another to choose among; 0: none."""

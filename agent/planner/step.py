@@ -45,7 +45,8 @@ class Step:
         self.visibility = Visibility(config, self.occupancy, body.rays, body.reach, self.scan.tolerance)
         self.target = Target(config, body.target)
         self.belief = Belief(config, self.occupancy, body.prior)
-        self.viewpoints = Viewpoints(config, self.occupancy, Candidates(config, self.occupancy, self.belief))
+        candidates = Candidates(config, self.occupancy, self.belief)
+        self.viewpoints = Viewpoints(config, self.occupancy, candidates, body.offers)
         self.paths = Paths(config, self.occupancy)
         self.advice = Advice(self.occupancy, self.paths)
         self.ahead = body.step // 2 if body.touching else body.step
@@ -210,14 +211,15 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
         directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
-        last: Floats, prior: Bytes,
+        last: Floats, prior: Bytes, offers: Floats, offered: Floats,
         states: Wholes, advice: Longs, features: Floats,
     ):  # fmt: skip
         memory = ti.static(
             Memory(
-                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior,
+                offers, offered,
             )
-        )
+        )  # fmt: skip
         tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
         ti.loop_config(block_dim=8)  # few environments to a thread: their steps take very different times
         for e in range(blocked.shape[0]):
@@ -226,8 +228,47 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
             state, fresh = parts.move(memory, tables, observation, state, base, e, action[e], hit, fresh)
             state, sight = parts.see(memory, tables, observation, state, base, e)
             state, sight = parts.remember(memory, state, sight, base, hit)
+            if ti.static(body.offers):
+                parts.viewpoints.offers.begin(memory, e, sight.forward)
             state = parts.goal.choose(memory, tables, state, base, fresh, sight.hits)
             advice[e] = parts.advise(memory, tables, features, state, base, e, sight.forward)
             store(states, e, state)
 
     return step
+
+
+@cache
+def take_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
+    """The kernel that takes another viewpoint than the planner chose, in the step in which it chose."""
+    parts = Step(config, body)
+    Numbers = ti.types.ndarray(number_type(config), 1)
+
+    @ti.kernel
+    def take(
+        picks: Longs,
+        directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
+        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
+        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
+        last: Floats, prior: Bytes, offers: Floats, offered: Floats,
+        states: Wholes, advice: Longs, features: Floats,
+    ):  # fmt: skip
+        memory = ti.static(
+            Memory(
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior,
+                offers, offered,
+            )
+        )  # fmt: skip
+        tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
+        ti.loop_config(block_dim=8)
+        for e in range(picks.shape[0]):
+            pick = ti.cast(picks[e], ti.i32)
+            if (pick > 0) & (pick < parts.viewpoints.offers.number(memory, e)):
+                base, state = e * parts.occupancy.area, loaded(states, e)
+                state.goal, state.look, within = parts.viewpoints.offers.taken(memory, e, pick)
+                state = parts.goal.search(memory, state, base, within + parts.config.path_slack)
+                state.path = parts.paths.far(memory, base, state.x, state.y)
+                forward = parts.viewpoints.offers.forward(memory, e)
+                advice[e] = parts.advise(memory, tables, features, state, base, e, forward)
+                store(states, e, state)
+
+    return take

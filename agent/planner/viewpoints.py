@@ -8,7 +8,8 @@ import numpy as np
 
 from agent.planner.candidates import NOT_COMPUTED, Candidates
 from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.occupancy import OCCUPIED, SOLID, Occupancy
+from agent.planner.occupancy import FLAGS, OCCUPIED, SOLID, Occupancy
+from agent.planner.offers import Offers
 from sim.runtime import ti
 
 TRIED = 128
@@ -40,9 +41,11 @@ class Viewpoints:
     viewpoint along both axes first, of those between them only where these tell that it may be the best.
     """
 
-    def __init__(self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates) -> None:
-        """Choose on this map."""
-        self.config, self.occupancy = config, occupancy
+    def __init__(
+        self, config: PlannerConfig, occupancy: Occupancy, candidates: Candidates, offers: int = 0
+    ) -> None:
+        """Choose on this map; for a choice of others, note so many ``offers``."""
+        self.config, self.occupancy, self.offers = config, occupancy, Offers(config, occupancy, offers)
         self.candidates, self.pitch = candidates, candidates.pitch
         self.places = config.view_reach // config.view_stride
         # A place on a ray stands for stride by stride cells, as wide as rays are apart there.
@@ -111,6 +114,8 @@ class Viewpoints:
                         memory.gains[part + self.candidates.place(x, y)] = ti.cast(
                             ti.min(highest, float(NOT_COMPUTED - 1)), ti.u16
                         )
+        if ti.static(self.offers.most):
+            self.offers.note(self, memory, tables, state, base, number, total, best, goal, look, within)
         for k in range(listed):
             i = first + ti.cast(memory.queue[base + self.candidates.listed + k], ti.i32)
             memory.candidates[i] = memory.candidates[i] & ti.cast(TRIED, ti.u8)
@@ -144,7 +149,8 @@ class Viewpoints:
     @ti.func
     def gain(self, memory: ti.template(), tables: ti.template(), base, node, octant, try_: ti.template()):
         """The information gain of an octant from a node: what the candidates count that its rays meet, each
-        for the ground about it, as far as the next. With ``try_`` these are tried now: what they counted.
+        for the ground about it, as far as the next. With ``try_`` 1 these are tried now: what they counted.
+        With 2, how much of the gain is by what was never seen, in the unit of neither.
         """
         gain, count = 0, 0
         rays = ti.static(self.config.viewpoint_rays)
@@ -163,6 +169,9 @@ class Viewpoints:
                     i = self.candidates.first(base) + self.candidates.at(there)
                     here = ti.cast(memory.candidates[i], ti.i32) & (TRIED - 1)
                     gain += k * here
+                    if ti.static(try_ == 2):  # noqa: SIM102 - ``and`` would compute both sides
+                        if ti.cast(memory.cells[base + there], ti.i32) < 1 << FLAGS:
+                            count += k * here
                     if ti.static(try_ == 1) and here > 0:
                         count += here
                         memory.candidates[i] = ti.cast(TRIED, ti.u8)

@@ -8,7 +8,7 @@ import numpy as np
 from agent.evaluation.film import Moment
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.belief_map import BeliefMap
-from agent.policies import QPolicy
+from agent.policies import Explorer, QPolicy
 from agent.report.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
 from logic import House
 from sim import HouseVectorEnv
@@ -28,7 +28,7 @@ class Recorder:
         """For the episode of the agent of this name, with targets in this mode."""
         self.name, self.mode, self.seed = name, mode, seed
 
-    def begin(self, envs: HouseVectorEnv, policy: QPolicy) -> None:
+    def begin(self, envs: HouseVectorEnv, policy: QPolicy | Explorer) -> None:
         """See ``Watcher``."""
         self.envs, self.policy, self.house = envs, policy, envs.houses[0]
         self.columns, self.places = defaultdict[str, list](list), list[np.ndarray]()

@@ -27,6 +27,7 @@ from agent.paper import Paper
 from agent.policies import Explorer
 from agent.pqn import PQN
 from agent.released import released
+from agent.viewpoint_q.learner import ViewpointQ
 from agent.world import make_envs, shield
 from logic import generate
 from sim import HouseVectorEnv
@@ -41,7 +42,7 @@ SMALL: dict[str, dict[str, Any]] = {
 }
 """What is changed so that a preset learns something in so few steps."""
 
-LEARNERS = {"pqn": PQN, "dqn": DQN, "paper": Paper}
+LEARNERS = {"pqn": PQN, "dqn": DQN, "paper": Paper, "viewpoint-q": ViewpointQ}
 
 EXPLORERS = {
     "explorer, secondary": ("secondary", 0.0),

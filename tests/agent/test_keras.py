@@ -15,6 +15,7 @@ from agent.commands import ImportKeras
 from agent.evaluation.episodes import play
 from agent.keras import ORIGINAL, import_keras
 from agent.paper import PaperNetwork, next_angles
+from agent.policies import QPolicy
 from agent.released import CheckpointError
 from agent.world import make_envs
 from sim import HouseVectorEnv
@@ -90,6 +91,7 @@ def test_the_command_writes_an_agent_that_plays_as_the_original_did(tmp_path):
     assert (agent.config, agent.name) == (ORIGINAL, "original weights")
     envs = HouseVectorEnv([sample_houses.example()], num_envs=2, preset="paper")
     policy = policy_of(agent.network, agent.config, envs)
+    assert isinstance(policy, QPolicy)
     assert (policy.epsilon, policy.homing, policy.forward) == (0.025, True, 0.92)
     policy.begin(2)
     envs.step(policy(torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(2, dtype=torch.bool)).numpy())
@@ -98,6 +100,7 @@ def test_the_command_writes_an_agent_that_plays_as_the_original_did(tmp_path):
 def test_random_actions_of_the_original_go_forward_where_a_middle_ray_sees_the_target():
     envs = HouseVectorEnv([sample_houses.example()], num_envs=2, preset="paper")
     policy = policy_of(PaperNetwork.of(ORIGINAL), ORIGINAL, envs)
+    assert isinstance(policy, QPolicy)
     policy.epsilon, policy.avoidance = 1.0, Free()
     seen = torch.ones(400, 40, 3)
     seen[..., -1] = 0

@@ -17,7 +17,7 @@ import torch
 from agent import checkpoint, runs
 from agent.banks import bank_hash
 from agent.cli import parse
-from agent.config import PRESETS, CompletionConfig, DQNConfig, PQNConfig
+from agent.config import PRESETS, CompletionConfig, PQNConfig
 from agent.dqn import DQN
 from agent.learner import Diverged
 from agent.map_completion.learner import MapCompletion
@@ -25,6 +25,7 @@ from agent.pqn import PQN
 from agent.released import CheckpointError
 from agent.report.folder import report
 from agent.runs import run
+from agent.viewpoint_q.learner import ViewpointQ
 from logic import load, save
 from logic.errors import RequestError
 from logic.stopping import Terminated
@@ -37,6 +38,7 @@ CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
 WITH_MAP = replace(CONFIG, map=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
 COMPLETION = CompletionConfig(targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4))
+VIEWPOINTS = replace(PRESETS["viewpoints"], num_envs=4, steps=4000, sim=("steps=300",), batch_size=32)
 REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
 
 
@@ -115,13 +117,14 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 @pytest.mark.parametrize(
     "config",
-    [CONFIG, WITH_MAP, RECURRENT, REPLAY, COMPLETION],
-    ids=["pqn", "pqn-map", "pqn-recurrent", "dqn", "map-completion"],
+    [CONFIG, WITH_MAP, RECURRENT, VIEWPOINTS, REPLAY, COMPLETION],
+    ids=["pqn", "pqn-map", "pqn-recurrent", "viewpoints", "dqn", "map-completion"],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
     run(HOUSES, config, tmp_path / "whole")
-    learner = {DQNConfig: DQN, CompletionConfig: MapCompletion}.get(type(config), PQN)
+    learners = {"pqn": PQN, "dqn": DQN, "viewpoint-q": ViewpointQ, "map-completion": MapCompletion}
+    learner = learners[config.algorithm]
     iterate = learner.iterate
     for left in (1, 2):
         turns = iter([iterate] * left)
