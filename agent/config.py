@@ -358,7 +358,7 @@ class ViewpointQConfig(TrainConfig):
 
     privileged: bool = True
     """Whether the reward in training is how likely each step found the target, by the true house, and not
-    whether it did: with less noise, and up to a sixth more of it. An agent that plays never reads the house."""
+    whether it did: with less noise, and up to a sixth more in all. An agent that plays reads no house."""
 
     update_epochs: int = 4
     """Passes over the choices of the episodes played last."""

@@ -252,7 +252,7 @@ class Search:
         opened = False
         if ti.static(self.closed_doors):
             count = self.episodes.doors.count(doors)
-            for door in range(count):
+            for door in range(count):  # pyright: ignore[reportArgumentType]
                 pushes = doors.pushes[e * count + door]
                 opened |= doors.pushed[s * count + door] != pushes
                 doors.pushed[s * count + door] = pushes

@@ -83,7 +83,7 @@ class Doors:
     def ahead(self, doors: ti.template(), e, house, origin, cell):
         """The first closed door that a step forward meets, -1 for none."""
         found, new = -1, self.body.ahead(cell)
-        for door in range(self.count(doors)):
+        for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             if found < 0 and self.left(doors, e, door) > 0:  # noqa: SIM102 - ``and`` computes both sides
                 if self.meets(doors, house, door, origin, cell, new):
                     found = door
@@ -93,7 +93,7 @@ class Doors:
     def toll(self, doors: ti.template(), e, house, origin, cell):
         """How many steps must be walked at closed doors until a step forward enters their doorways (i32)."""
         toll, new = 0, self.body.ahead(cell)
-        for door in range(self.count(doors)):
+        for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             left = self.left(doors, e, door)
             if left > 0:
                 enters = self.meets(doors, house, door, origin, cell, new)
@@ -105,7 +105,7 @@ class Doors:
         """Whether a step from a cell, at some heading, may meet a door, open or not."""
         p, found = self.body.centre(origin, cell), False
         reach = self.body.half(cell) + ti.static(self.body.step + MARGIN)
-        for door in range(self.count(doors)):
+        for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             found |= slides_into(self.segment(doors, house, door), p, p, reach) != 0
         return found
 
@@ -118,7 +118,7 @@ class Doors:
     @ti.func
     def close(self, doors: ti.template(), e, house, origin, cell):
         """Close all doors but those that a body stands in."""
-        for door in range(self.count(doors)):
+        for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             inside = self.meets(doors, house, door, origin, cell, cell)
             steps = ti.select(inside, ti.static(self.steps), 0)
             doors.pushes[e * self.count(doors) + door] = ti.cast(steps, ti.u8)
@@ -142,7 +142,7 @@ class Doors:
         over, slope = self.rays.floats(0.0), self.rays.floats(0.0)
         for axis in ti.static(range(2)):
             self.rays.across(first, axis, over, slope)
-            for door in range(self.count(doors)):
+            for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
                 line = self.segment(doors, house, door)
                 if self.left(doors, e, door) > 0 and line[axis] == line[axis + 2]:
                     low, high = line[1 - axis], line[3 - axis]
