@@ -7,6 +7,7 @@ from torch import Tensor
 from agent.map_completion.network import CompletionNetwork, Prediction
 from agent.map_completion.windows import PATH, SEEN, Windows
 from agent.planner import TUNED, Planner, PlannerConfig
+from agent.planner.belief import OPAQUE
 from agent.planner.config import CERTAIN
 from agent.policies import Tracker
 from sim.config import Config
@@ -17,15 +18,11 @@ EVERY, NEWS = 24, 16
 EARLY = (1, 4, 10)
 """Steps of an episode at which it predicts anyway."""
 
-PATHS = 0.3
-"""How surely a block must be floor for paths to lead over it unseen, and for views to go on."""
+PATHS, WALLS = 0.3, 0.05
+"""How surely a block must be floor for paths to lead over it unseen; and below which views end there."""
 
 ELSEWHERE = 0.1
 """What floor counts on which targets do not lie: it may be on the way to where they do."""
-
-SEEN_BEFORE = 0.84
-"""Share of the candidates that were seen before in which a target can lie, by ``vitruvius bench odds``: what
-counts ``CERTAIN``."""
 
 AT_ONCE = 32
 """Windows in a batch: what fits a processor's cache."""
@@ -73,9 +70,11 @@ class Foresight(Tracker):
         return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
-        """What blocks count by a prediction, and whether paths lead there, (n, W, W) uint8."""
+        """What blocks count by a prediction, ``OPAQUE`` where views end, and with ``PATH`` where paths lead,
+        (n, W, W) uint8.
+        """
         floor, target = (logits.sigmoid().numpy() for logits in prediction[:2])
         seen = windows >> 3 >= SEEN
-        worth = target + ELSEWHERE * (1 - target)
-        count = np.clip(CERTAIN * worth * np.where(seen, 1, floor / SEEN_BEFORE), 0, CERTAIN).astype(np.uint8)
+        count = (CERTAIN * floor * (target + ELSEWHERE * (1 - target))).astype(np.uint8)
+        count[(floor < WALLS) & ~seen] = OPAQUE
         return count | (PATH * ((floor > PATHS) | seen)).astype(np.uint8)

@@ -65,7 +65,7 @@ class Windows:
 
 
 PATH = 1 << 7
-"""Bit of what is given: paths may lead there, though it was not seen. Without it, views end there."""
+"""Bit of what is given: paths may lead there, though it was not seen."""
 
 
 @cache
@@ -103,8 +103,8 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
             if e >= 0:
                 for k in range(WINDOW * WINDOW):
                     y, x = node(corners[2 * n], corners[2 * n + 1], k)
-                    # The planner's bit says the opposite: sight ends there.
-                    now = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32) ^ PATH
+                    value = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32)
+                    now = value & (PATH - 1)
                     place = e * (area >> 2) + ((y >> 1 << bits - 1) | (x >> 1))
                     if ti.cast(prior[place], ti.i32) != now:
                         prior[place] = ti.cast(now, ti.u8)
@@ -112,7 +112,7 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
                         dirty[(e * area >> 2 * TILE) + tile] = ti.cast(1, ti.u8)
                         spot = e * (area // pitch**2) + (y // pitch) * ((1 << bits) // pitch) + x // pitch
                         gains[spot] = ti.cast(NOT_COMPUTED, ti.u16)
-                    if now < PATH:
+                    if value >= PATH:
                         for j, i in ti.static(ti.ndrange((-1, 1), (-1, 1))):
                             there = e * area + ((((y + j) & mask) << bits) | ((x + i) & mask))
                             cells[there] = cells[there] | ti.cast(NEAR, ti.u16)

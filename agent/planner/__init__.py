@@ -271,13 +271,13 @@ class Planner:
         return np.where(odds == UNKNOWN, 0, odds)
 
     def foreseen(self, environment: int) -> tuple[np.ndarray, np.ndarray]:
-        """With a prior: what places count (S / 2, S / 2) uint8, and bool, where sight and paths go on as far
-        as it says; for two by two cells of ``occupancy`` each.
+        """With a prior: what places count (S / 2, S / 2) uint8, and bool, where sight is not believed to end;
+        for two by two cells of ``occupancy`` each.
         """
         half = 1 << self.config.map_bits - 1
         blocks = self.arrays["prior"].view().reshape(-1, half, half)[environment]
         blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1))
-        return blocks & np.uint8(OPAQUE - 1), blocks < OPAQUE
+        return np.where(blocks == OPAQUE, np.uint8(0), blocks), blocks != OPAQUE
 
     def paths(self, environment: int) -> np.ndarray:
         """Nodes (S, S) from the goal where they were searched, else 65535; placed as ``occupancy``."""

@@ -9,8 +9,8 @@ from agent.planner.config import CERTAIN, PlannerConfig
 from agent.planner.occupancy import FLAGS, HEADINGS, OCCUPIED, Occupancy
 from sim.runtime import ti
 
-OPAQUE = 128
-"""Bit of ``prior``: what lies there is believed to stop sight."""
+OPAQUE = 127
+"""Of ``prior``: counts nothing, and what lies there is believed to stop sight."""
 
 
 @ti.data_oriented
@@ -26,7 +26,9 @@ class Belief:
         """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
         odds = CERTAIN
         if ti.static(self.prior):
-            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & (OPAQUE - 1)
+            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32)
+            if odds == OPAQUE:
+                odds = 0
         elif ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
             floor = self.floor(memory, base, x, y)
             for k in ti.static(range(17)):
@@ -43,7 +45,7 @@ class Belief:
     @ti.func
     def hidden(self, memory: ti.template(), base, node):
         """Whether sight is believed to end at a node that was never seen (i32)."""
-        opaque = ti.cast(memory.prior[self.block(base, node)] >= ti.static(OPAQUE), ti.i32)
+        opaque = ti.cast(memory.prior[self.block(base, node)] == OPAQUE, ti.i32)
         return opaque & ti.cast(ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS, ti.i32)
 
     @ti.func

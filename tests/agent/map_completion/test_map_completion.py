@@ -13,6 +13,7 @@ from agent.map_completion.learner import completion_loss, turned
 from agent.map_completion.network import WINDOW, Prediction
 from agent.map_completion.truth import FLOOR, TARGET, UNKNOWN, Truth
 from agent.map_completion.windows import PATH, Windows
+from agent.planner.belief import OPAQUE
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED
 from agent.policies import Explorer, Tracker
@@ -98,12 +99,14 @@ def test_what_is_written_is_what_places_count_and_where_paths_lead():
     planner = tracker.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
     windows, near = Windows(planner), planner.arrays["cells"].numpy() & NEAR
     given = np.zeros((1, WINDOW, WINDOW), np.uint8)
-    given[0, 2, 3], given[0, 3, 5] = 70 | PATH, 30
+    given[0, 2, 3], given[0, 3, 5], given[0, 5, 5] = 70 | PATH, 30, OPAQUE
     windows.write(np.array([2]), given)
     counts, open_ = planner.foreseen(2)
     corner = middle(planner, 2) - WINDOW // 2 + len(counts) // 2
-    here, there = tuple(np.add(corner, (2, 3))), tuple(np.add(corner, (3, 5)))
-    assert (counts[here], open_[here], counts[there], open_[there]) == (70, True, 30, False)
+    here, there, wall = (tuple(np.add(corner, place)) for place in ((2, 3), (3, 5), (5, 5)))
+    assert [counts[here], counts[there], counts[wall]] == [70, 30, 0]
+    assert [open_[here], open_[there], open_[wall]] == [True, True, False]
+    assert (~open_).sum() == 1
     assert counts.sum() == 100
     assert not planner.foreseen(1)[0].any()
     assert planner.foreseen(1)[1].all()
@@ -201,8 +204,8 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     given = foresight.given(Prediction(sure, sure, sure[:, None]), windows)
     assert (given == CERTAIN | PATH).all()
     none = foresight.given(Prediction(-sure, -sure, sure[:, None]), windows)
-    assert none[0, 0, 0] & PATH
-    assert not none[0, 1:].any()
+    assert none[0, 0, 0] == PATH  # it was seen: a path may lead there, and a view go on
+    assert (none[0, 1:] == OPAQUE).all()
 
 
 @pytest.mark.parametrize(
