@@ -141,9 +141,9 @@ def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
     assert right < 0.01
     # Farther than 12 blocks from what was seen it hardly matters.
     far = floor.clone()
-    far[0, 30:] = 9.0
+    far[0, :, 30:] = 9.0
     wrong = floor.clone()
-    wrong[0, 20:22] = 9.0
+    wrong[0, :, 12:14] = 9.0
     losses = [
         float(completion_loss(Prediction(each, floor, kinds), windows, bits, rooms)) for each in (far, wrong)
     ]
