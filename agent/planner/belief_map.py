@@ -51,11 +51,24 @@ def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     def belief_map(
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Bytes,
-        states: Wholes, counts: Bytes,
+        offers: Floats, offered: Floats, states: Wholes, counts: Bytes,
     ):  # fmt: skip
         memory = ti.static(
             Memory(
-                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior
+                cells,
+                distance,
+                queue,
+                dirty,
+                reached,
+                tiles,
+                odds,
+                candidates,
+                gains,
+                evidence,
+                last,
+                prior,
+                offers,
+                offered,
             )
         )
         for e in range(states.shape[0] // ti.static(SIZE)):

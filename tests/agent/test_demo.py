@@ -29,6 +29,7 @@ def made(tmp_path_factory):
     with short_episodes(), pytest.MonkeyPatch.context() as patch:
         for name, value in {"ROOMS": (2,), "TRAINING": 6, "HELD_OUT": 2, "STEPS": 2000, "LINES": 0.0}.items():
             patch.setattr(module, name, value)
+        patch.setattr(module, "COMPLETION_SECONDS", 0.1)
         patch.setattr(module, "Console", lambda: console)
         out.mkdir()
         (out / "report.md").write_text(f"{module.TITLE}\n\nof an older run")
@@ -38,7 +39,7 @@ def made(tmp_path_factory):
 
 def test_the_demo_writes_all_its_files_and_nothing_else(made):
     out, code, _ = made
-    assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, "training"])
+    assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, *module.RUNS])
     assert code == 1  # 2,000 steps teach nothing
 
 
@@ -61,7 +62,7 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
 def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
     main, secondary = page.split("**Targets in secondary rooms, 2 houses**")
-    for agent, part in (("agent", main), ("pqn-map", secondary)):
+    for agent, part in (("agent", main), ("foresight", secondary)):
         for name in (agent, "random + avoidance", "script", "explorer", "oracle", "human, another house"):
             assert f"| {name} |" in part
     for picture in ("plans.png", "learning-curve.png", "episode.gif", "episode-secondary.gif"):
@@ -77,12 +78,11 @@ def test_the_page_of_the_demo_is_that_of_its_folder_and_plays_both_episodes(made
     assert page.count(b'class="episode"') == 2
 
 
-def test_report_and_terminal_say_that_behind_doors_a_planner_searches_and_the_network_adds_nothing(made):
+def test_report_and_terminal_say_what_the_network_adds_to_the_planner_behind_doors(made):
     for shown in ((made[0] / "report.md").read_text(), made[2]):
         words = " ".join(shown.split())
-        assert "the search is done by a next-best-view planner over an occupancy map" in words
-        assert "a residual over the planner's advice, which changes nothing yet" in words
-        assert "Ratio of pqn-map less explorer, paired by house: " in words
+        assert "the same planner with a map completion network that began this run with random" in words
+        assert "Ratio of foresight less explorer, paired by house, 4 episodes in each: " in words
         assert "in the paper's own house: the human's row says whether that is another house" in words
 
 
@@ -146,8 +146,9 @@ def test_the_hash_is_of_the_shape_alone():
 
 
 def test_the_networks_gain_is_the_paired_difference_to_the_planner():
-    both = result(others={"pqn-map": scores([5, 8]), "explorer": scores([6, 10])})
-    assert gain(both) == "Ratio of pqn-map less explorer, paired by house: -0.100 [-0.100, -0.100]"
+    both = result(others={"foresight": scores([5, 8]), "explorer": scores([6, 10])})
+    words = "Ratio of foresight less explorer, paired by house, 4 episodes in each"
+    assert gain(both) == f"{words}: -0.100 [-0.100, -0.100]"
 
 
 @pytest.mark.parametrize(("targets", "code"), [(9.0, 0), (4.8, 1), (1.0, 1)])

@@ -61,7 +61,7 @@ def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tm
 def test_a_wheel_has_the_frozen_banks(installed: Path, tmp_path: Path) -> None:
     code = "from agent.banks import *\nfor name in BANKS: print(benchmark_path(name), len(benchmark(name)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
-    path, houses, home_path, homes = ended.stdout.split()
-    assert Path(path).is_relative_to(installed)
-    assert Path(home_path).is_relative_to(installed)
-    assert (houses, homes) == ("256", "256")
+    paths, houses = ended.stdout.split()[::2], ended.stdout.split()[1::2]
+    assert len(paths) >= 4
+    assert all(Path(path).is_relative_to(installed) for path in paths)
+    assert set(houses) == {"256"}

@@ -111,10 +111,11 @@ def test_a_third_config_of_the_same_name_and_folder_is_refused(tmp_path):
 
 
 def test_agents_of_all_presets_are_measured_in_the_same_houses(tmp_path):
-    agents = {name: [checkpoint.load(written(tmp_path, config, name))] for name, config in PRESETS.items()}
+    presets = {name: config for name, config in PRESETS.items() if name != "map-completion"}
+    agents = {name: [checkpoint.load(written(tmp_path, config, name))] for name, config in presets.items()}
     result = next(measure(agents, HOUSES[:2], ("main",), seed=1, baselines=("oracle",)))
-    assert list(result.policies) == [*PRESETS, "oracle"]
-    for name in PRESETS:
+    assert list(result.policies) == [*presets, "oracle"]
+    for name in presets:
         [each] = result.policies[name]
         assert (each.targets <= result.oracle).all()
         assert each.steps == 2 * SHORT.steps
