@@ -61,7 +61,7 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
 
 def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
-    main, secondary = page.split("**Targets in secondary rooms, 2 houses**")
+    main, secondary = page.split("**Targets in secondary rooms, 2 houses")
     for agent, part in (("agent", main), ("foresight", secondary)):
         for name in (agent, "random + avoidance", "script", "explorer", "oracle", "human, another house"):
             assert f"| {name} |" in part
