@@ -13,6 +13,7 @@ from agent.config import (
     ViewpointQConfig,
 )
 from agent.map_completion import CompletionNetwork, Foresight
+from agent.map_completion.truth import GROUND
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
 from agent.planner import FEATURES
@@ -35,7 +36,7 @@ def network_of(config: TrainConfig) -> Any:
         return PaperNetwork.of(config)
     with seeded(config.seed):
         if isinstance(config, CompletionConfig):
-            return CompletionNetwork(len(config.rooms), config.channels)
+            return CompletionNetwork(len(GROUND) + len(config.kinds), len(world.kinds), config.channels)
         if isinstance(config, ViewpointQConfig):
             return ViewpointNetwork(world.steps)
         assert isinstance(config, QLearningConfig)

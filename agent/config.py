@@ -15,6 +15,9 @@ from logic.errors import RequestError
 TargetMode = Literal["main", "secondary", "mixed"]
 """Where targets lie: in the main room, in secondary rooms, or in both."""
 
+MOST_GROUND = 250
+"""Types of rooms and kinds of pieces that map completion tells apart: they are kept in 8 bits."""
+
 MOST_HALF_LIVES = 64
 """Half-lives of a memory: those of the presets are four."""
 
@@ -297,10 +300,11 @@ class PaperConfig(TrainConfig):
 class CompletionConfig(TrainConfig):
     """Map completion: a network learns what lies where a map shows nothing: ``agent.map_completion``."""
 
-    groups: ClassVar = {"rooms": "Map completion"}
+    groups: ClassVar = {"kinds": "Map completion"}
 
-    rooms: tuple[str, ...] = ()
-    """Types of rooms that are told apart; by default those of the houses that it learns in."""
+    kinds: tuple[str, ...] = ()
+    """Types of rooms and kinds of pieces that are told apart; by default those of the houses that it learns
+    in."""
 
     channels: tuple[int, ...] = (16, 32, 64, 96)
     """Of the network's levels, each at half the resolution of the one before."""
@@ -334,8 +338,8 @@ class CompletionConfig(TrainConfig):
         super().__post_init__()
         if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
             raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
-        if len(self.rooms) >= 255:
-            raise RequestError(f"rooms are at most 254 types, not {len(self.rooms)}")
+        if len(self.kinds) > MOST_GROUND:
+            raise RequestError(f"kinds are {MOST_GROUND} at most, not {len(self.kinds)}")
         if self.device != "cpu":
             raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
 

@@ -66,7 +66,7 @@ class Config:
 
     kinds: tuple[str, ...] = ()
     """Kinds of pieces that an observation tells apart: of each, before the distance, whether the ray ends on
-    such a piece. Each must be in some house of the bank."""
+    such a piece. One at least must be in some house of the bank."""
 
     noise: float = 0.0
     """Standard deviation of each distance, metres: normal, cut to 0 and the range."""

@@ -4,10 +4,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from agent.map_completion.marks import Marks
 from agent.map_completion.network import CompletionNetwork, Prediction
-from agent.map_completion.windows import PATH, SEEN, Windows
+from agent.map_completion.windows import SEEN, Windows
 from agent.planner import TUNED, Planner, PlannerConfig
-from agent.planner.belief import OPAQUE
+from agent.planner.belief import OPAQUE, PATH
 from agent.planner.config import CERTAIN
 from agent.policies import Tracker
 from sim.config import Config
@@ -21,8 +22,11 @@ EARLY = (1, 4, 10)
 PATHS, WALLS = 0.3, 0.05
 """How surely a block must be floor for paths to lead over it unseen; and below which views end there."""
 
-ELSEWHERE = 0.1
+ELSEWHERE = 0.05
 """What floor counts on which targets do not lie: it may be on the way to where they do."""
+
+LIKELY = 1.5
+"""Times the density of targets where they are expected, at which a block counts as ``CERTAIN``."""
 
 AT_ONCE = 32
 """Windows in a batch: what fits a processor's cache."""
@@ -39,12 +43,13 @@ class Foresight(Tracker):
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""
         super().begin(environments)
-        self.windows = Windows(self.planner)
+        self.windows, self.marks = Windows(self.planner), Marks(self.world, self.planner)
         self.seen, self.age = np.zeros(environments, int), np.zeros(environments, int)
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
         """The planners, with what the last actions led to; predictions are of the maps as they are then."""
         planner = super().look(observation, blocked)
+        self.marks.note(observation)
         time = planner.read("time").numpy()
         self.seen[time == 1], self.age[time == 1] = 0, 0
         self.age += 1
@@ -58,23 +63,29 @@ class Foresight(Tracker):
         if not len(environments):
             return
         windows, corners = self.windows.read(environments)
-        self.windows.write(environments, self.given(self.predict(windows, -corners), windows))
+        marks = self.marks.read(environments, corners)
+        self.windows.write(environments, self.given(self.predict(windows, marks, -corners), windows))
         self.seen[environments] = self.planner.seen.numpy()[environments]
         self.age[environments] = 0
 
     @torch.inference_mode()
-    def predict(self, windows: np.ndarray, starts: np.ndarray) -> Prediction:
-        """Logits for windows (n, W, W) uint8 of maps that began at ``starts`` (n, 2)."""
-        both = torch.from_numpy(windows).split(AT_ONCE), torch.from_numpy(starts).float().split(AT_ONCE)
-        parts = [self.network(*each) for each in zip(*both, strict=True)]
+    def predict(self, windows: np.ndarray, marks: np.ndarray, starts: np.ndarray) -> Prediction:
+        """What is predicted of windows (n, W, W) uint8 with ``marks`` (n, 2, W, W) uint8, of maps that began
+        at ``starts`` (n, 2).
+        """
+        given = torch.from_numpy(windows), torch.from_numpy(marks), torch.from_numpy(starts).float()
+        parts = [self.network(*each) for each in zip(*(field.split(AT_ONCE) for field in given), strict=True)]
         return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
         """What blocks count by a prediction, ``OPAQUE`` where views end, and with ``PATH`` where paths lead,
         (n, W, W) uint8.
         """
-        floor, target = (logits.sigmoid().numpy() for logits in prediction[:2])
+        floor, target = prediction.floor.sigmoid().numpy(), prediction.target.exp().numpy()
         seen = windows >> 3 >= SEEN
-        count = (CERTAIN * floor * (target + ELSEWHERE * (1 - target))).astype(np.uint8)
+        # Where a target is expected, this is the mean density of targets.
+        dense = np.square(target).sum((1, 2)) / target.sum((1, 2)).clip(1e-12)
+        likely = target / (LIKELY * dense.clip(1e-12)[:, None, None])
+        count = (CERTAIN * (likely + ELSEWHERE * floor).clip(max=1)).astype(np.uint8)
         count[(floor < WALLS) & ~seen] = OPAQUE
         return count | (PATH * ((floor > PATHS) | seen)).astype(np.uint8)

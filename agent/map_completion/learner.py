@@ -3,7 +3,7 @@
 import json
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -13,8 +13,9 @@ from torch import Tensor
 from agent.build import network_of
 from agent.config import CompletionConfig
 from agent.learner import Learner, Progress, Tally, linear
+from agent.map_completion.marks import Marks
 from agent.map_completion.network import CompletionNetwork, Prediction
-from agent.map_completion.truth import FLOOR, TARGET, UNKNOWN, Truth
+from agent.map_completion.truth import UNKNOWN, Truth
 from agent.map_completion.windows import SEEN, Windows
 from agent.policies import Explorer
 from sim import HouseVectorEnv
@@ -22,11 +23,36 @@ from sim import HouseVectorEnv
 NEAR = 12
 """Blocks from seen ground within which unseen ground counts fully."""
 
+COARSE = 4
+"""Blocks along a side of the squares by which that is judged."""
+
 FAR = 0.05
 """What ground counts that lies farther, or that was seen."""
 
-ROOMS = 0.3
-"""What the types of rooms count in the loss."""
+TARGETS, KINDS = 0.2, 0.1
+"""What the place of the target, and the kinds of ground, count in the loss beside floor."""
+
+
+class Batch(NamedTuple):
+    """What the network learns from: of n windows, what it reads and what is so."""
+
+    windows: Tensor
+    """(n, W, W) uint8, as ``Windows.read`` gives them."""
+
+    marks: Tensor
+    """(n, 2, W, W) uint8, as ``Marks.read`` does."""
+
+    starts: Tensor
+    """(n, 2) float32: where the episodes began, blocks south and east of the first."""
+
+    floor: Tensor
+    """(n, W, W) uint8; this and what follows as ``truth.Blocks``."""
+
+    target: Tensor
+    """(n, W, W) float32."""
+
+    kinds: Tensor
+    """(n, W, W) uint8."""
 
 
 class MapCompletion(Learner):
@@ -38,11 +64,12 @@ class MapCompletion(Learner):
     network: CompletionNetwork
 
     def __init__(self, config: CompletionConfig, envs: HouseVectorEnv) -> None:
-        """Begin a run; ``envs`` has NEXT_STEP autoreset. The types of rooms are those of its houses, where
+        """Begin a run; ``envs`` has NEXT_STEP autoreset. The kinds of ground are those of its houses, where
         the config names none.
         """
-        found = sorted({room.type for house in envs.houses for room in house.rooms})
-        config = replace(config, rooms=config.rooms or tuple(found))
+        rooms = [room for house in envs.houses for room in house.rooms]
+        found = {room.type for room in rooms} | {piece.type for room in rooms for piece in room.pieces}
+        config = replace(config, kinds=config.kinds or tuple(sorted(found)))
         super().__init__(config, envs, network_of(config), report=config.num_steps)
         self.optimizer = torch.optim.AdamW(
             self.network.parameters(), lr=config.learning_rate, weight_decay=1e-4, foreach=True
@@ -51,7 +78,9 @@ class MapCompletion(Learner):
         self.explorer = Explorer(self.avoidance, envs.config)
         self.explorer.begin(envs.num_envs)
         self.tracker = self.explorer.tracker
-        self.windows, self.truth = Windows(self.tracker.planner), Truth(envs, config.rooms)
+        planner = self.tracker.planner
+        self.windows, self.marks = Windows(planner), Marks(envs.config, planner)
+        self.truth = Truth(envs, config.kinds, planner.cell)
         self.observation = self.reset_envs()
         self.blocked, self.ended = torch.zeros(2, envs.num_envs, dtype=torch.bool)
 
@@ -61,9 +90,7 @@ class MapCompletion(Learner):
         self.restart()
         for _ in range(self.config.num_steps):
             self.step(tally)
-        exploring = perf_counter() - start
         loss = self.learn()
-        self.clock.simulating += exploring
         self.clock.all += perf_counter() - start
         return self.report(tally, loss=loss, epsilon=0.0)
 
@@ -79,10 +106,14 @@ class MapCompletion(Learner):
 
     def step(self, tally: Tally) -> None:
         """A step of all explorers."""
-        before = self.explorer.interventions
+        before, start = self.explorer.interventions, perf_counter()
         actions = self.explorer(self.observation, self.blocked)
+        self.marks.note(self.observation)
         self.truth.begin(np.flatnonzero(self.tracker.planner.read("time").numpy() == 1))
+        mapped = perf_counter()
         observation, reward, terminated, truncated, info = self.envs.step_torch(actions)
+        self.clock.mapping += mapped - start
+        self.clock.simulating += perf_counter() - mapped
         tally.add(reward, ~self.ended, torch.tensor(self.explorer.interventions - before))
         # The step after an end began the next episode.
         self.tracker.fresh |= self.ended
@@ -94,20 +125,23 @@ class MapCompletion(Learner):
         config = self.config
         for group in self.optimizer.param_groups:
             group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
-        everyone = np.arange(self.envs.num_envs)
-        windows, corners = self.windows.read(everyone)
-        bits, rooms = self.truth.read(self.tracker.planner, everyone, corners)
-        fields = [torch.from_numpy(each) for each in (windows, -corners.astype(np.float32), bits, rooms)]
-        losses = []
+        batch, losses = self.batch(), []
         for _ in range(config.update_epochs):
-            for part in torch.randperm(len(corners), generator=self.generator).split(config.batch_size):
-                windows, starts, bits, rooms = (each[part] for each in fields)
-                losses.append(self.update(*turned(windows, starts, bits, rooms, self.random)))
+            order = torch.randperm(self.envs.num_envs, generator=self.generator)
+            for part in order.split(config.batch_size):
+                losses.append(self.update(turned(Batch(*(each[part] for each in batch)), self.random)))
         return float(torch.stack(losses).mean())
 
-    def update(self, windows: Tensor, starts: Tensor, bits: Tensor, rooms: Tensor) -> Tensor:
+    def batch(self) -> Batch:
+        """A window of each map."""
+        everyone = np.arange(self.envs.num_envs)
+        windows, corners = self.windows.read(everyone)
+        given = windows, self.marks.read(everyone, corners), -corners.astype(np.float32)
+        return Batch(*map(torch.from_numpy, (*given, *self.truth.read(everyone, corners))))
+
+    def update(self, batch: Batch) -> Tensor:
         """Learn from a batch; the loss."""
-        loss = completion_loss(self.network(windows, starts), windows, bits, rooms)
+        loss = completion_loss(self.network(batch.windows, batch.marks, batch.starts), batch)
         self.optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.max_grad_norm)
@@ -119,6 +153,7 @@ class MapCompletion(Learner):
         return {
             "optimizer": self.optimizer.state_dict(),
             "map": self.tracker.planner.state,
+            "marks": {name: torch.from_numpy(getattr(self.marks, name)) for name in ("blocks", "found")},
             "truth": {name: torch.from_numpy(getattr(self.truth, name)) for name in ("pose", "house")},
             "last": {name: getattr(self, name).clone() for name in LAST},
             "tracker": {name: getattr(self.tracker, name).clone() for name in ("actions", "fresh")},
@@ -129,8 +164,9 @@ class MapCompletion(Learner):
         """Take up what ``own_state`` gave."""
         self.optimizer.load_state_dict(state["optimizer"])
         self.tracker.planner.state = state["map"]
-        for name, value in state["truth"].items():
-            setattr(self.truth, name, value.numpy())
+        for owner, values in ((self.truth, state["truth"]), (self.marks, state["marks"])):
+            for name, value in values.items():
+                setattr(owner, name, value.numpy())
         for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):
             for name, value in values.items():
                 setattr(owner, name, value)
@@ -141,21 +177,23 @@ LAST = ("observation", "blocked", "ended")
 """What the next step starts from."""
 
 
-def completion_loss(prediction: Prediction, windows: Tensor, bits: Tensor, rooms: Tensor) -> Tensor:
-    """The mean cross-entropy of a prediction for ``windows`` (n, W, W) whose truth is ``bits`` and ``rooms``
-    (n, W, W): of floor, above all where it was not seen but is near to what was; of targets and of rooms
-    where there is floor.
+def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
+    """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
+    was not seen but is near to what was; and of the next target's block.
     """
-    seen = windows >> 3 >= SEEN
-    along = F.max_pool2d(seen[:, None].float(), (1, 2 * NEAR + 1), 1, (0, NEAR))
-    about = F.max_pool2d(along, (2 * NEAR + 1, 1), 1, (NEAR, 0))[:, 0]
+    seen = batch.windows >> 3 >= SEEN
+    # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
+    squares = F.max_pool2d(seen[:, None].float(), COARSE)
+    near = F.max_pool2d(squares, 2 * NEAR // COARSE + 1, 1, NEAR // COARSE)
+    about = F.interpolate(near, scale_factor=float(COARSE))[:, 0]
     weight = torch.where(seen, FAR, about.clamp(min=FAR))
-    floor, target = (bits & FLOOR > 0).float(), (bits & TARGET > 0).float()
-    inside, types = floor * about, prediction.rooms.shape[1]
-    floors = F.binary_cross_entropy_with_logits(prediction.floor, floor, reduction="none")
-    targets = F.binary_cross_entropy_with_logits(prediction.target, target, reduction="none")
-    kinds = F.cross_entropy(prediction.rooms, rooms.long().clamp(max=types - 1), reduction="none")
-    return mean(floors, weight) + mean(targets, inside) + ROOMS * mean(kinds, inside * (rooms != UNKNOWN))
+    floor = F.binary_cross_entropy_with_logits(prediction.floor, batch.floor.float(), reduction="none")
+    kinds, weights = (each[:, ::2, ::2] for each in (batch.kinds, weight))
+    known = kinds != UNKNOWN
+    logits = prediction.kinds.permute(0, 2, 3, 1).flatten(0, 2)  # as they lie in memory
+    ground = F.cross_entropy(logits, (kinds.long() * known).flatten(), reduction="none").view_as(weights)
+    target = -(batch.target * prediction.target).sum((1, 2)) / batch.target.sum((1, 2)).clamp(min=1e-6)
+    return mean(floor, weight) + TARGETS * target.mean() + KINDS * mean(ground, weights * known)
 
 
 def mean(values: Tensor, weight: Tensor) -> Tensor:
@@ -163,18 +201,18 @@ def mean(values: Tensor, weight: Tensor) -> Tensor:
     return (values * weight).sum() / weight.sum().clamp(min=1e-6)
 
 
-def turned(
-    windows: Tensor, starts: Tensor, bits: Tensor, rooms: Tensor, random: np.random.Generator
-) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """The same houses, turned by quarters and mirrored at random: fields (n, W, W), and ``starts`` (n, 2)."""
-    quarters, mirrored, last = int(random.integers(4)), random.random() < 0.5, windows.shape[-1] - 1
-    south, east = starts.unbind(1)
+def turned(batch: Batch, random: np.random.Generator) -> Batch:
+    """The same houses, turned by quarters and mirrored at random."""
+    quarters, mirrored = int(random.integers(4)), random.random() < 0.5
+    last = batch.windows.shape[-1] - 1
+    south, east = batch.starts.unbind(1)
     for _ in range(quarters):
         south, east = last - east, south
+    starts = torch.stack([south, last - east if mirrored else east], 1)
 
     def turn(field: Tensor) -> Tensor:
-        field = torch.rot90(field, quarters, (1, 2))
-        return (field.flip(2) if mirrored else field).contiguous()
+        field = torch.rot90(field, quarters, (-2, -1))
+        return (field.flip(-1) if mirrored else field).contiguous()
 
-    starts = torch.stack([south, last - east if mirrored else east], 1)
-    return turn(windows), starts, turn(bits), turn(rooms)
+    fields = {name: turn(field) for name, field in batch._asdict().items() if name != "starts"}
+    return Batch(starts=starts, **fields)

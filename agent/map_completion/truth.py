@@ -1,19 +1,35 @@
 """What there is to predict: of each block of a map, as the house has it."""
 
+from typing import NamedTuple
+
 import numpy as np
+from scipy.ndimage import convolve1d
 
 from agent.map_completion.network import WINDOW
-from agent.planner import Planner
 from agent.world import make_envs
 from logic import House
 from sim import HouseVectorEnv
 from sim.backend import Lattice
+from sim.places import Places
+
+GROUND = "outside", "wall", "door"
+"""Kinds of ground that every house has; after these come the types of rooms, and the kinds of pieces."""
 
 UNKNOWN = 255
-"""The type of a room that has none of those that are predicted."""
+"""Ground of a kind that is none of those that are predicted."""
 
-FLOOR, TARGET = 1, 2
-"""Bits of a block: a target may lie there in some task, and in this one."""
+
+class Blocks(NamedTuple):
+    """Of n windows, or of a house's lattice."""
+
+    floor: np.ndarray
+    """(n, W, W) uint8, 1 where a target may lie in some task."""
+
+    target: np.ndarray
+    """(n, W, W) float32: the probability that the next target lies in a block, the last one left aside."""
+
+    kinds: np.ndarray
+    """(n, W, W) uint8: the kind of ground."""
 
 
 class Truth:
@@ -22,12 +38,14 @@ class Truth:
     What lies beyond half a torus from the start is not told apart from its other side.
     """
 
-    def __init__(self, envs: HouseVectorEnv, types: tuple[str, ...]) -> None:
-        """Of these environments' houses, with rooms of these types."""
-        self.world = envs.unwrapped.world
+    def __init__(self, envs: HouseVectorEnv, kinds: tuple[str, ...], cell: float) -> None:
+        """Of these environments' houses, with rooms and pieces of these ``kinds``; ``cell`` is that of the
+        maps, metres.
+        """
+        self.world, self.cell = envs.unwrapped.world, cell
         anywhere = make_envs(envs.unwrapped.houses, 1, "all", preset=envs.config)
         self.houses = [
-            self._house(house, lattice, one.targets, other.targets, types)
+            (np.array(lattice.origin, float), self._house(house, lattice, one, other, kinds))
             for house, lattice, one, other in zip(
                 envs.unwrapped.houses,
                 self.world.lattices,
@@ -39,36 +57,33 @@ class Truth:
         self.pose = np.zeros((self.world.num_envs, 3))
         self.house = np.zeros(self.world.num_envs, int)
 
-    @staticmethod
     def _house(
-        house: House, lattice: Lattice, anywhere: np.ndarray, here: np.ndarray, types: tuple[str, ...]
-    ) -> tuple[np.ndarray, ...]:
-        """A house's lattice: its origin (2,), its blocks' bits (X, Y) uint8, their rooms' types (X, Y)."""
-        bits, rooms = np.zeros(lattice.shape, np.uint8), np.full(lattice.shape, UNKNOWN, np.uint8)
-        for places, bit in ((anywhere, FLOOR), (here, TARGET)):
-            i, j = np.rint(places).astype(int).T
-            bits[i, j] |= bit
-        for room in sorted(house.rooms, key=lambda room: -room.area):
-            if room.type in types:
-                box = (np.reshape(room.box, (2, 2)) - lattice.origin) / lattice.pitch
-                low, high = np.ceil(box[0]).clip(0).astype(int), np.floor(box[1]).astype(int) + 1
-                rooms[low[0] : high[0], low[1] : high[1]] = types.index(room.type)
-        return np.array(lattice.origin, float), bits, rooms
+        self, house: House, lattice: Lattice, anywhere: Places, here: Places, kinds: tuple[str, ...]
+    ) -> Blocks:
+        """A house's lattice: of the blocks about its places (X, Y)."""
+        floor, target = np.zeros(lattice.shape, np.uint8), np.zeros(lattice.shape, np.float32)
+        floor[tuple(np.rint(anywhere.targets).astype(int).T)] = 1
+        listed = np.rint(here.listed).astype(int)
+        np.add.at(target, tuple(listed.T), 1 / len(listed))
+        # A block reaches a cell to each side of its node: places on its edge are half in it.
+        reach = round(self.cell / lattice.pitch)
+        weights = np.array([0.5, *[1.0] * (2 * reach - 1), 0.5])
+        for axis in range(2):
+            target = convolve1d(target, weights, axis=axis, mode="constant")
+        return Blocks(floor, target, _ground(house, lattice, kinds, reach))
 
     def begin(self, begun: np.ndarray) -> None:
         """Maps begin where the bodies are now, in these environments (n,) int."""
         poses, _, houses = self.world.describe()
         self.pose[begun], self.house[begun] = poses[begun], houses[begun]
 
-    def read(
-        self, planner: Planner, environments: np.ndarray, corners: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """The bits (n, W, W) uint8 of these environments' windows with such corners, and the rooms' types."""
-        bits = np.zeros((len(environments), WINDOW, WINDOW), np.uint8)
-        rooms = np.full_like(bits, UNKNOWN)
+    def read(self, environments: np.ndarray, corners: np.ndarray) -> Blocks:
+        """The blocks of these environments' windows with such corners."""
+        shape = len(environments), WINDOW, WINDOW
+        found = Blocks(np.zeros(shape, np.uint8), np.zeros(shape, np.float32), np.zeros(shape, np.uint8))
         south, east = np.mgrid[:WINDOW, :WINDOW]
         for n, (e, corner) in enumerate(zip(environments, corners, strict=True)):
-            origin, floor, types = self.houses[self.house[e]]
+            origin, house = self.houses[self.house[e]]
             # A map's axes are the walls', its east the one that the body began along, or next to clockwise.
             quarter = round(float(self.pose[e, 2]) / (np.pi / 4)) // 2 % 4
             (x, y), (u, v) = QUARTERS[quarter], QUARTERS[quarter - 1]
@@ -76,11 +91,43 @@ class Truth:
                 x * (east + corner[1]) + u * (south + corner[0]),
                 y * (east + corner[1]) + v * (south + corner[0]),
             )
-            metres = self.pose[e, :2, None, None] + 2 * planner.cell * np.stack(ways)
+            metres = self.pose[e, :2, None, None] + 2 * self.cell * np.stack(ways)
             i, j = np.rint((metres - origin[:, None, None]) / self.world.config.step).astype(int)
-            inside = (i >= 0) & (i < floor.shape[0]) & (j >= 0) & (j < floor.shape[1])
-            bits[n, inside], rooms[n, inside] = floor[i[inside], j[inside]], types[i[inside], j[inside]]
-        return bits, rooms
+            inside = (i >= 0) & (i < house.floor.shape[0]) & (j >= 0) & (j < house.floor.shape[1])
+            for field, whole in zip(found, house, strict=True):
+                field[n, inside] = whole[i[inside], j[inside]]
+        return found
+
+
+def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], reach: int) -> np.ndarray:
+    """The kinds of ground about a lattice's places (X, Y) uint8: numbers in ``GROUND``, then ``kinds``.
+    Walls, which have no thickness, are the places up to ``reach`` steps from them, and doors too.
+    """
+    ground, names = np.zeros(lattice.shape, np.uint8), (*GROUND, *kinds)
+
+    def fill(box: tuple[float, float, float, float], name: str, margin: float = 0.0) -> None:
+        low, high = (np.reshape(box, (2, 2)) - lattice.origin) / lattice.pitch
+        low, high = np.ceil(low - margin).astype(int).clip(0), np.floor(high + margin).astype(int) + 1
+        ground[low[0] : max(0, high[0]), low[1] : max(0, high[1])] = (
+            names.index(name) if name in names else UNKNOWN
+        )
+
+    rooms = sorted(house.rooms, key=lambda room: -room.area)
+    for room in rooms:
+        fill(room.box, room.type)
+    for room in rooms:
+        west, north, east, south = room.box
+        for wall in (
+            *((west, north, east, north), (west, south, east, south)),
+            *((west, north, west, south), (east, north, east, south)),
+        ):
+            fill(wall, "wall", reach)
+    for door in house.doors:
+        fill(door.box, "door", reach)
+    for room in rooms:
+        for piece in room.pieces:
+            fill(piece.box, piece.type)
+    return ground
 
 
 QUARTERS = (1, 0), (0, -1), (-1, 0), (0, 1)

@@ -12,6 +12,7 @@ import numpy as np
 from agent.map_completion.network import WINDOW
 from agent.planner import Planner
 from agent.planner.arrays import Bytes, Shorts, Wholes
+from agent.planner.belief import PATH
 from agent.planner.candidates import NOT_COMPUTED
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, TILE
 from sim.runtime import Array, Launch, start, ti
@@ -64,10 +65,6 @@ class Windows:
         self._write()
 
 
-PATH = 1 << 7
-"""Bit of what is given: paths may lead there, though it was not seen."""
-
-
 @cache
 def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
     """The kernels for a running Taichi. Arguments are named for the planner's arrays."""
@@ -104,10 +101,9 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
                 for k in range(WINDOW * WINDOW):
                     y, x = node(corners[2 * n], corners[2 * n + 1], k)
                     value = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32)
-                    now = value & (PATH - 1)
                     place = e * (area >> 2) + ((y >> 1 << bits - 1) | (x >> 1))
-                    if ti.cast(prior[place], ti.i32) != now:
-                        prior[place] = ti.cast(now, ti.u8)
+                    if ti.cast(prior[place], ti.i32) != value:
+                        prior[place] = ti.cast(value, ti.u8)
                         tile = ((y >> TILE) << bits - TILE) | (x >> TILE)
                         dirty[(e * area >> 2 * TILE) + tile] = ti.cast(1, ti.u8)
                         spot = e * (area // pitch**2) + (y // pitch) * ((1 << bits) // pitch) + x // pitch

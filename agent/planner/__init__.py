@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
-from agent.planner.belief import OPAQUE
+from agent.planner.belief import OPAQUE, PATH
 from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.features import FEATURES
@@ -276,7 +276,7 @@ class Planner:
         """
         half = 1 << self.config.map_bits - 1
         blocks = self.arrays["prior"].view().reshape(-1, half, half)[environment]
-        blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1))
+        blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1)) & np.uint8(PATH - 1)
         return np.where(blocks == OPAQUE, np.uint8(0), blocks), blocks != OPAQUE
 
     def paths(self, environment: int) -> np.ndarray:

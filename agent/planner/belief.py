@@ -12,6 +12,9 @@ from sim.runtime import ti
 OPAQUE = 127
 """Of ``prior``: counts nothing, and what lies there is believed to stop sight."""
 
+PATH = 128
+"""Bit of ``prior``: a body is believed to be able to stand there, so that it may be a viewpoint."""
+
 
 @ti.data_oriented
 class Belief:
@@ -26,7 +29,7 @@ class Belief:
         """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
         odds = CERTAIN
         if ti.static(self.prior):
-            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32)
+            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & (PATH - 1)
             if odds == OPAQUE:
                 odds = 0
         elif ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
@@ -45,8 +48,16 @@ class Belief:
     @ti.func
     def hidden(self, memory: ti.template(), base, node):
         """Whether sight is believed to end at a node that was never seen (i32)."""
-        opaque = ti.cast(memory.prior[self.block(base, node)] == OPAQUE, ti.i32)
+        opaque = ti.cast(memory.prior[self.block(base, node)] & ti.u8(PATH - 1) == OPAQUE, ti.i32)
         return opaque & ti.cast(ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS, ti.i32)
+
+    @ti.func
+    def stands(self, memory: ti.template(), base, node):
+        """Whether a body is known, or believed, to be able to stand at a node (i32)."""
+        stands = ti.cast(ti.cast(memory.cells[base + node], ti.i32) >= 1 << FLAGS, ti.i32)
+        if ti.static(self.prior):
+            stands |= ti.cast(memory.prior[self.block(base, node)] >= PATH, ti.i32)
+        return stands
 
     @ti.func
     def floor(self, memory: ti.template(), base, x, y):
@@ -105,6 +116,8 @@ class Belief:
         ``found`` pick-ups were in it: the greater is 1. Targets lie here, elsewhere, or in both, each as
         likely at first, and then in all places there alike.
         """
+        if ti.static(self.prior):  # what places count says so
+            here, found = 0, 0
         there = found - here
         slip = ti.static(self.config.pick_up_error)
         small, large = ti.static(self.config.floor_elsewhere), ti.static(1 - self.config.floor_elsewhere)

@@ -3,7 +3,7 @@ its distance from the body, as far as the body can reach."""
 
 from agent.planner.belief import Belief
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import FLAGS, Occupancy
+from agent.planner.occupancy import Occupancy
 from agent.planner.reachability import OPEN, UNKNOWN, DistanceField
 from sim.runtime import ti
 
@@ -98,7 +98,7 @@ class Candidates:
                             total += count
                             listed_count += 1
                     pitched = (x | y) & (self.pitch - 1) == 0
-                    if pitched and level > 0 and memory.cells[base + node] >> FLAGS != 0:
+                    if pitched and level > 0 and self.belief.stands(memory, base, node):
                         away = ti.max(
                             ti.abs(self.occupancy.apart(x, px >> 1)), ti.abs(self.occupancy.apart(y, py >> 1))
                         )

@@ -15,6 +15,7 @@ from torch import Tensor
 import agent
 from agent import checkpoint
 from agent.build import policy_of
+from agent.config import TrainConfig
 from agent.evaluation.baselines import BASELINES
 from agent.policies import Explorer, Policy
 from agent.released import located
@@ -50,6 +51,9 @@ class Contender:
     key: str
     """A name for all that its scores depend on but for the environments."""
 
+    config: TrainConfig | None = None
+    """That of its training run, whose sensor it plays with; None: with the simulator's own."""
+
 
 def contender(name: str) -> Contender:
     """The agent of a name: a baseline, a prior, ``module:function``, a released agent or a checkpoint.
@@ -66,7 +70,7 @@ def contender(name: str) -> Contender:
     path = located(name)
     kept = checkpoint.load(path)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    return Contender(lambda envs: policy_of(kept.network, kept.config, envs), _key(digest))
+    return Contender(lambda envs: policy_of(kept.network, kept.config, envs), _key(digest), kept.config)
 
 
 def imported(name: str) -> Maker:

@@ -1,16 +1,15 @@
 """What learning adds to the explorer: ``vitruvius bench learning --agent runs/mine/agent.safetensors``.
 
 Every agent plays the same episodes as the explorer, four in each house: the same starts, and the same targets
-in the same order. Tables show what share of the oracle's targets each picks up, and the difference to the
-explorer, paired by house and episode. With ``--decisions`` they show how many of its choices of a viewpoint
-are others than the explorer's, and whether those are better (``decisions.py``); with ``--shuffled`` what
-is left of a gain where each environment gets the prediction of another one. Scores are kept by all that made
-them, so that a run that was stopped continues.
+in the same order. Tables show what share of the oracle's targets each picks up, or its SPL in a task that
+ends with the first one; and the difference to the explorer, paired by house and episode. With ``--decisions``
+they show how many of its choices of a viewpoint are others than the explorer's, and whether those are better
+(``decisions.py``); with ``--shuffled`` what is left of a gain where each environment gets the prediction of
+another one. Scores are kept by all that made them, so that a run that was stopped continues.
 """
 
 import hashlib
 import io
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,10 +21,12 @@ import tyro
 
 from agent.banks import bank_hash, named
 from agent.evaluation.episodes import reset
+from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.statistics import mean
 from agent.evaluation.tables import Table
 from agent.policies import Policy
-from agent.world import make_envs
+from agent.simulator import sensor
+from agent.world import make_envs, playable
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
 from benchmarks.planner.decisions import Decisions, Tracked, decisions
@@ -35,9 +36,13 @@ from logic.errors import RequestError
 from logic.files import write_whole
 from sim import HouseVectorEnv
 from sim.config import DEFAULT
+from sim.tasks import task
 
 ORACLE, EARLY = "oracle", 500
 """What others are shares of; the first steps, which are shown apart."""
+
+SHARE = "Share of the oracle's targets"
+"""What the score is, where it is not SPL."""
 
 BANKS = {"star": ("family", range(2, 7)), "home": ("home", range(4, 11)), "large": ("family", range(12, 13))}
 """Houses of validation seeds: a grammar, and numbers of rooms."""
@@ -62,7 +67,7 @@ class Learning:
     """Where targets lie: a task's name, or JSON of a task."""
 
     houses: int = 64
-    """Houses of each number of rooms, of those that are made."""
+    """Houses of each number of rooms, of those that are made; an object is sought where there is one."""
 
     episodes: int = 4
     """Episodes in each house, with other targets each."""
@@ -100,7 +105,7 @@ class Learning:
                 shuffled = [self.scores(name, contender(file), shuffled=True) for file in files]
                 compared[f"{name}, shuffled"] = np.stack(shuffled)
         shares = {name: share(each, most) for name, each in compared.items()}
-        page = [scores_table(self.title, shares)]
+        page = [scores_table(f"{'SPL' if self.ends else SHARE}, {self.title}", shares)]
         if self.decisions:
             made = {
                 name: [self.decided(name, contender(file)) for file in files]
@@ -118,9 +123,20 @@ class Learning:
         houses, episodes = len(self.bank_houses), self.episodes
         return f"{self.bank}, {self.targets}{noisy}, {houses} houses of {episodes} episodes"
 
+    @property
+    def ends(self) -> bool:
+        """Whether an episode ends with its first target."""
+        try:
+            return task(self.targets).ends_on_pick_up
+        except ValueError as error:
+            raise RequestError(str(error)) from None
+
     @cached_property
     def bank_houses(self) -> list[House]:
-        """The houses, made once."""
+        """The houses, made once, in which the task can be played."""
+        return playable(self._houses(), self.targets)
+
+    def _houses(self) -> list[House]:
         if self.bank not in BANKS:
             return named(self.bank)
         path = self.out / f"{self.bank}-{self.houses}.jsonl"
@@ -130,10 +146,10 @@ class Learning:
             save([house for houses in made for house in houses], path)
         return load(path)
 
-    def environments(self, number: int, world: str) -> HouseVectorEnv:
-        """That many, over the houses."""
-        targets: Any = json.loads(self.targets) if self.targets.startswith("{") else self.targets
-        return make_envs(self.bank_houses, number, targets, preset=world)
+    def environments(self, number: int, world: str, agent: Contender) -> HouseVectorEnv:
+        """That many, over the houses, with the agent's sensor."""
+        preset = sensor(agent.config, world) if agent.config else world
+        return make_envs(self.bank_houses, number, self.targets, preset=preset)
 
     def path(self, what: str, key: str, *more: Any) -> Path:
         """Where the result for an agent of this key is kept."""
@@ -141,18 +157,19 @@ class Learning:
         return self.out / f"{what}-{hashlib.sha256(repr(known).encode()).hexdigest()[:16]}.npz"
 
     def scores(self, name: str, agent: Contender, shuffled: bool = False) -> np.ndarray:
-        """Targets (2, episodes, H): of the first ``EARLY`` steps, and of all."""
+        """Targets (2, episodes, H), or SPL: of the first ``EARLY`` steps, and of all."""
         world = "default" if name == ORACLE else self.world
         path = self.path("scores", agent.key, world, shuffled)
         if not path.exists():
             torch.set_num_threads(1)
-            envs = self.environments(self.episodes * len(self.bank_houses), world)
+            envs = self.environments(self.episodes * len(self.bank_houses), world, agent)
             policy = agent.make(envs)
             if shuffled:
                 policy = with_shuffled_predictions(policy, name)
-            targets = episode(envs, policy, self.steps, len(self.bank_houses))
+            targets = episode(envs, policy, self.steps, len(self.bank_houses), self.ends)
             _write(path, targets=targets.reshape(2, self.episodes, -1))
-            say(f"{name}{', shuffled' * shuffled}: {targets[1].mean():.2f} targets an episode")
+            what = "SPL" if self.ends else "targets an episode"
+            say(f"{name}{', shuffled' * shuffled}: {targets[1].mean():.2f} {what}")
         return np.load(path)["targets"]
 
     def decided(self, name: str, agent: Contender) -> Decisions:
@@ -160,8 +177,8 @@ class Learning:
         path = self.path("decisions", agent.key, self.world, self.decisions, self.ahead)
         if not path.exists():
             torch.set_num_threads(1)
-            envs = self.environments(self.episodes * len(self.bank_houses), self.world)
-            again = self.environments(AT_ONCE, self.world)
+            envs = self.environments(self.episodes * len(self.bank_houses), self.world, agent)
+            again = self.environments(AT_ONCE, self.world, agent)
             policy = agent.make(envs)
             if not hasattr(policy, "tracker"):
                 raise RequestError(f"--decisions: {name} has no planner, and chooses no viewpoints")
@@ -182,19 +199,24 @@ def runs_of(text: str) -> tuple[str, tuple[str, ...]]:
     return name, runs
 
 
-def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np.ndarray:
-    """Targets (2, E) that a policy picks up in the first ``EARLY`` steps, and in all; environment i is in
-    house i modulo ``houses``.
+def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int, ends: bool = False) -> np.ndarray:
+    """Targets (2, E) that a policy picks up in the first ``EARLY`` steps, and in all; where the first one
+    ``ends`` an episode, its SPL, 0 where none was found. Environment i is in house i modulo ``houses``.
     """
-    observation = reset(envs, 0, np.arange(envs.num_envs) % houses)
+    numbers = np.arange(envs.num_envs) % houses
+    shortest = shortest_ways(envs, 0, numbers) if ends else None
+    observation = reset(envs, 0, numbers)
     blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
     policy.begin(envs.num_envs)
-    targets = np.zeros((2, envs.num_envs))
+    targets, first = np.zeros((2, envs.num_envs)), np.full(envs.num_envs, np.inf)
     for step in range(steps):
         observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
         blocked = info["blocked"]
         targets[int(step >= EARLY) :] += reward.numpy()
-    return targets
+        first[(reward.numpy() > 0) & np.isinf(first)] = step + 1
+    if shortest is None:
+        return targets
+    return np.where([first <= EARLY, first <= steps], shortest / np.maximum(first, shortest), 0.0)
 
 
 def share(targets: np.ndarray, most: np.ndarray) -> np.ndarray:
@@ -206,11 +228,11 @@ def share(targets: np.ndarray, most: np.ndarray) -> np.ndarray:
 
 
 def scores_table(title: str, shares: dict[str, np.ndarray]) -> Table:
-    """Shares (S, 2, episodes, H) of the oracle's targets by agent, less those of the explorer."""
+    """Shares (S, 2, episodes, H) of the oracle's score by agent, less those of the explorer."""
     headings = (
         "agent",
         "runs",
-        "share",
+        "score",
         "difference",
         "95 % interval",
         "spread of runs",
@@ -231,7 +253,7 @@ def scores_table(title: str, shares: dict[str, np.ndarray]) -> Table:
         rows.append(
             (name, str(len(each)), f"{own[1]:.3f}", *compared[:2], spread, f"{own[0]:.3f}", compared[2])
         )
-    return Table(f"Share of the oracle's targets, {title}", headings, rows)
+    return Table(title, headings, rows)
 
 
 def difference(pairs: np.ndarray) -> str:

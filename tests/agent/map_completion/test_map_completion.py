@@ -9,40 +9,48 @@ import torch
 from agent.build import network_of, policy_of
 from agent.config import CompletionConfig
 from agent.map_completion import CompletionNetwork, Foresight
-from agent.map_completion.learner import completion_loss, turned
+from agent.map_completion.foresight import ELSEWHERE, LIKELY
+from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
+from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, Prediction
-from agent.map_completion.truth import FLOOR, TARGET, UNKNOWN, Truth
-from agent.map_completion.windows import PATH, Windows
-from agent.planner.belief import OPAQUE
+from agent.map_completion.truth import GROUND, UNKNOWN, Truth
+from agent.map_completion.windows import Windows
+from agent.planner.belief import OPAQUE, PATH
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED
 from agent.policies import Explorer, Tracker
 from agent.world import make_envs, shield
 from logic import generate
 from logic.errors import RequestError
-from sim.config import PAPER
+from sim.config import DEFAULT, PAPER
 
 HOUSES = list(generate(4, seed=31, count=4))
 EVERYONE = np.arange(len(HOUSES))
-STEPS = 60
+STEPS = 400
+KINDS = "bed", "chair"
 
 
 @pytest.fixture(scope="module")
 def explored():
-    """Explorers after some steps, one in each house, and the truth of their maps."""
-    envs = make_envs(HOUSES, len(HOUSES), "secondary")
-    policy, truth = Explorer(shield(envs), envs.config), Truth(envs, ("bedroom", "kitchen"))
+    """Explorers after some steps, one in each house, the truth of their maps, and their marks."""
+    config = replace(DEFAULT, kinds=KINDS)
+    envs = make_envs(HOUSES, len(HOUSES), "secondary", preset=config)
+    policy = Explorer(shield(envs), envs.config)
     policy.begin(len(HOUSES))
+    planner = policy.tracker.planner
+    truth, marks = Truth(envs, ("bedroom", "kitchen", "bed"), planner.cell), Marks(envs.config, planner)
     observation = torch.as_tensor(envs.reset(seed=3, options={"house": EVERYONE})[0])
     blocked = torch.zeros(len(HOUSES), dtype=torch.bool)
     for _ in range(STEPS):
         actions = policy(observation, blocked)
-        truth.begin(np.flatnonzero(policy.tracker.planner.read("time").numpy() == 1))
+        marks.note(observation)
+        truth.begin(np.flatnonzero(planner.read("time").numpy() == 1))
         observation, _, _, _, info = envs.step_torch(actions)
         blocked = info["blocked"]
     # The maps are of a step before: look once more.
     policy(observation, blocked)
-    return envs, policy.tracker.planner, truth
+    marks.note(observation)
+    return envs, planner, truth, marks
 
 
 def middle(planner, e):
@@ -52,7 +60,7 @@ def middle(planner, e):
 
 
 def test_windows_hold_the_four_cells_about_each_other_node(explored):
-    _, planner, _ = explored
+    _, planner, _, _ = explored
     windows, corners = Windows(planner).read(EVERYONE)
     for e in EVERYONE:
         assert np.array_equal(corners[e], middle(planner, e) - WINDOW // 2)
@@ -67,28 +75,109 @@ def test_windows_hold_the_four_cells_about_each_other_node(explored):
         assert (windows[e] & 7).any()
 
 
+def on_map(truth, e, metres, planner, corner):
+    """Points of a house (n, 2) as blocks of a window, south and east: by complex numbers."""
+    x, y, heading = truth.pose[e]
+    along = np.exp(-1j * (np.pi / 2) * (round(heading / (np.pi / 4)) // 2))  # y grows south
+    ways = (metres[:, 0] - x + 1j * (metres[:, 1] - y)) / along / (2 * planner.cell)
+    return np.stack([ways.imag - corner[0], ways.real - corner[1]])
+
+
 def test_the_truth_is_where_targets_may_lie_in_the_house(explored):
     """By another way: each place of the house, turned into the map's frame."""
-    envs, planner, truth = explored
+    envs, planner, truth, _ = explored
     windows, corners = Windows(planner).read(EVERYONE)
-    bits, rooms = truth.read(planner, EVERYONE, corners)
+    floor, target, kinds = truth.read(EVERYONE, corners)
     world = envs.unwrapped.world
     for e in EVERYONE:
-        x, y, heading = truth.pose[e]
-        along = np.exp(-1j * (np.pi / 2) * (round(heading / (np.pi / 4)) // 2))  # y grows south
         places = world.places[e].targets * world.config.step + world.lattices[e].origin
-        ways = (places[:, 0] - x + 1j * (places[:, 1] - y)) / along / (2 * planner.cell)
-        south, east = ways.imag - corners[e, 0], ways.real - corners[e, 1]
+        south, east = on_map(truth, e, places, planner, corners[e])
+        inside = (south > 0) & (south < WINDOW - 1) & (east > 0) & (east < WINDOW - 1)
         # Places that lie on a block's node, up to half of the lattice's pitch.
-        near = np.abs(south - np.rint(south)) + np.abs(east - np.rint(east)) < 1e-3
-        inside = (south > 0) & (south < WINDOW - 1) & (east > 0) & (east < WINDOW - 1) & near
-        i, j = np.rint(south[inside]).astype(int), np.rint(east[inside]).astype(int)
+        near = inside & (np.abs(south - np.rint(south)) + np.abs(east - np.rint(east)) < 1e-3)
+        i, j = np.rint(south[near]).astype(int), np.rint(east[near]).astype(int)
         assert len(i) > 20
-        assert ((bits[e, i, j] & TARGET) > 0).all()
-        assert (bits[e] & TARGET > 0).sum() == len(i)
-    assert ((bits & TARGET > 0) <= (bits & FLOOR > 0)).all()
-    assert not (bits[(windows & 7) == 4] & FLOOR).any()  # nothing lies in what is occupied
-    assert set(np.unique(rooms)) == {0, 1, UNKNOWN}
+        assert floor[e, i, j].all()
+        # Each place counts for its block; on an edge, half for both; all count alike.
+        counts, edges = np.zeros((WINDOW, WINDOW)), np.arange(WINDOW + 1) - 0.5
+        for a in (-1e-3, 1e-3):
+            for b in (-1e-3, 1e-3):
+                counts += np.histogram2d(south + a, east + b, (edges, edges))[0] / 4 / len(places)
+        assert np.allclose(target[e], counts, atol=1e-6)
+        assert target[e].sum() <= 1 + 1e-6
+    assert not floor[(windows & 7) == 4].any()  # nothing lies in what is occupied
+    assert set(np.unique(kinds)) == {*range(len(GROUND) + 3), UNKNOWN}
+
+
+def test_the_kinds_of_ground_are_those_of_the_house(explored):
+    envs, planner, truth, _ = explored
+    _, corners = Windows(planner).read(EVERYONE)
+    kinds = truth.read(EVERYONE, corners).kinds
+    names = [*GROUND, "bedroom", "kitchen", "bed"]
+    checked = set()
+    for e in EVERYONE:
+        house = envs.houses[e]
+        for room in house.rooms:
+            for part in (room, *room.pieces):
+                middle = np.reshape(part.box, (2, 2)).mean(axis=0)[None]
+                covered = any(
+                    piece.box[0] < middle[0, 0] < piece.box[2] and piece.box[1] < middle[0, 1] < piece.box[3]
+                    for piece in room.pieces
+                )
+                i, j = np.rint(on_map(truth, e, middle, planner, corners[e])[:, 0]).astype(int)
+                small = min(part.box[2] - part.box[0], part.box[3] - part.box[1]) < 0.6
+                shown = not small and 0 <= i < WINDOW and 0 <= j < WINDOW
+                if part.type in names and shown and (part is not room or not covered):
+                    assert kinds[e, i, j] == names.index(part.type)
+                    checked.add(part.type)
+        for door in house.doors:
+            middle = np.reshape(door.box, (2, 2)).mean(axis=0)[None]
+            i, j = np.rint(on_map(truth, e, middle, planner, corners[e])[:, 0]).astype(int)
+            if 1 <= i < WINDOW - 1 and 1 <= j < WINDOW - 1:
+                assert (kinds[e, i - 1 : i + 2, j - 1 : j + 2] == names.index("door")).any()
+                checked.add("door")
+    assert checked == {"bedroom", "kitchen", "bed", "door"}
+
+
+def test_marks_are_where_targets_were_picked_up_and_where_rays_met_pieces(explored):
+    envs, planner, truth, marks = explored
+    _, corners = Windows(planner).read(EVERYONE)
+    read = marks.read(EVERYONE, corners)
+    assert read.shape == (len(HOUSES), 2, WINDOW, WINDOW)
+    found = planner.read("found").numpy()
+    assert found.sum() > 4
+    assert read[:, 0].sum((1, 2)).tolist() == found.tolist()
+    target = truth.read(EVERYONE, corners).target
+    for e, i, j in np.argwhere(read[:, 0] > 0):
+        assert target[e, i - 2 : i + 3, j - 2 : j + 3].any()
+    for k, kind in enumerate(KINDS):
+        met = 0
+        for e in EVERYONE:
+            boxes = [p.box for room in envs.houses[e].rooms for p in room.pieces if p.type == kind]
+            corner_blocks = [on_map(truth, e, np.reshape(b, (2, 2)), planner, corners[e]) for b in boxes]
+            for i, j in np.argwhere(read[e, 1] == k + 1):
+                met += 1
+                assert any(
+                    b[0].min() - 0.6 < i < b[0].max() + 0.6 and b[1].min() - 0.6 < j < b[1].max() + 0.6
+                    for b in corner_blocks
+                )
+        assert met > 5
+
+
+def test_marks_of_an_episode_are_forgotten_in_the_next(explored):
+    _, planner, _, marks = explored
+    state = planner.state
+    before = marks.blocks.copy()
+    fresh = torch.tensor([True, *[False] * (len(HOUSES) - 1)])
+    observation = torch.ones(len(HOUSES), planner.world.rays, planner.world.channels)
+    observation[..., : len(KINDS)] = 0.0
+    planner.step(observation, torch.zeros(len(HOUSES), dtype=torch.bool), planner.advice, fresh)
+    marks.note(observation)
+    assert before[0].any()
+    assert not marks.blocks[0].any()
+    assert marks.blocks[1:].sum() >= before[1:].sum()
+    planner.state = state
+    marks.blocks[:], marks.found[:] = before, planner.read("found").numpy()
 
 
 def test_what_is_written_is_what_places_count_and_where_paths_lead():
@@ -114,51 +203,78 @@ def test_what_is_written_is_what_places_count_and_where_paths_lead():
     assert 0 < added.astype(bool).sum() <= 4  # the four cells of the block that paths lead to
 
 
+def batch_of(windows, floor, kinds, starts=None):
+    """A batch whose targets lie on all floor alike."""
+    target = floor.float() / floor.float().sum((1, 2), keepdim=True)
+    starts = torch.zeros(len(windows), 2) if starts is None else starts
+    return Batch(windows, windows[:, None].repeat(1, 2, 1, 1), starts, floor, target, kinds)
+
+
 def test_turned_houses_keep_their_starts():
     random = np.random.default_rng(0)
     windows = torch.zeros(3, WINDOW, WINDOW, dtype=torch.uint8)
     starts = torch.tensor([[5.0, 70.0], [40.0, 41.0], [90.0, 3.0]])
     for n, (i, j) in enumerate(starts.int().tolist()):
         windows[n, i, j] = n + 1
-    kinds = set()
+    batch, places = batch_of(windows, windows + 1, windows + 2, starts), set()
     for _ in range(40):
-        seen, places, bits, rooms = turned(windows, starts, windows + 1, windows + 2, random)
-        assert [int(seen[n, int(i), int(j)]) for n, (i, j) in enumerate(places)] == [1, 2, 3]
-        assert torch.equal(bits, seen + 1)
-        assert torch.equal(rooms, seen + 2)
-        kinds.add(tuple(places[0].tolist()))
-    assert len(kinds) == 8
+        seen = turned(batch, random)
+        assert [int(seen.windows[n, int(i), int(j)]) for n, (i, j) in enumerate(seen.starts)] == [1, 2, 3]
+        assert torch.equal(seen.marks[:, 0], seen.windows)
+        assert torch.equal(seen.floor, seen.windows + 1)
+        assert torch.equal(seen.kinds, seen.windows + 2)
+        assert torch.allclose(seen.target, batch_of(seen.windows, seen.floor, seen.kinds).target)
+        places.add(tuple(seen.starts[0].tolist()))
+    assert len(places) == 8
 
 
 def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
     windows, bits = torch.zeros(2, 1, 32, 32, dtype=torch.uint8)
-    windows[0, :, :10], bits[0, 5:20] = 8 * 4, FLOOR | TARGET
-    rooms = torch.full_like(bits, UNKNOWN)
-    rooms[0, 5:20] = 1
+    windows[0, :, :8], bits[0, 4:20] = 8 * 4, 1
+    kinds = torch.full_like(bits, UNKNOWN)
+    kinds[0, 4:20] = 1
+    batch = batch_of(windows, bits, kinds)
     floor = torch.where(bits > 0, 9.0, -9.0)
-    kinds = torch.stack([torch.full_like(floor, -9.0), torch.full_like(floor, 9.0)], 1)
-    right = completion_loss(Prediction(floor, floor, kinds), windows, bits, rooms)
-    assert right < 0.01
+    target = floor.flatten(1).log_softmax(1).view_as(floor)
+    ground = torch.stack([torch.full((1, 16, 16), -9.0), torch.full((1, 16, 16), 9.0)], 1)
+    right = completion_loss(Prediction(floor, target, ground), batch)
+    least = TARGETS * np.log(16 * 32)
+    assert float(right) == pytest.approx(least, abs=0.01)
     # Farther than 12 blocks from what was seen it hardly matters.
     far = floor.clone()
     far[0, :, 30:] = 9.0
     wrong = floor.clone()
     wrong[0, :, 12:14] = 9.0
-    losses = [
-        float(completion_loss(Prediction(each, floor, kinds), windows, bits, rooms)) for each in (far, wrong)
-    ]
-    assert right < losses[0] < losses[1] / 5
-    other = completion_loss(Prediction(floor, floor, -kinds), windows, bits, rooms)
-    assert other > right + 1
+    losses = [float(completion_loss(Prediction(each, target, ground), batch)) for each in (far, wrong)]
+    assert right < losses[0] < least + (losses[1] - least) / 5
+    assert completion_loss(Prediction(floor, target, -ground), batch) > right + 1
+    nowhere = torch.full_like(floor, -np.log(32 * 32.0))
+    assert completion_loss(Prediction(floor, nowhere, ground), batch) > right + 0.1
+
+
+def test_a_network_tells_how_likely_a_target_is_in_its_window():
+    network = CompletionNetwork(2, 2, (4, 4))
+    windows = torch.randint(0, 40, (3, WINDOW, WINDOW), dtype=torch.uint8)
+    marks = torch.zeros(3, 2, WINDOW, WINDOW, dtype=torch.uint8)
+    floor, target, kinds = network(windows, marks, torch.full((3, 2), 48.0))
+    assert floor.shape == target.shape == (3, WINDOW, WINDOW)
+    assert kinds.shape == (3, 2, WINDOW // 2, WINDOW // 2)
+    assert (target.exp().sum((1, 2)) < 1).all()
+    for plane, mark in ((0, 1), (1, 1), (1, 2)):
+        noted = marks.clone()
+        noted[1, plane, 50, 50] = mark
+        other = network(windows, noted, torch.full((3, 2), 48.0)).target
+        assert torch.allclose(other[[0, 2]], target[[0, 2]], atol=1e-5)
+        assert not torch.allclose(other[1], target[1], atol=1e-5)
 
 
 class Seer(Foresight):
     """Foresight that is told the truth, or that of another house."""
 
     def __init__(self, envs, shuffled):
-        self.truth = Truth(envs, ())
         self.shuffled = shuffled
-        super().__init__(envs.config, CompletionNetwork(0, (4, 4)))
+        super().__init__(envs.config, CompletionNetwork(0, 0, (4, 4)))
+        self.truth = Truth(envs, (), self.planner.cell)
 
     def foresee(self, environments):
         """Write the truth."""
@@ -166,12 +282,15 @@ class Seer(Foresight):
         self.asked = environments
         super().foresee(environments)
 
-    def predict(self, windows, starts):
+    def predict(self, windows, marks, starts):
         """Logits that are sure."""
-        bits, _ = self.truth.read(self.planner, self.asked, -starts.astype(int))
-        bits = np.roll(bits, 1, axis=0) if self.shuffled else bits
-        floor, target = (torch.from_numpy(np.where(bits & bit, 9.0, -9.0)).float() for bit in (FLOOR, TARGET))
-        return Prediction(floor, target, torch.zeros(len(bits), 0, WINDOW, WINDOW))
+        floor, target, _ = self.truth.read(self.asked, -starts.astype(int))
+        if self.shuffled:
+            floor, target = np.roll(floor, 1, axis=0), np.roll(target, 1, axis=0)
+        sure = torch.from_numpy(np.where(floor, 9.0, -9.0)).float()
+        return Prediction(
+            sure, torch.from_numpy(target).clamp(min=1e-9).log(), torch.zeros(len(sure), 0, 48, 48)
+        )
 
 
 def picked_up(tracker_of, houses, steps=350):
@@ -197,14 +316,21 @@ def test_who_foresees_the_truth_finds_more_and_another_house_less():
 
 
 def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
-    foresight = Foresight(make_envs(HOUSES, 1).config, CompletionNetwork(1, (4, 4)))
+    foresight = Foresight(make_envs(HOUSES, 1).config, CompletionNetwork(1, 0, (4, 4)))
     windows = np.zeros((1, WINDOW, WINDOW), np.uint8)
     windows[0, 0, 0] = 8 * 4
-    sure = torch.full((1, WINDOW, WINDOW), 30.0)
-    given = foresight.given(Prediction(sure, sure, sure[:, None]), windows)
-    assert (given == CERTAIN | PATH).all()
-    none = foresight.given(Prediction(-sure, -sure, sure[:, None]), windows)
-    assert none[0, 0, 0] == PATH  # it was seen: a path may lead there, and a view go on
+    sure, likely = torch.full((2, 1, WINDOW, WINDOW), 30.0)
+    likely = (likely * 0).flatten(1).log_softmax(1).view_as(sure)
+    given = foresight.given(Prediction(sure, likely, sure[:, None]), windows)
+    assert (given == int(CERTAIN * (1 / LIKELY + ELSEWHERE)) | PATH).all()
+    some = likely.clone()
+    some[0, 40:42, 40:42] += 3.0  # some blocks are far likelier: they are certain, and no more
+    given = foresight.given(Prediction(sure, some, sure[:, None]), windows)
+    assert (given[0, 40:42, 40:42] == CERTAIN | PATH).all()
+    assert (given[0, :40] & OPAQUE < CERTAIN).all()
+    none = foresight.given(Prediction(-sure, likely - 50, sure[:, None]), windows)
+    assert none[0, 0, 0] & PATH  # it was seen: a path may lead there, and a view go on
+    assert none[0, 0, 0] & OPAQUE != OPAQUE
     assert (none[0, 1:] == OPAQUE).all()
 
 
@@ -216,7 +342,7 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     ],
 )
 def test_another_task_or_another_body_is_refused(targets, preset, message):
-    config = CompletionConfig(targets="secondary", rooms=("bedroom",), channels=(4, 4))
+    config = CompletionConfig(targets="secondary", kinds=("bedroom",), channels=(4, 4))
     envs = make_envs(HOUSES, 1, targets, preset=preset)
     with pytest.raises(RequestError, match=message):
         policy_of(network_of(config), config, envs)
