@@ -14,9 +14,11 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.config import LEARNT_IN, PRESETS, PQNConfig, TrainConfig, ViewpointQConfig
+from agent.config import PQNConfig, TrainConfig
 from agent.options import options_of
+from agent.presets import LEARNT_IN, PRESETS
 from agent.settings import read, written
+from agent.viewpoint_q.config import ViewpointQConfig
 from logic.commands import print_answer
 from logic.errors import RequestError
 from logic.spelling import unknown

@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from agent.build import network_of, policy_of
-from agent.config import CompletionConfig
-from agent.map_completion import CompletionNetwork, Foresight
+from agent.map_completion.config import CompletionConfig
+from agent.map_completion.foresight import Foresight
 from agent.map_completion.learner import completion_loss, turned
-from agent.map_completion.network import WINDOW, Prediction
+from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.map_completion.truth import FLOOR, TARGET, UNKNOWN, Truth
 from agent.map_completion.windows import PATH, Windows
 from agent.planner.belief import OPAQUE

@@ -1,6 +1,7 @@
 """A network over viewpoints begins as the explorer, learns which offers pay, and is kept whole."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -10,9 +11,10 @@ from agent import checkpoint
 from agent.build import network_of, policy_of
 from agent.checkpoint import Checkpoint
 from agent.commands import Export
-from agent.config import VIEWPOINTS, ViewpointQConfig
 from agent.evaluation.baselines import explorer
 from agent.policies import Policy
+from agent.presets import PRESETS
+from agent.viewpoint_q.config import ViewpointQConfig
 from agent.viewpoint_q.learner import Choices, ViewpointQ
 from agent.viewpoint_q.network import Situation, features
 from agent.viewpoint_q.returns import expected_finds
@@ -22,7 +24,8 @@ from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 
 E, K = 8, 5
-CONFIG = replace(VIEWPOINTS, num_envs=E, steps=1200 * E, batch_size=64, sim=("steps=600",))
+PRESET = cast(ViewpointQConfig, PRESETS["viewpoints"])
+CONFIG = replace(PRESET, num_envs=E, steps=1200 * E, batch_size=64, sim=("steps=600",))
 
 
 @pytest.fixture
