@@ -10,7 +10,6 @@ import torch
 from agent import checkpoint
 from agent.build import network_of, policy_of
 from agent.checkpoint import Checkpoint
-from agent.commands import Export
 from agent.evaluation.baselines import explorer
 from agent.policies import Policy
 from agent.presets import PRESETS
@@ -148,9 +147,3 @@ def test_what_no_run_can_have_is_refused():
         ViewpointQConfig(gamma=1.5)
     with pytest.raises(RequestError, match="batch_size"):
         ViewpointQConfig(batch_size=0)
-
-
-def test_what_chooses_on_a_map_is_not_exported(tmp_path):
-    checkpoint.save(Checkpoint(network_of(CONFIG), CONFIG, steps=3), tmp_path / "agent.safetensors")
-    with pytest.raises(RequestError, match="chooses viewpoints on a planner's map"):
-        Export(tmp_path / "agent.safetensors", tmp_path / "agent.onnx").run()
