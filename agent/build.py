@@ -4,15 +4,10 @@ from typing import Any
 
 import torch
 
-from agent.config import (
-    CompletionConfig,
-    PaperConfig,
-    PQNConfig,
-    QLearningConfig,
-    TrainConfig,
-    ViewpointQConfig,
-)
-from agent.map_completion import CompletionNetwork, Foresight
+from agent.config import PaperConfig, PQNConfig, QLearningConfig, TrainConfig
+from agent.map_completion.config import CompletionConfig
+from agent.map_completion.foresight import Foresight
+from agent.map_completion.network import CompletionNetwork
 from agent.map_completion.truth import GROUND
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
@@ -20,6 +15,7 @@ from agent.planner import FEATURES
 from agent.policies import Explorer, QPolicy, Tracker
 from agent.recurrent import RecurrentQNetwork
 from agent.simulator import simulator
+from agent.viewpoint_q.config import ViewpointQConfig
 from agent.viewpoint_q.network import Chooser, ViewpointNetwork
 from agent.world import layer_of, shield
 from logic.errors import RequestError

@@ -10,21 +10,11 @@ import safetensors
 import safetensors.torch
 
 from agent.build import network_of
-from agent.config import (
-    CompletionConfig,
-    DQNConfig,
-    PaperConfig,
-    PQNConfig,
-    TrainConfig,
-    ViewpointQConfig,
-)
+from agent.config import TrainConfig
+from agent.presets import ALGORITHMS
 from agent.released import FORMAT, CheckpointError, located, require_sizes
 from logic.files import write_whole
 from logic.spelling import printable
-
-KINDS: dict[str, type[TrainConfig]] = {
-    kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig, CompletionConfig, ViewpointQConfig)
-}
 
 
 @dataclass(frozen=True)
@@ -94,9 +84,9 @@ def load(path: str | Path) -> Checkpoint:
 
 def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:
     """A config from what JSON has of it. Raises ``ValueError`` that names what is wrong."""
-    if algorithm not in KINDS:
+    if algorithm not in ALGORITHMS:
         raise ValueError(f"unknown algorithm {algorithm!r}")
-    kind = KINDS[algorithm]
+    kind = ALGORITHMS[algorithm]
     if unknown := set(values) - {field.name for field in fields(kind)}:
         raise ValueError(f"unknown field {min(unknown)!r}")
     return msgspec.convert(values, kind)

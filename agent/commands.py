@@ -14,8 +14,9 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.config import LEARNT_IN, PRESETS, PQNConfig, TrainConfig, ViewpointQConfig
+from agent.config import PQNConfig, TrainConfig
 from agent.options import options_of
+from agent.presets import LEARNT_IN, PRESETS
 from agent.settings import read, written
 from logic.commands import print_answer
 from logic.errors import RequestError
@@ -149,10 +150,7 @@ class Export:
         from logic.files import require_file
 
         require_file(self.out, [".onnx"])
-        agent = checkpoint.load(self.agent)
-        if isinstance(agent.config, ViewpointQConfig):
-            raise RequestError(f"{self.agent}: chooses viewpoints on a planner's map, which ONNX has not")
-        export(agent.network, self.out)
+        export(checkpoint.load(self.agent).network, self.out)
         if self.json:
             print_answer("export", Written([str(self.out)]))
         _say(f"{self.out}")

@@ -15,8 +15,9 @@ from typing import Literal
 import tyro
 
 from agent.banks import BANKS
-from agent.config import PRESETS, TARGET_MODES
+from agent.config import TARGET_MODES
 from agent.options import Option, options_in, options_of
+from agent.presets import PRESETS
 from agent.released import released
 from logic.grammar import shipped
 

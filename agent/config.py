@@ -1,10 +1,10 @@
-"""What a training run is: a frozen dataclass for each algorithm, and the presets that run by name.
+"""What a training run is: what all runs have in common, and a frozen dataclass for each Q-learning algorithm.
 
 The names of the fields are those of CleanRL and Stable-Baselines3; their docstrings are the command's help.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from math import inf
 from typing import Annotated, ClassVar, Literal, get_args
 
@@ -14,9 +14,6 @@ from logic.errors import RequestError
 
 TargetMode = Literal["main", "secondary", "mixed"]
 """Where targets lie: in the main room, in secondary rooms, or in both."""
-
-MOST_GROUND = 250
-"""Types of rooms and kinds of pieces that map completion tells apart: they are kept in 8 bits."""
 
 MOST_HALF_LIVES = 64
 """Half-lives of a memory: those of the presets are four."""
@@ -294,130 +291,6 @@ class PaperConfig(TrainConfig):
             raise RequestError(f"num_minibatches must not exceed batch_size, not {self.num_minibatches}")
         if self.device != "cpu":
             raise RequestError("deep Q-learning from a replay buffer runs on device cpu alone")
-
-
-@dataclass(frozen=True)
-class CompletionConfig(TrainConfig):
-    """Map completion: a network learns what lies where a map shows nothing: ``agent.map_completion``."""
-
-    groups: ClassVar = {"kinds": "Map completion"}
-
-    kinds: tuple[str, ...] = ()
-    """Types of rooms and kinds of pieces that are told apart; by default those of the houses that it learns
-    in."""
-
-    channels: tuple[int, ...] = (16, 32, 64, 96)
-    """Of the network's levels, each at half the resolution of the one before."""
-
-    num_steps: int = 32
-    """Steps of every explorer from one window of its map to the next."""
-
-    restarts: float = 0.04
-    """Share of the environments that begin another episode each time."""
-
-    update_epochs: int = 2
-    """Passes over these windows, each time turned and mirrored otherwise."""
-
-    batch_size: int = 32
-    """Windows that an update learns from."""
-
-    final_lr_fraction: float = 0.02
-    """The learning rate falls on a line to this fraction of it."""
-
-    max_grad_norm: float = 5.0
-    """Longer gradients are clipped to this norm."""
-
-    algorithm: ClassVar[str] = "map-completion"
-    positive: ClassVar[tuple[str, ...]] = (
-        *(*TrainConfig.positive, "num_steps", "update_epochs", "batch_size", "max_grad_norm"),
-    )
-    fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "restarts", "final_lr_fraction")
-
-    def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
-        super().__post_init__()
-        if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
-            raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")
-        if len(self.kinds) > MOST_GROUND:
-            raise RequestError(f"kinds are {MOST_GROUND} at most, not {len(self.kinds)}")
-        if self.device != "cpu":
-            raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
-
-
-@dataclass(frozen=True)
-class ViewpointQConfig(TrainConfig):
-    """Q-learning over the viewpoints that a planner offers: options, of some 25 steps each.
-
-    Preset ``viewpoints`` begins as the explorer, and learns which of the views is worth more than the
-    planner takes it to be. See ``agent.viewpoint_q``.
-    """
-
-    groups: ClassVar = {"gamma": "Q-learning over viewpoints"}
-
-    gamma: float = 0.998
-    """Discount per step."""
-
-    q_lambda: float = 0.8
-    """Lambda of Q(lambda), over options: 0 one option, 1 all that follow."""
-
-    privileged: bool = True
-    """Whether the reward in training is how likely each step found the target, by the true house, and not
-    whether it did: with less noise, and up to a sixth more in all. An agent that plays reads no house."""
-
-    update_epochs: int = 4
-    """Passes over the choices of the episodes played last."""
-
-    batch_size: int = 512
-    """Choices that an update learns from."""
-
-    max_grad_norm: float = 1.0
-    """Longer gradients are clipped to this norm."""
-
-    algorithm: ClassVar[str] = "viewpoint-q"
-    positive: ClassVar[tuple[str, ...]] = (
-        *(*TrainConfig.positive, "update_epochs", "batch_size", "max_grad_norm"),
-    )
-    fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "gamma", "q_lambda")
-
-    def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
-        super().__post_init__()
-        if self.device != "cpu":
-            raise RequestError("viewpoints needs device cpu: that is where maps are kept")
-
-
-PQN = PQNConfig()
-
-VIEWPOINTS = ViewpointQConfig(targets="secondary", num_envs=64, steps=20_000_000, epsilon=0.1)
-
-PRESETS: dict[str, PQNConfig | DQNConfig | PaperConfig | CompletionConfig | ViewpointQConfig] = {
-    # More environments, and one pass over each rollout: half the time a step.
-    "pqn": replace(PQN, num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
-    "pqn-map": replace(PQN, targets="secondary", steps=2_000_000, map=True),
-    "map-completion": CompletionConfig(
-        targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3
-    ),
-    "viewpoints": VIEWPOINTS,
-    "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
-    "dqn": DQNConfig(
-        num_envs=64, learning_rate=5e-4, final_lr_fraction=0.1, epsilon=1.0, exploration_fraction=0.1
-    ),
-    "paper": PaperConfig(
-        targets="paper-main",
-        world="paper",
-        avoidance="paper",
-        num_envs=1,
-        steps=1_225_500,  # 817 episodes at most
-        learning_rate=1e-2,
-        epsilon=1.0,
-        final_epsilon=0.025,
-        forward=0.92,
-    ),
-}
-"""Configs that run by name."""
-
-LEARNT_IN = {"paper": "paper-house"}
-"""Houses that a preset learns in where none are given: a name of ``sim.arguments``."""
 
 
 def differences(one: TrainConfig, other: TrainConfig) -> Iterator[str]:

@@ -13,7 +13,7 @@ from rich.markdown import Markdown
 
 from agent.banks import bank_hash, geometry_hash
 from agent.checkpoint import Checkpoint
-from agent.config import PRESETS, TargetMode
+from agent.config import TargetMode
 from agent.evaluation.film import record
 from agent.evaluation.plots import learning_curve
 from agent.evaluation.protocol import measure
@@ -21,6 +21,7 @@ from agent.evaluation.result import HUMAN_RATIO, Result
 from agent.evaluation.scores import Bank, ScoreFile, modes_of
 from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learner import Progress
+from agent.presets import PRESETS
 from agent.progress import Report, progress
 from agent.report import trace
 from agent.report.folder import describe, write_report

@@ -12,8 +12,9 @@ import numpy as np
 import torch
 
 from agent.checkpoint import Checkpoint
-from agent.config import PRESETS, PaperConfig
+from agent.config import PaperConfig
 from agent.paper import PaperNetwork
+from agent.presets import PRESETS
 from agent.released import CheckpointError
 
 ORIGINAL = cast(PaperConfig, PRESETS["paper"])

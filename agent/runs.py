@@ -29,24 +29,13 @@ import torch
 from agent import checkpoint, ranks
 from agent.banks import bank_hash
 from agent.checkpoint import Checkpoint
-from agent.config import (
-    CompletionConfig,
-    DQNConfig,
-    PaperConfig,
-    PQNConfig,
-    TrainConfig,
-    ViewpointQConfig,
-)
-from agent.dqn import DQN
+from agent.config import PQNConfig, TrainConfig
 from agent.learner import Diverged, Learner, Progress
-from agent.map_completion.learner import MapCompletion
-from agent.paper import Paper
-from agent.pqn import PQN
+from agent.learners import LEARNERS
 from agent.precision import set_precision
 from agent.progress import progress
 from agent.released import CheckpointError
 from agent.simulator import simulator
-from agent.viewpoint_q.learner import ViewpointQ
 from agent.world import make_envs
 from logic import House
 from logic.errors import RequestError, VitruviusError
@@ -164,23 +153,14 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     share, left = divmod(config.num_envs, ranks.size())
     if left:
         raise RequestError(f"num_envs must be a multiple of the {ranks.size()} ranks, not {config.num_envs}")
+    if ranks.size() > 1 and not isinstance(config, PQNConfig):
+        raise RequestError(f"{config.algorithm} runs in one process alone")
     if config.device == "cuda" and not torch.cuda.is_available():
         raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
     set_precision(config.precision, config.device)
     envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
-    if isinstance(config, PQNConfig):
-        return PQN(config, envs)
-    if ranks.size() > 1:
-        raise RequestError(f"{config.algorithm} runs in one process alone")
-    if isinstance(config, CompletionConfig):
-        return MapCompletion(config, envs)
-    if isinstance(config, ViewpointQConfig):
-        return ViewpointQ(config, envs)
-    if isinstance(config, DQNConfig):
-        return DQN(config, envs)
-    assert isinstance(config, PaperConfig)
-    return Paper(config, envs)
+    return LEARNERS[config.algorithm](config, envs)
 
 
 def _learn(

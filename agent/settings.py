@@ -1,6 +1,6 @@
 """A training run as a TOML file: ``train --print-config`` prints one, ``train --config FILE`` reads it.
 
-Its keys are the fields of a config of ``agent.config``, and ``preset``, ``name`` and ``houses``. TOML has no
+Its keys are the fields of a preset's config, and ``preset``, ``name`` and ``houses``. TOML has no
 None: the word "none" stands for it.
 """
 
@@ -13,8 +13,9 @@ from typing import Any, NoReturn
 
 import msgspec
 
-from agent.config import PRESETS, TrainConfig
+from agent.config import TrainConfig
 from agent.options import Option, options_of
+from agent.presets import PRESETS
 from logic.errors import VitruviusError
 from logic.spelling import unknown
 

@@ -17,7 +17,7 @@ import msgspec
 import pytest
 
 from agent.cli import COMMANDS, EXTRAS, main, parse
-from agent.config import PRESETS
+from agent.presets import PRESETS
 from benchmarks import STUDIES
 from logic import House, Rect, Star, load, save
 from logic.commands.houses import Check, Draw

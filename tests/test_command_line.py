@@ -24,9 +24,9 @@ from agent.answers import ANSWERS
 from agent.cli import COMMANDS, GROUPS, STUDY_GROUPS, command_help, main
 from agent.commands import Train
 from agent.completion import bash, fish, places, zsh
-from agent.config import PRESETS
 from agent.help import grouped
 from agent.options import options_in, options_of
+from agent.presets import PRESETS
 from agent.progress import progress as agent_progress
 from benchmarks import STUDIES
 from logic import generate, save

@@ -10,10 +10,11 @@ import numpy as np
 
 from agent.build import policy_of
 from agent.checkpoint import Checkpoint
-from agent.config import TARGET_MODES, CompletionConfig
+from agent.config import TARGET_MODES
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
+from agent.map_completion.config import CompletionConfig
 from agent.policies import Policy
 from agent.progress import Report
 from agent.simulator import sensor, undisturbed, with_sensor

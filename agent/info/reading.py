@@ -11,9 +11,10 @@ from typing import Any
 import msgspec
 
 from agent.banks import BANKS, bank_hash
-from agent.config import PRESETS, TrainConfig, differences
+from agent.config import TrainConfig, differences
 from agent.info.kinds import Agent, Games, Grammar, Houses, Keras, Plan, Run, Scores, Settings, Trace
 from agent.play.results import load as load_games
+from agent.presets import PRESETS
 from agent.released import FORMAT, MOST_HEADER, require_sizes
 from logic import House, RequestError
 from logic.errors import VitruviusError

@@ -10,7 +10,6 @@ import msgspec
 
 from agent import settings
 from agent.banks import BANKS, benchmark_path
-from agent.config import PRESETS
 from agent.info.kinds import Kind
 from agent.info.reading import (
     UnknownFileError,
@@ -26,6 +25,7 @@ from agent.info.reading import (
     read_trace,
     stopped,
 )
+from agent.presets import PRESETS
 from agent.released import located, released
 from logic import HouseFileError, load
 from logic.files import HOUSE_FILES

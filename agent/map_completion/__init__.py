@@ -9,8 +9,3 @@ may lead through, and where views end.
 The idea is that of occupancy anticipation (Ramakrishnan, Al-Halah and Grauman 2020, arXiv:2008.09285) and of
 PONI (Ramakrishnan et al. 2022, arXiv:2201.10029).
 """
-
-from agent.map_completion.foresight import Foresight
-from agent.map_completion.network import CompletionNetwork
-
-__all__ = ["CompletionNetwork", "Foresight"]

@@ -11,8 +11,8 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from agent.build import network_of
-from agent.config import CompletionConfig
 from agent.learner import Learner, Progress, Tally, linear
+from agent.map_completion.config import CompletionConfig
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import CompletionNetwork, Prediction
 from agent.map_completion.truth import UNKNOWN, Truth

@@ -55,22 +55,10 @@ def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     ):  # fmt: skip
         memory = ti.static(
             Memory(
-                cells,
-                distance,
-                queue,
-                dirty,
-                reached,
-                tiles,
-                odds,
-                candidates,
-                gains,
-                evidence,
-                last,
-                prior,
-                offers,
-                offered,
+                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior,
+                offers, offered,
             )
-        )
+        )  # fmt: skip
         for e in range(states.shape[0] // ti.static(SIZE)):
             base, state = e * occupancy.area, loaded(states, e)
             room, shares = belief.start_room(memory, base), belief.shares(state.found_here, state.found)

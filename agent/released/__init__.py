@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from agent.config import PRESETS
+from agent.presets import PRESETS
 from logic.errors import VitruviusError
 from logic.spelling import unknown
 

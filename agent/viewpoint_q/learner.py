@@ -7,10 +7,10 @@ import torch
 from torch import Tensor
 
 from agent.build import network_of
-from agent.config import ViewpointQConfig
 from agent.learner import Learner, Progress, Tally, linear
 from agent.planner import Planner
 from agent.policies import Explorer
+from agent.viewpoint_q.config import ViewpointQConfig
 from agent.viewpoint_q.network import Chooser, Situation
 from agent.viewpoint_q.returns import expected_finds, option_returns
 from sim import HouseVectorEnv

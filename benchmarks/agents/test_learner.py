@@ -15,9 +15,10 @@ import torch
 from torch.nn.functional import linear
 from torch.profiler import profile
 
-from agent.config import PRESETS, PQNConfig
+from agent.config import PQNConfig
 from agent.network import STRIDE, WINDOW
 from agent.pqn import PQN
+from agent.presets import PRESETS
 from agent.world import make_envs, shield
 from logic import generate
 

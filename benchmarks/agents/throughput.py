@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from agent.config import PRESETS, PQNConfig
+from agent.config import PQNConfig
 from agent.evaluation import scores
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import WHERE
+from agent.presets import PRESETS
 from agent.runs import Folder
 from benchmarks.agents.entries import BUDGET, RATES
 from benchmarks.agents.runs import StudyFailed, finished, require_same, training_command

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import torch
 
-from agent.config import PRESETS, PaperConfig
+from agent.config import PaperConfig
 from agent.evaluation.result import HUMAN
+from agent.presets import PRESETS
 from agent.progress import progress
 from agent.world import make_envs
 from benchmarks.common.pages import table_rows

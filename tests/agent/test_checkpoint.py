@@ -12,9 +12,10 @@ import torch
 
 from agent.build import network_of
 from agent.checkpoint import FORMAT, Checkpoint, load, save
-from agent.config import PRESETS, DQNConfig, PQNConfig, TrainConfig
+from agent.config import DQNConfig, PQNConfig, TrainConfig
 from agent.network import QNetwork
 from agent.planner import FEATURES
+from agent.presets import PRESETS
 from agent.released import CheckpointError, released
 
 CONFIG = PQNConfig(steps=1000, seed=3)

@@ -9,10 +9,11 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
-from agent.config import PRESETS, DQNConfig
+from agent.config import DQNConfig
 from agent.dqn import DQN, double_q_targets, huber_loss, n_step_returns
 from agent.evaluation.episodes import play
 from agent.policies import QPolicy, RandomPolicy
+from agent.presets import PRESETS
 from agent.world import shield
 from logic import House, Rect, Star
 from sim import HouseVectorEnv

@@ -14,7 +14,9 @@ from agent.cli import main
 from agent.config import PQNConfig
 from agent.export import INPUTS, OUTPUTS, NoExporter, Step, export
 from agent.network import QNetwork
+from agent.presets import PRESETS
 from agent.recurrent import RecurrentQNetwork
+from logic.errors import RequestError
 
 onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")
@@ -109,3 +111,10 @@ def test_the_command_writes_a_checkpoints_network(tmp_path):
     assert not done.value.code
     session = onnxruntime.InferenceSession(tmp_path / "agent.onnx", providers=["CPUExecutionProvider"])
     assert [each.name for each in session.get_outputs()] == list(OUTPUTS)
+
+
+@pytest.mark.parametrize("preset", ["viewpoints", "map-completion"])
+def test_what_works_on_a_planners_map_is_not_exported(tmp_path, preset):
+    with pytest.raises(RequestError, match="needs a planner's whole map"):
+        export(network_of(PRESETS[preset]), tmp_path / "agent.onnx")
+    assert not (tmp_path / "agent.onnx").exists()

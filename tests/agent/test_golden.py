@@ -21,13 +21,10 @@ import torch
 from agent import checkpoint
 from agent.banks import benchmark
 from agent.build import network_of, policy_of
-from agent.config import PRESETS
-from agent.dqn import DQN
-from agent.paper import Paper
+from agent.learners import LEARNERS
 from agent.policies import Explorer
-from agent.pqn import PQN
+from agent.presets import PRESETS
 from agent.released import released
-from agent.viewpoint_q.learner import ViewpointQ
 from agent.world import make_envs, shield
 from logic import generate
 from sim import HouseVectorEnv
@@ -41,8 +38,6 @@ SMALL: dict[str, dict[str, Any]] = {
     "paper": {"buffer_size": 8000, "batch_size": 100, "num_minibatches": 5},
 }
 """What is changed so that a preset learns something in so few steps."""
-
-LEARNERS = {"pqn": PQN, "dqn": DQN, "paper": Paper, "viewpoint-q": ViewpointQ}
 
 RECORDED = [preset for preset in PRESETS if preset != "map-completion"]
 """Which views that one takes depends on how a processor rounds."""
@@ -120,7 +115,7 @@ def learnt(preset: str) -> dict[str, Any]:
     config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
     envs = environments(config.targets, config.world)
     torch.set_float32_matmul_precision(config.precision)
-    learner: Any = LEARNERS[config.algorithm](config, envs)
+    learner = LEARNERS[config.algorithm](config, envs)
     reports = list(learner.train())
     torch.set_float32_matmul_precision("highest")
     weights = hashlib.sha256()

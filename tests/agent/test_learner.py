@@ -9,8 +9,10 @@ import torch
 from agent.build import network_of
 from agent.config import PQNConfig
 from agent.learner import Diverged, Progress, linear
+from agent.learners import LEARNERS
 from agent.network import QNetwork
 from agent.pqn import PQN
+from agent.presets import ALGORITHMS, PRESETS
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 
@@ -28,6 +30,10 @@ def envs() -> HouseVectorEnv:
 def trained(envs: HouseVectorEnv, config: PQNConfig) -> tuple[QNetwork, list[Progress]]:
     learner = PQN(config, envs)
     return learner.network, list(learner.train())
+
+
+def test_each_algorithm_has_a_config_a_learner_and_a_preset():
+    assert {config.algorithm for config in PRESETS.values()} == set(ALGORITHMS) == set(LEARNERS)
 
 
 def test_a_short_run_changes_all_weights_and_reports_its_progress(envs):

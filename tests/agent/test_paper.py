@@ -9,8 +9,9 @@ from torch import nn
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.build import network_of
-from agent.config import PRESETS, PaperConfig
+from agent.config import PaperConfig
 from agent.paper import Paper, PaperNetwork, explore, q_targets, squared_loss
+from agent.presets import PRESETS
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 

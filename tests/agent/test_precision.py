@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from agent import precision
-from agent.config import PRESETS
+from agent.presets import PRESETS
 from logic.errors import RequestError
 
 TRAPPED = "import os, signal; os.kill(os.getpid(), signal.SIGILL)"

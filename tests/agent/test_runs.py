@@ -10,6 +10,7 @@ import time
 from dataclasses import replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
@@ -17,15 +18,15 @@ import torch
 from agent import checkpoint, runs
 from agent.banks import bank_hash
 from agent.cli import parse
-from agent.config import PRESETS, CompletionConfig, PQNConfig
-from agent.dqn import DQN
+from agent.config import PQNConfig
 from agent.learner import Diverged
-from agent.map_completion.learner import MapCompletion
+from agent.learners import LEARNERS
+from agent.map_completion.config import CompletionConfig
 from agent.pqn import PQN
+from agent.presets import PRESETS
 from agent.released import CheckpointError
 from agent.report.folder import report
 from agent.runs import run
-from agent.viewpoint_q.learner import ViewpointQ
 from logic import load, save
 from logic.errors import RequestError
 from logic.stopping import Terminated
@@ -123,8 +124,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
     run(HOUSES, config, tmp_path / "whole")
-    learners = {"pqn": PQN, "dqn": DQN, "viewpoint-q": ViewpointQ, "map-completion": MapCompletion}
-    learner = learners[config.algorithm]
+    learner: Any = LEARNERS[config.algorithm]
     iterate = learner.iterate
     for left in (1, 2):
         turns = iter([iterate] * left)

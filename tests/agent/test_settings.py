@@ -12,7 +12,7 @@ import torch
 
 from agent import checkpoint
 from agent.cli import main, parse
-from agent.config import PRESETS
+from agent.presets import PRESETS
 from agent.settings import SettingsError, read
 from logic import save
 from tests.sample_houses import random_house

@@ -9,9 +9,10 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.config import PRESETS, PQNConfig
+from agent.config import PQNConfig
 from agent.evaluation.episodes import play
 from agent.policies import RandomPolicy
+from agent.presets import PRESETS
 from agent.simulator import sensor, simulator
 from agent.world import make_envs, shield
 from logic import House, HouseFileError, Rect, Star, StarRoom

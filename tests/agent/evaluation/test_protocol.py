@@ -10,10 +10,11 @@ from PIL import Image
 from agent import checkpoint
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
-from agent.config import PRESETS, TARGET_MODES, PQNConfig
+from agent.config import TARGET_MODES, PQNConfig
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import Setting, measure
+from agent.presets import PRESETS
 from agent.report.folder import report
 from agent.simulator import sensor
 from logic import RequestError, save

@@ -7,12 +7,11 @@ import pytest
 import torch
 
 from agent.build import network_of, policy_of
-from agent.config import CompletionConfig
-from agent.map_completion import CompletionNetwork, Foresight
-from agent.map_completion.foresight import ELSEWHERE, LIKELY
+from agent.map_completion.config import CompletionConfig
+from agent.map_completion.foresight import ELSEWHERE, LIKELY, Foresight
 from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
 from agent.map_completion.marks import Marks
-from agent.map_completion.network import WINDOW, Prediction
+from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.map_completion.windows import Windows
 from agent.planner.belief import OPAQUE, PATH

@@ -1,6 +1,7 @@
 """A network over viewpoints begins as the explorer, learns which offers pay, and is kept whole."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -9,10 +10,10 @@ import torch
 from agent import checkpoint
 from agent.build import network_of, policy_of
 from agent.checkpoint import Checkpoint
-from agent.commands import Export
-from agent.config import VIEWPOINTS, ViewpointQConfig
 from agent.evaluation.baselines import explorer
 from agent.policies import Policy
+from agent.presets import PRESETS
+from agent.viewpoint_q.config import ViewpointQConfig
 from agent.viewpoint_q.learner import Choices, ViewpointQ
 from agent.viewpoint_q.network import Situation, features
 from agent.viewpoint_q.returns import expected_finds
@@ -22,7 +23,8 @@ from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 
 E, K = 8, 5
-CONFIG = replace(VIEWPOINTS, num_envs=E, steps=1200 * E, batch_size=64, sim=("steps=600",))
+PRESET = cast(ViewpointQConfig, PRESETS["viewpoints"])
+CONFIG = replace(PRESET, num_envs=E, steps=1200 * E, batch_size=64, sim=("steps=600",))
 
 
 @pytest.fixture
@@ -145,9 +147,3 @@ def test_what_no_run_can_have_is_refused():
         ViewpointQConfig(gamma=1.5)
     with pytest.raises(RequestError, match="batch_size"):
         ViewpointQConfig(batch_size=0)
-
-
-def test_what_chooses_on_a_map_is_not_exported(tmp_path):
-    checkpoint.save(Checkpoint(network_of(CONFIG), CONFIG, steps=3), tmp_path / "agent.safetensors")
-    with pytest.raises(RequestError, match="chooses viewpoints on a planner's map"):
-        Export(tmp_path / "agent.safetensors", tmp_path / "agent.onnx").run()

@@ -11,9 +11,10 @@ from torch import nn
 
 from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from agent.avoidance import PaperRule
-from agent.config import PRESETS, PaperConfig
+from agent.config import PaperConfig
 from agent.paper import PaperNetwork, q_targets, squared_loss
 from agent.policies import home
+from agent.presets import PRESETS
 from agent.world import make_envs
 from benchmarks.paper.side_by_side import Actors, Runs, find_gradients, forward, stacked
 from sim import HouseVectorEnv
