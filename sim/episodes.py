@@ -257,9 +257,11 @@ class Episodes:
                     angle -= ti.static(self.config.ray_spacing) * (ray + r)
                     observation[to] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
                     to += 1
-                for place in ti.static(range(len(self.config.kinds))):
-                    observation[to + place] = ti.select(kind[r] == ti.static(NAMED + place), 1.0, 0.0)
-                to += ti.static(len(self.config.kinds))
+                if ti.static(self.config.kinds):
+                    for place in range(ti.static(len(self.config.kinds))):
+                        named = ti.cast(kind[r], ti.i32) == NAMED + place
+                        observation[to + place] = ti.select(named, 1.0, 0.0)
+                    to += ti.static(len(self.config.kinds))
                 observation[to] = distance[r] * ti.static(1 / self.config.range)
                 to += 1
                 if ti.static(self.config.sees_kind):
