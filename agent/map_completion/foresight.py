@@ -5,8 +5,8 @@ import torch
 from torch import Tensor
 
 from agent.map_completion.marks import Marks
-from agent.map_completion.network import CompletionNetwork, Prediction
-from agent.map_completion.windows import SEEN, Windows
+from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from agent.map_completion.windows import LOOKED, SEEN, Windows
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.planner.belief import OPAQUE, PATH
 from agent.planner.config import CERTAIN
@@ -14,7 +14,11 @@ from agent.policies import Tracker
 from sim.config import Config
 
 EVERY, NEWS = 24, 16
-"""Steps of an environment between two predictions, at least; cells that must be new."""
+"""Steps of an environment between two predictions, at least; cells that must be new. After a pick-up it
+predicts at once."""
+
+ANYWAY = 96
+"""Steps after which it predicts though nothing is new: more was looked at."""
 
 EARLY = (1, 4, 10)
 """Steps of an episode at which it predicts anyway."""
@@ -22,11 +26,12 @@ EARLY = (1, 4, 10)
 PATHS, WALLS = 0.3, 0.05
 """How surely a block must be floor for paths to lead over it unseen; and below which views end there."""
 
-ELSEWHERE = 0.05
-"""What floor counts on which targets do not lie: it may be on the way to where they do."""
-
-LIKELY = 1.5
+LIKELY = 1.0
 """Times the density of targets where they are expected, at which a block counts as ``CERTAIN``."""
+
+DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
+"""What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
+right, also where each is less than one (Bayer 1973)."""
 
 AT_ONCE = 32
 """Windows in a batch: what fits a processor's cache."""
@@ -44,17 +49,17 @@ class Foresight(Tracker):
         """Forget the past: an episode begins in each of that many environments."""
         super().begin(environments)
         self.windows, self.marks = Windows(self.planner), Marks(self.world, self.planner)
-        self.seen, self.age = np.zeros(environments, int), np.zeros(environments, int)
+        self.seen, self.found, self.age = np.zeros((3, environments), int)
 
     def look(self, observation: Tensor, blocked: Tensor) -> Planner:
         """The planners, with what the last actions led to; predictions are of the maps as they are then."""
         planner = super().look(observation, blocked)
         self.marks.note(observation)
         time = planner.read("time").numpy()
-        self.seen[time == 1], self.age[time == 1] = 0, 0
+        self.seen[time == 1], self.found[time == 1], self.age[time == 1] = 0, 0, 0
         self.age += 1
-        seen = planner.seen.numpy()
-        due = (seen - self.seen >= NEWS) & ((self.age >= EVERY) | np.isin(time, EARLY))
+        due = (planner.seen.numpy() - self.seen >= NEWS) & ((self.age >= EVERY) | np.isin(time, EARLY))
+        due |= (planner.found.numpy() != self.found) | (self.age >= ANYWAY)
         self.foresee(np.flatnonzero(due & planner.seeks.numpy()))
         return planner
 
@@ -66,6 +71,7 @@ class Foresight(Tracker):
         marks = self.marks.read(environments, corners)
         self.windows.write(environments, self.given(self.predict(windows, marks, -corners), windows))
         self.seen[environments] = self.planner.seen.numpy()[environments]
+        self.found[environments] = self.planner.found.numpy()[environments]
         self.age[environments] = 0
 
     @torch.inference_mode()
@@ -82,10 +88,11 @@ class Foresight(Tracker):
         (n, W, W) uint8.
         """
         floor, target = prediction.floor.sigmoid().numpy(), prediction.target.exp().numpy()
-        seen = windows >> 3 >= SEEN
-        # Where a target is expected, this is the mean density of targets.
-        dense = np.square(target).sum((1, 2)) / target.sum((1, 2)).clip(1e-12)
-        likely = target / (LIKELY * dense.clip(1e-12)[:, None, None])
-        count = (CERTAIN * (likely + ELSEWHERE * floor).clip(max=1)).astype(np.uint8)
+        seen = (windows >> 3 & 7) >= SEEN
+        # Where a target is expected that was not looked for there, this is the mean density of targets.
+        left = np.where(windows & LOOKED, 0, target)
+        dense = np.square(left).sum((1, 2)) / left.sum((1, 2)).clip(1e-12)
+        count = CERTAIN * target / (LIKELY * dense.clip(1e-12)[:, None, None])
+        count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint8)
         count[(floor < WALLS) & ~seen] = OPAQUE
         return count | (PATH * ((floor > PATHS) | seen)).astype(np.uint8)

@@ -181,7 +181,7 @@ def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
     """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
     was not seen but is near to what was; and of the next target's block.
     """
-    seen = batch.windows >> 3 >= SEEN
+    seen = (batch.windows >> 3 & 7) >= SEEN
     # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
     squares = F.max_pool2d(seen[:, None].float(), COARSE)
     near = F.max_pool2d(squares, 2 * NEAR // COARSE + 1, 1, NEAR // COARSE)

@@ -68,7 +68,7 @@ class CompletionNetwork(nn.Module):
         uint8, as ``Marks.read`` does, and where the episodes began in them, ``starts`` (n, 2) float32, blocks
         south and east of the first.
         """
-        occupied, seen = (windows & 7).float() / 4, (windows >> 3).float() / 4
+        occupied, seen = (windows & 7).float() / 4, (windows >> 3 & 7).float() / 4
         axis = torch.arange(windows.shape[-1], device=windows.device)
         south, east = ((axis - starts[:, k, None]).square() for k in range(2))
         near = torch.exp(-(south[:, :, None] + east[:, None]).sqrt() / FADE)

@@ -20,6 +20,9 @@ from sim.runtime import Array, Launch, start, ti
 SEEN = 3
 """Cells of a block from which on it counts as seen."""
 
+LOOKED = 1 << 6
+"""Bit of a window's block: so many of its cells were seen since the last pick-up."""
+
 
 class Windows:
     """The windows of E environments' maps."""
@@ -32,6 +35,7 @@ class Windows:
             "corners": Array(ti.i32, 2 * count),
             "windows": Array(ti.u8, count * WINDOW**2),
             "given": Array(ti.u8, count * WINDOW**2),
+            "since": Array(ti.i32, count),
         }
         self.arrays = {name: planner.arrays[name] for name in ("cells", "dirty", "gains", "prior")} | own
         kernels = _kernels(start(), planner.config.map_bits, planner.config.viewpoint_pitch)
@@ -51,10 +55,11 @@ class Windows:
         return corners[: len(environments)].copy()
 
     def read(self, environments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Windows (n, W, W) uint8 of these environments: how many of a block's cells are occupied, and eight
-        times how many were seen; and their corners, see ``ask``.
+        """Windows (n, W, W) uint8 of these environments: how many of a block's cells are occupied, eight
+        times how many were seen, and ``LOOKED``; and their corners, see ``ask``.
         """
         corners = self.ask(environments)
+        self.arrays["since"].view()[:] = self.planner.read("since").numpy()
         self._read()
         return self.arrays["windows"].view().reshape(-1, WINDOW, WINDOW)[: len(environments)].copy(), corners
 
@@ -77,18 +82,21 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
         return y, x
 
     @ti.kernel
-    def read(cells: Shorts, asked: Wholes, corners: Wholes, windows: Bytes):
+    def read(cells: Shorts, asked: Wholes, corners: Wholes, since: Wholes, windows: Bytes):
         for n in range(asked.shape[0]):
             e = asked[n]
             if e >= 0:
                 for k in range(WINDOW * WINDOW):
                     y, x = node(corners[2 * n], corners[2 * n + 1], k)
-                    count = 0
+                    count, looked = 0, 0
                     for j, i in ti.static(ti.ndrange((-1, 1), (-1, 1))):
                         at = (((y + j) & mask) << bits) | ((x + i) & mask)
                         cell = ti.cast(cells[e * area + at], ti.i32)
                         count += ti.cast(cell >= OCCUPIED, ti.i32)
-                        count += 8 * ti.cast((cell & (OCCUPIED - 1)) >> FLAGS > 0, ti.i32)
+                        last = (cell & (OCCUPIED - 1)) >> FLAGS
+                        count += 8 * ti.cast(last > 0, ti.i32)
+                        looked += ti.cast((last > 0) & (last >= since[e]), ti.i32)
+                    count += ti.select(looked >= SEEN, LOOKED, 0)
                     windows[n * WINDOW * WINDOW + k] = ti.cast(count, ti.u8)
 
     @ti.kernel
@@ -98,6 +106,8 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
         for n in range(asked.shape[0]):
             e = asked[n]
             if e >= 0:
+                for spot in range(area // pitch**2):  # a view may show any block
+                    gains[e * (area // pitch**2) + spot] = ti.cast(NOT_COMPUTED, ti.u16)
                 for k in range(WINDOW * WINDOW):
                     y, x = node(corners[2 * n], corners[2 * n + 1], k)
                     value = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32)
@@ -106,8 +116,6 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
                         prior[place] = ti.cast(value, ti.u8)
                         tile = ((y >> TILE) << bits - TILE) | (x >> TILE)
                         dirty[(e * area >> 2 * TILE) + tile] = ti.cast(1, ti.u8)
-                        spot = e * (area // pitch**2) + (y // pitch) * ((1 << bits) // pitch) + x // pitch
-                        gains[spot] = ti.cast(NOT_COMPUTED, ti.u16)
                     if value >= PATH:
                         for j, i in ti.static(ti.ndrange((-1, 1), (-1, 1))):
                             there = e * area + ((((y + j) & mask) << bits) | ((x + i) & mask))
