@@ -156,9 +156,22 @@ class Lookout:
         seen.flags.writeable = False
         return seen
 
-    def forget(self, chosen: np.ndarray) -> None:
-        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms."""
-        self.arrays["seen"].view().reshape(self.world.num_envs, -1)[chosen] = 0
+    def forget(self, chosen: np.ndarray, last: np.ndarray | None = None) -> None:
+        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms. With
+        their ``last`` targets (E, 2), metres, spots so near to these that the next is sampled elsewhere count
+        as looked at.
+        """
+        seen, counts = (self.arrays[name].view() for name in ("seen", "counts"))
+        seen = seen.reshape(self.world.num_envs, -1)
+        seen[chosen], counts[chosen] = 0, 0
+        if last is None or not chosen.any():
+            return
+        houses, apart = self._houses, self.world.kernels.episodes.apart
+        for e in np.flatnonzero(chosen):
+            near = np.abs(self.spots[houses[e]] - last[e]).max(axis=1) < apart
+            if not near.all():  # where all are, the next target is among them
+                bits = np.packbits(near, bitorder="little")
+                seen[e].view(np.uint8)[: len(bits)], counts[e] = bits, near.sum()
 
     def look(self) -> None:
         """Look from where the bodies are now."""
@@ -173,7 +186,7 @@ class Lookout:
 
     def totals(self) -> np.ndarray:
         """How many spots each environment's house has, (E,) int64."""
-        return self._total[self.world.state["wholes"][:, 3]]
+        return self._total[self._houses]
 
     def share(self) -> np.ndarray:
         """The share of its house's spots that each environment has looked at, (E,) float64."""
@@ -182,6 +195,10 @@ class Lookout:
     def rooms(self) -> np.ndarray:
         """How many secondary rooms each environment's eye has been in, (E,) int64."""
         return self._been.sum(axis=1)
+
+    @property
+    def _houses(self) -> np.ndarray:
+        return self.world.state["wholes"][:, 3]
 
     @property
     def _shapes(self) -> list[Geometry]:

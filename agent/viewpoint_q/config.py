@@ -25,7 +25,7 @@ class ViewpointQConfig(TrainConfig):
 
     privileged: bool = True
     """Whether the reward in training is how likely each step found the target, by the true house, and not
-    whether it did: with less noise, and up to a sixth more in all. An agent that plays reads no house."""
+    whether it did: as much in all, with less noise. An agent that plays reads no house."""
 
     update_epochs: int = 4
     """Passes over the choices of the episodes played last."""

@@ -74,48 +74,48 @@ class ViewpointQ(Learner):
         """Play an episode in every environment, and learn from it."""
         start, config = perf_counter(), self.config
         self.chooser.epsilon = linear(config.epsilon, config.final_epsilon, self.fraction / EXPLORED)
-        picked, playing, shown = self.play()
+        picked, playing, seen = self.play()
         choices = self.chooser.choices()
-        r = picked
-        if shown is not None:
-            r = expected_finds(shown, torch.stack(self.chooser.seeks), self.totals())
+        r = picked if seen is None else self.expected(picked, seen)
         loss = self.learn(choices, self.returns(choices, r, playing))
         self.clock.all += perf_counter() - start
         tally = Tally(float(picked.sum()), float(playing.sum()), self.explorer.interventions)
         return self.report(tally, loss=loss, epsilon=self.chooser.epsilon)
 
-    def totals(self) -> Tensor:
-        """How many spots each environment's house has (E,): see ``Lookout``."""
+    def expected(self, picked: Tensor, seen: Tensor) -> Tensor:
+        """The privileged rewards (T, E) of what ``play`` gave."""
         assert self.lookout
-        return torch.from_numpy(self.lookout.totals()).float()
+        seeks = torch.stack(self.chooser.seeks) | (picked > 0)
+        return expected_finds(seen[0], seen[1], seeks, torch.from_numpy(self.lookout.totals()).float())
 
     @torch.inference_mode()
     def play(self) -> tuple[Tensor, Tensor, Tensor | None]:
-        """Play an episode: rewards (T, E), where it went on (T, E) bool, and how many spots were seen since
-        the last pick-up (T + 1, E), if rewards are privileged.
+        """Play an episode: rewards (T, E), where it went on (T, E) bool, and if rewards are privileged in how
+        many spots the target cannot lie, before and after each step (2, T, E): see ``expected_finds``.
         """
         observation = torch.as_tensor(self.envs.reset()[0])
         count, steps = self.envs.num_envs, self.envs.config.steps
         blocked, going = torch.zeros(count, dtype=torch.bool), torch.ones(count, dtype=torch.bool)
         r, playing = torch.zeros(steps, count), torch.zeros(steps, count, dtype=torch.bool)
-        shown = torch.zeros(steps + 1, count) if self.lookout else None
+        seen = torch.zeros(2, steps, count) if self.lookout else None
         self.explorer.begin(count)
         self.chooser.begin()
-        if self.lookout and shown is not None:
+        if self.lookout:
             self.lookout.begin()
-            shown[0] = torch.from_numpy(self.lookout.counts())
         for t in range(steps):
-            actions, before = self.explorer(observation, blocked), perf_counter()
+            last = self.envs.world.describe()[1] if self.lookout else None
+            actions, start = self.explorer(observation, blocked), perf_counter()
             observation, reward, terminated, truncated, info = self.envs.step_torch(actions)
-            self.clock.simulating += perf_counter() - before
+            self.clock.simulating += perf_counter() - start
             blocked, playing[t] = info["blocked"], going
             r[t] = reward * going
-            if self.lookout and shown is not None:
-                self.lookout.forget((reward > 0).numpy())
+            if self.lookout and seen is not None:
+                self.lookout.forget((reward > 0).numpy(), last)
+                seen[0, t] = torch.from_numpy(self.lookout.counts())
                 self.lookout.look()
-                shown[t + 1] = torch.from_numpy(self.lookout.counts())
+                seen[1, t] = torch.from_numpy(self.lookout.counts())
             going = going & ~(terminated | truncated)
-        return r, playing, shown
+        return r, playing, seen
 
     @torch.no_grad()
     def returns(self, choices: Choices, r: Tensor, playing: Tensor) -> Tensor:

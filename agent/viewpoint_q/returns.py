@@ -27,14 +27,12 @@ def option_returns(
     return returns
 
 
-def expected_finds(shown: Tensor, seeks: Tensor, total: Tensor) -> Tensor:
+def expected_finds(before: Tensor, after: Tensor, seeks: Tensor, total: Tensor) -> Tensor:
     """How likely each step showed the target (T, E), by a house's own spots: a reward of the same mean as
     finding it, and less variance (the compensator of that event).
 
-    ``shown`` (T + 1, E) is how many of the ``total`` (E,) spots where targets may lie were seen before and
-    after each step since the last pick-up; ``seeks`` (T, E) bool whether the target was unknown before it.
-    After a pick-up, where fewer were seen than before, all that is seen now is new.
+    In how many of the ``total`` (E,) spots the target cannot lie, as what was seen says, ``before`` each step
+    and ``after`` it (T, E); ``seeks`` (T, E) bool whether it was unknown until then. Of a step that picks up
+    a target they tell of the next one.
     """
-    begins = shown[1:] < shown[:-1]
-    before = torch.where(begins, 0.0, shown[:-1])
-    return (shown[1:] - before) / (total - before).clamp(min=1.0) * (seeks | begins)
+    return (after - before) / (total - before).clamp(min=1.0) * seeks

@@ -61,12 +61,13 @@ def test_expected_finds_add_up_as_finding_does():
     shown = torch.tensor([[(seen_at <= t).sum()] for t in range(steps + 1)]).float().expand(-1, games)
     found_at = torch.from_numpy(seen_at[noise.integers(spots, size=games)])
     seeks = torch.arange(steps)[:, None] < found_at
-    reward = expected_finds(shown, seeks, torch.full((games,), float(spots)))
+    reward = expected_finds(shown[:-1], shown[1:], seeks, torch.full((games,), float(spots)))
     assert abs(reward.sum(0).mean() - (found_at <= steps).float().mean()) < 0.03
 
 
-def test_after_a_pick_up_all_that_is_seen_is_new():
-    shown = torch.tensor([[0.0], [4.0], [6.0], [2.0], [2.0]])
-    seeks = torch.tensor([[True], [False], [False], [True]])
-    reward = expected_finds(shown, seeks, torch.tensor([10.0]))[:, 0]
-    assert torch.allclose(reward, torch.tensor([0.4, 0.0, 0.2, 0.0]))
+def test_a_step_pays_what_it_shows_of_the_spots_that_are_left_while_a_target_is_sought():
+    """The third step picks it up: three spots near to it are none of the next target's."""
+    before, after = torch.tensor([[0.0, 4.0, 3.0, 5.0]]).T, torch.tensor([[4.0, 6.0, 5.0, 10.0]]).T
+    seeks = torch.tensor([[True, False, True, True]]).T
+    reward = expected_finds(before, after, seeks, torch.tensor([10.0]))[:, 0]
+    assert torch.allclose(reward, torch.tensor([0.4, 0.0, 2 / 7, 1.0]))
