@@ -5,6 +5,7 @@ from PIL import Image, ImageDraw
 
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.config import CERTAIN
+from agent.planner.frame import AXES, quarters
 from agent.planner.state import NONE, TARGET
 from logic import House
 from logic.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
@@ -46,7 +47,7 @@ class MapPicture:
         """The map begins at the pose (3,) of the eye: x and y in metres, and its heading."""
         frame = self.view.frame
         self.corner = -np.array([frame.left, frame.top]) / frame.scale - pose[:2]  # metres from the start
-        self.quarters = round(float(pose[2]) / (np.pi / 4)) // 2
+        self.quarters = quarters(pose[2])
 
     def drawn(self, planner: Planner) -> Image.Image:
         """The first environment's planner."""
@@ -62,11 +63,9 @@ class MapPicture:
             fillcolor=UNKNOWN,
         )
         draw, scale = ImageDraw.Draw(picture), SHARP * scale
-        # Counter-clockwise, south being down: (east, south) becomes (south, -east).
-        turn = np.linalg.matrix_power(np.array([[0, 1], [-1, 0]]), self.quarters)
 
         def mark(place: np.ndarray, colour: tuple[int, int, int]) -> None:
-            x, y = (turn @ place + side // 2 - corner) * scale
+            x, y = (place @ AXES[self.quarters] + side // 2 - corner) * scale
             radius = 6 * SHARP
             draw.ellipse([x - radius, y - radius, x + radius, y + radius], colour, "white", SHARP)
 

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import convolve1d
 
 from agent.map_completion.network import WINDOW
+from agent.planner.frame import metres
 from agent.world import make_envs
 from logic import House
 from sim import HouseVectorEnv
@@ -84,15 +85,9 @@ class Truth:
         south, east = np.mgrid[:WINDOW, :WINDOW]
         for n, (e, corner) in enumerate(zip(environments, corners, strict=True)):
             origin, house = self.houses[self.house[e]]
-            # A map's axes are the walls', its east the one that the body began along, or next to clockwise.
-            quarter = round(float(self.pose[e, 2]) / (np.pi / 4)) // 2 % 4
-            (x, y), (u, v) = QUARTERS[quarter], QUARTERS[quarter - 1]
-            ways = (
-                x * (east + corner[1]) + u * (south + corner[0]),
-                y * (east + corner[1]) + v * (south + corner[0]),
-            )
-            metres = self.pose[e, :2, None, None] + 2 * self.cell * np.stack(ways)
-            i, j = np.rint((metres - origin[:, None, None]) / self.world.config.step).astype(int)
+            blocks = np.stack([east + corner[1], south + corner[0]], axis=-1)
+            places = metres(self.pose[e], blocks, 2 * self.cell)
+            i, j = np.moveaxis(np.rint((places - origin) / self.world.config.step).astype(int), -1, 0)
             inside = (i >= 0) & (i < house.floor.shape[0]) & (j >= 0) & (j < house.floor.shape[1])
             for field, whole in zip(found, house, strict=True):
                 field[n, inside] = whole[i[inside], j[inside]]
@@ -128,7 +123,3 @@ def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], reach: int) 
         for piece in room.pieces:
             fill(piece.box, piece.type)
     return ground
-
-
-QUARTERS = (1, 0), (0, -1), (-1, 0), (0, 1)
-"""East and south of a house that headings lead to, by quarters of a turn; a map's south is the one before."""

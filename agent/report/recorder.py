@@ -8,6 +8,7 @@ import numpy as np
 from agent.evaluation.film import Moment
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.belief_map import BeliefMap
+from agent.planner.frame import metres, quarters
 from agent.policies import Explorer, QPolicy
 from agent.report.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
 from logic import House
@@ -119,7 +120,7 @@ class _MapNotes:
             self._begin(scene.pose)
         kind, goal = int(planner.read("kind")[0]), planner.goal(0)
         self.kinds.append(kind)
-        place = self.start + planner.cell * self.turn @ (goal or (0, 0))
+        place = metres(self.pose, np.array(goal or (0, 0)), planner.cell)
         self.goals.append(np.rint(100 * place) if goal else np.zeros(2))
         if step % EVERY == 0:
             self.ground.append(self._laid(_ground(planner)))
@@ -131,16 +132,14 @@ class _MapNotes:
         """Begin the map at the pose (3,) of the eye: again, where only the first wall shows how the body
         stands, and what was drawn before that lay askew.
         """
-        self.start, self.quarters = pose[:2], round(float(pose[2]) / (np.pi / 4)) // 2
-        # Counter-clockwise, south being down: (east, south) becomes (south, -east).
-        self.turn = np.linalg.matrix_power(np.array([[0, 1], [-1, 0]]), self.quarters)
-        self.first = np.floor((self.corner - self.start) / self.planner.cell).astype(int)
+        self.pose = pose
+        self.first = np.floor((self.corner - pose[:2]) / self.planner.cell).astype(int)
         self.ground = [np.zeros_like(each) for each in self.ground]
         self.belief = [np.zeros_like(each) for each in self.belief]
 
     def _laid(self, cells: np.ndarray) -> np.ndarray:
         """A map (S, S), in whose middle the episode began, as the house lies, cut to it."""
-        turned = np.rot90(cells, self.quarters)
+        turned = np.rot90(cells, quarters(self.pose[2]))
         rows, columns = (
             np.arange(first, first + size) + len(cells) // 2
             for first, size in zip(self.first[::-1], self.shape, strict=True)
@@ -154,7 +153,7 @@ class _MapNotes:
 
     def packed(self) -> Map:
         """All pictures."""
-        west, north = self.start + self.first * self.planner.cell
+        west, north = self.pose[:2] + self.first * self.planner.cell
         ground, belief = (Packed.of(np.stack(each)) for each in (self.ground, self.belief))
         return Map(EVERY, float(west), float(north), self.planner.cell, ground, belief)
 

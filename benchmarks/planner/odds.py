@@ -21,6 +21,7 @@ from agent.planner import TUNED, Planner
 from agent.planner.arrays import Bytes, Shorts, Wholes
 from agent.planner.belief import Belief
 from agent.planner.config import CERTAIN
+from agent.planner.frame import metres
 from agent.planner.occupancy import NEAR, SOLID, Occupancy
 from agent.policies import Explorer
 from agent.world import make_envs, shield
@@ -148,11 +149,7 @@ class Truth:
 
     def where(self, environment: int, nodes: np.ndarray) -> np.ndarray:
         """Where nodes (n, 2) of a map lie, cells east and south of its start: in the house, metres."""
-        x, y, heading = self.starts[environment]
-        # A map's axes are the walls', its east the one that the body began along, or next to clockwise.
-        turn = np.pi / 2 * (round(float(heading) / (np.pi / 4)) // 2)
-        along = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-        return np.array([x, y]) + self.cell * nodes @ along
+        return metres(self.starts[environment], nodes, self.cell)
 
     def free(self, environment: int, nodes: np.ndarray) -> np.ndarray:
         """About which of these nodes (n, 2) a target could lie that was not seen since the last pick-up."""
