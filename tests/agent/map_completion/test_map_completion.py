@@ -8,15 +8,16 @@ import torch
 
 from agent.build import network_of, policy_of
 from agent.map_completion.config import CompletionConfig
-from agent.map_completion.foresight import ELSEWHERE, LIKELY, Foresight
+from agent.map_completion.foresight import ANYWAY, EVERY, Foresight
 from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.map_completion.truth import GROUND, UNKNOWN, Truth
-from agent.map_completion.windows import Windows
+from agent.map_completion.windows import LOOKED, SEEN, Windows
 from agent.planner.belief import OPAQUE, PATH
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED
+from agent.planner.state import AT, NONE, SIZE, TARGET
 from agent.policies import Explorer, Tracker
 from agent.world import make_envs, shield
 from logic import generate
@@ -68,9 +69,12 @@ def test_windows_hold_the_four_cells_about_each_other_node(explored):
             y, x = 2 * (corners[e] + (i, j))
             four = [int(cells[(y + a) % 256, (x + b) % 256]) for a in (-1, 0) for b in (-1, 0)]
             occupied = sum(cell >= OCCUPIED for cell in four)
-            seen = sum((cell & OCCUPIED - 1) >> FLAGS > 0 for cell in four)
-            assert windows[e, i, j] == occupied + 8 * seen
-        assert (windows[e] >> 3).any()
+            times = [(cell & OCCUPIED - 1) >> FLAGS for cell in four]
+            seen = sum(time > 0 for time in times)
+            looked = sum(time >= max(1, int(planner.read("since")[e])) for time in times) >= SEEN
+            assert windows[e, i, j] == occupied + 8 * seen + LOOKED * looked
+        assert (windows[e] >> 3 & 7).any()
+        assert (windows[e] & LOOKED).any()
         assert (windows[e] & 7).any()
 
 
@@ -321,16 +325,41 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     sure, likely = torch.full((2, 1, WINDOW, WINDOW), 30.0)
     likely = (likely * 0).flatten(1).log_softmax(1).view_as(sure)
     given = foresight.given(Prediction(sure, likely, sure[:, None]), windows)
-    assert (given == int(CERTAIN * (1 / LIKELY + ELSEWHERE)) | PATH).all()
+    assert (given == CERTAIN | PATH).all()
     some = likely.clone()
-    some[0, 40:42, 40:42] += 3.0  # some blocks are far likelier: they are certain, and no more
+    some[0, 40:42, 40:42] += 8.0  # some blocks are far likelier: they are certain, and no more
     given = foresight.given(Prediction(sure, some, sure[:, None]), windows)
     assert (given[0, 40:42, 40:42] == CERTAIN | PATH).all()
-    assert (given[0, :40] & OPAQUE < CERTAIN).all()
+    # What the others count is less than 1, so that some of them count it, as many as is right.
+    others = (given & OPAQUE).astype(float)[0, 48:]
+    assert set(np.unique(others)) == {0, 1}
+    assert others.mean() == pytest.approx(CERTAIN * np.exp(-8.0), abs=1 / 16)
+    # Where these were looked at since the last pick-up, the others are what is left.
+    windows[0, 40:42, 40:42] |= LOOKED
+    assert (foresight.given(Prediction(sure, some, sure[:, None]), windows) & OPAQUE == CERTAIN).all()
     none = foresight.given(Prediction(-sure, likely - 50, sure[:, None]), windows)
     assert none[0, 0, 0] & PATH  # it was seen: a path may lead there, and a view go on
     assert none[0, 0, 0] & OPAQUE != OPAQUE
     assert (none[0, 1:] == OPAQUE).all()
+
+
+def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while():
+    foresight, asked = Foresight(make_envs(HOUSES, 1).config, CompletionNetwork(1, 0, (4, 4))), []
+    foresight.begin(3)
+    foresight.foresee = lambda environments: asked.append(environments.tolist())
+    planner, states = foresight.planner, foresight.planner.arrays["states"].view()
+    planner.step = lambda *given: None
+    at = [AT[name] + SIZE * np.arange(3) for name in ("time", "seen", "found", "kind")]
+    nothing = torch.ones(3, planner.world.rays, planner.world.channels), torch.zeros(3, dtype=torch.bool)
+    for where, values in zip(at, ([50, 50, 50], [0, 16, 0], [0, 0, 1], [NONE] * 3), strict=True):
+        states[where] = values
+    foresight.age[:] = EVERY
+    foresight.look(*nothing)
+    states[at[3]] = TARGET  # a target that is known need not be sought
+    foresight.look(*nothing)
+    states[at[3]], foresight.age[:] = NONE, [ANYWAY, 0, 0]
+    foresight.look(*nothing)
+    assert asked == [[1, 2], [], [0, 2]]
 
 
 @pytest.mark.parametrize(
