@@ -11,8 +11,7 @@ from agent.map_completion.network import CompletionNetwork
 from agent.map_completion.truth import GROUND
 from agent.network import QNetwork, seeded
 from agent.paper import PaperNetwork
-from agent.planner import FEATURES
-from agent.policies import Explorer, QPolicy, Tracker
+from agent.policies import Explorer, QPolicy
 from agent.recurrent import RecurrentQNetwork
 from agent.simulator import simulator
 from agent.viewpoint_q.config import ViewpointQConfig
@@ -38,8 +37,7 @@ def network_of(config: TrainConfig) -> Any:
         assert isinstance(config, QLearningConfig)
         if isinstance(config, PQNConfig) and config.network == "recurrent":
             return RecurrentQNetwork(world.rays, world.channels)
-        features = FEATURES if isinstance(config, PQNConfig) and config.map else 0
-        return QNetwork(world.rays, world.channels, config.half_lives, features)
+        return QNetwork(world.rays, world.channels, config.half_lives)
 
 
 def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int = 0) -> QPolicy | Explorer:
@@ -55,8 +53,7 @@ def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int
         return Explorer(layer, envs.config, chooser=Chooser(network))
     if isinstance(config, PaperConfig) and config.plays_as_original:
         return QPolicy(network, layer, generator, config.final_epsilon, config.forward, homing=True)
-    tracker = Tracker(envs.config) if network.shape[3] else None
-    return QPolicy(network, layer, generator, tracker=tracker)
+    return QPolicy(network, layer, generator)
 
 
 def _require_foreseen(config: CompletionConfig, envs: HouseVectorEnv) -> None:

@@ -22,7 +22,7 @@ from logic.commands import print_answer
 from logic.errors import RequestError
 from logic.spelling import unknown
 
-Preset = Literal["pqn", "pqn-map", "map-completion", "viewpoints", "pqn-recurrent", "dqn", "paper"]
+Preset = Literal["pqn", "map-completion", "viewpoints", "pqn-recurrent", "dqn", "paper"]
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 

@@ -152,9 +152,6 @@ class PQNConfig(QLearningConfig):
     num_steps: int = 32
     """Steps of every environment in a rollout; the network learns after each."""
 
-    map: bool = False
-    """Whether the network reads a map of the house, made of the agent's own rays and actions."""
-
     q_lambda: float = 0.75
     """Lambda of Q(lambda), how far returns follow the path taken before they trust the network: 0 one step,
     1 all of them."""
@@ -174,13 +171,8 @@ class PQNConfig(QLearningConfig):
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
         super().__post_init__()
-        if self.map and self.device != "cpu":
-            raise RequestError("map needs device cpu: that is where maps are kept")
-        if self.network == "recurrent":
-            if self.map:
-                raise RequestError("network recurrent needs no-map: it does not read one")
-            if self.num_minibatches > self.num_envs:
-                raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")
+        if self.network == "recurrent" and self.num_minibatches > self.num_envs:
+            raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")
         if self.num_minibatches > self.num_envs * self.num_steps:
             raise RequestError(
                 f"num_minibatches must not exceed num_envs x num_steps, not {self.num_minibatches}"

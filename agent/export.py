@@ -5,7 +5,6 @@
 | ``observation`` | (B, R, C) float32 | distance / range, is target |
 | ``memory`` | (B, M, 6) float32 | averages (recurrent: (B, H)); zeros where an episode begins |
 | ``blocked`` | (B,) bool | whether the last move was |
-| ``features`` | (B, F) float32 | a map's (``agent.planner``); only for a network that reads one |
 
 | output | shape | |
 |---|---|---|
@@ -30,7 +29,7 @@ from agent.actions import ACTIONS
 from logic.errors import RequestError, VitruviusError
 from logic.files import write_whole
 
-INPUTS, OUTPUTS = ("observation", "memory", "blocked", "features"), ("q", "memories")
+INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
 
 
 class NoExporter(VitruviusError):
@@ -47,27 +46,22 @@ class Step(nn.Module):
         super().__init__()
         self.network = network
 
-    def forward(
-        self, observation: Tensor, memory: Tensor, blocked: Tensor, features: Tensor | None = None
-    ) -> tuple[Tensor, Tensor]:
+    def forward(self, observation: Tensor, memory: Tensor, blocked: Tensor) -> tuple[Tensor, Tensor]:
         """Q-values (B, A), and the memory (B, A, ...) after each action; for the inputs see above."""
         same = torch.zeros_like(blocked)
         each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(ACTIONS)]
         memories = [self.network.memory(memory, observation, blocked, action, same) for action in each]
-        known = () if features is None else (features,)
-        return self.network(observation, memory, *known), torch.stack(memories, dim=1)
+        return self.network(observation, memory), torch.stack(memories, dim=1)
 
     def example(self, size: int, seed: int = 0) -> tuple[Tensor, ...]:
         """Random inputs for a batch of that size, in the order of ``forward``."""
         generator = torch.Generator().manual_seed(seed)
-        rays, channels, _, features = self.network.shape
+        rays, channels, _ = self.network.shape
         kept = tuple(self.network.memory.empty(1).shape[1:])
-        shapes = [(rays, channels), kept, (), *([(features,)] if features else [])]
-        observation, memory, blocked, *known = (
-            torch.rand(size, *shape, generator=generator) for shape in shapes
-        )
+        shapes = [(rays, channels), kept, ()]
+        observation, memory, blocked = (torch.rand(size, *shape, generator=generator) for shape in shapes)
         observation[..., -1].round_()
-        return observation, memory, blocked < 0.5, *known
+        return observation, memory, blocked < 0.5
 
 
 def export(network: Any, path: str | Path) -> None:
@@ -79,17 +73,15 @@ def export(network: Any, path: str | Path) -> None:
     if not hasattr(network, "memory"):
         raise RequestError("only a Q-network over moves can be exported: this needs a planner's whole map")
     step = Step(network).eval()
-    example = step.example(2)  # of two: an axis of length one would be taken for a constant
-    names = INPUTS[: len(example)]
     batch = torch.export.Dim("batch")
     try:
         with _quiet():
             program = torch.onnx.export(
                 step,
-                example,
-                input_names=names,
+                step.example(2),  # of two: an axis of length one would be taken for a constant
+                input_names=INPUTS,
                 output_names=OUTPUTS,
-                dynamic_shapes={name: {0: batch} for name in names},
+                dynamic_shapes={name: {0: batch} for name in INPUTS},
                 verbose=False,
             )
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""The Q-network: the value of each action, from the rays, the memory and the map."""
+"""The Q-network: the value of each action, from the rays and the memory."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,20 +33,16 @@ class QNetwork(nn.Module):
         rays: int = 40,
         channels: int = 2,
         half_lives: tuple[float, ...] = (1, 4, 16, 64),
-        features: int = 0,
         width: int = 128,
     ) -> None:
-        """Draw first weights from torch's generator: see ``seeded``.
-
-        ``features`` is how many numbers of a map it reads: ``agent.planner.FEATURES``, or 0 for none.
-        """
+        """Draw first weights from torch's generator: see ``seeded``."""
         super().__init__()
-        self.shape = (rays, channels, half_lives, features)
+        self.shape = (rays, channels, half_lives)
         self.memory = Memory(half_lives)
         # A convolution, as a matrix product of overlapping windows: torch's own is slower on a CPU.
         self.look = nn.Linear(WINDOW * channels, 16)
         self.judge = nn.Sequential(
-            nn.Linear(16 * ((rays - WINDOW) // STRIDE + 1) + SIGNALS * len(half_lives) + features, width),
+            nn.Linear(16 * ((rays - WINDOW) // STRIDE + 1) + SIGNALS * len(half_lives), width),
             nn.LayerNorm(width),
             nn.ReLU(inplace=True),
             nn.Linear(width, width),
@@ -54,19 +50,12 @@ class QNetwork(nn.Module):
             nn.ReLU(inplace=True),
             nn.Linear(width, ACTIONS),
         )
-        if features:
-            # All values are 0 at first, so that a new network does what its map advises.
-            for weights in self.judge[-1].parameters():
-                nn.init.zeros_(weights)
 
-    def forward(self, observation: Tensor, memory: Tensor, features: Tensor | None = None) -> Tensor:
-        """Q-values (B, A), in discounted targets.
-
-        Reads observations (B, R, C), distance/range and is_target, memories (B, M, 6), and a map's features
-        (B, F) if it was made for them.
+    def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
+        """Q-values (B, A), in discounted targets, of observations (B, R, C), distance/range and is_target,
+        and memories (B, M, 6).
         """
         channels = observation.shape[2]
         windows = observation.flatten(1).unfold(1, WINDOW * channels, STRIDE * channels)
         seen = self.look(windows).relu_().flatten(1)
-        known = [memory.flatten(1)] if features is None else [memory.flatten(1), features]
-        return self.judge(torch.cat([seen, *known], dim=1))
+        return self.judge(torch.cat([seen, memory.flatten(1)], dim=1))

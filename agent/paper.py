@@ -54,7 +54,7 @@ class PaperNetwork(nn.Module):
         """
         super().__init__()
         self.next_by = next_by
-        self.shape = (rays, channels, (), 0)
+        self.shape = (rays, channels, ())
         self.memory = Memory(())  # of nothing, so that it is called as the other networks are
         widths = (25 * rays, 50, 100, 50, 25)
         hidden = [(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(widths)]
@@ -75,9 +75,7 @@ class PaperNetwork(nn.Module):
                 network.apply(_as_keras)
         return network
 
-    def forward(
-        self, observation: Tensor, memory: Tensor | None = None, features: Tensor | None = None
-    ) -> Tensor:
+    def forward(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
         """What stands for Q-values (B, A), from observations (B, R, C) alone."""
         if self.next_by is not None:
             observation = torch.cat(

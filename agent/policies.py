@@ -12,13 +12,6 @@ from agent.network import QNetwork
 from agent.planner import TUNED, Planner, PlannerConfig
 from sim.config import DEFAULT, Config
 
-DEFERENCE = 0.1
-"""How much greater, in targets, the value of another action must be for a network to prefer it to the one
-that a map advises. Values of actions differ by a hundredth or so, and are hardly more exact: without this,
-the body dithers where any action would do if it were repeated.
-"""
-
-
 MIDDLE = slice(18, 21)
 """The rays that make an exploring body of the original go forward where they see the target."""
 
@@ -30,7 +23,7 @@ class Choice(NamedTuple):
     """The network's Q-values."""
 
     preference: Tensor
-    """What it would rather do: with what a map advises, and random actions."""
+    """What it would rather do: the values, or a random action's."""
 
     allowed: Tensor
     """Bool: which actions its avoidance layer left."""
@@ -110,45 +103,33 @@ class QPolicy:
         generator: torch.Generator,
         epsilon: float = 0.01,
         forward: float = 0.93,
-        tracker: Tracker | None = None,
         homing: bool = False,
     ) -> None:
         """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
 
-        With a hundredth a body leaves a loop that it cannot see it is in. ``tracker`` keeps the planners that
-        the network or a layer reads; a network that reads them has one for the default configuration. With
-        ``homing`` random actions go to a target in sight, see ``home``.
+        With a hundredth a body leaves a loop that it cannot see it is in. With ``homing`` random actions go
+        to a target in sight, see ``home``.
         """
         self.network, self.avoidance, self.generator, self.homing = network, avoidance, generator, homing
         self.epsilon, self.forward, self.interventions = epsilon, forward, 0
         self.remembered = network.memory.empty(0)
-        self.reads = bool(network.shape[3])
-        self.tracker = tracker or (Tracker(DEFAULT) if self.reads else None)
 
     def begin(self, environments: int) -> None:
         """Forget the past: an episode begins in each of that many environments."""
         self.interventions = 0
         self.remembered = self.network.memory.empty(environments)
-        if self.tracker:
-            self.tracker.begin(environments)
 
     @torch.no_grad()
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
-        planner = self.tracker.look(observation, blocked) if self.tracker else None
-        values = self.network(
-            observation, self.remembered, planner.features if planner and self.reads else None
-        )
-        q = defer(values, planner.advice) if planner and self.reads else values
+        q = self.network(observation, self.remembered)
         chosen, random = exploration_noise(q.shape[:1], self.generator, self.epsilon, self.forward)
         preference = explore(q, (chosen, home(random, observation) if self.homing else random))
-        self.choice = Choice(values, preference, self.avoidance(observation, blocked))
+        self.choice = Choice(q, preference, self.avoidance(observation, blocked))
         actions = subsume(preference, self.choice.allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros(len(actions), dtype=torch.bool)
         self.remembered = self.network.memory(self.remembered, observation, blocked, actions, same)
-        if self.tracker:
-            self.tracker.actions = actions
         return actions
 
 
@@ -208,11 +189,6 @@ class RandomPolicy:
         actions = subsume(preference, allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         return actions
-
-
-def defer(q: Tensor, advice: Tensor) -> Tensor:
-    """Preferences (..., A): the Q-values, ``DEFERENCE`` more for what a map advises (...) int64."""
-    return q + DEFERENCE * one_hot(advice, ACTIONS)
 
 
 def exploration_noise(

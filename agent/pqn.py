@@ -19,7 +19,6 @@ from agent import ranks
 from agent.build import network_of
 from agent.config import PQNConfig
 from agent.learner import Learner, Progress, Tally, linear
-from agent.planner import Planner
 from agent.rollout import Rollout
 from sim import HouseVectorEnv
 
@@ -30,7 +29,7 @@ def lambda_returns(
     """Peng's Q(lambda) targets (T, E) for the actions taken.
 
     ``r_t`` (T, E) are rewards. ``v_t`` (T, E) is the value of the state that each step led to: the greatest
-    Q-value of an allowed action, or with a planner that of the allowed action that the policy prefers.
+    Q-value of an allowed action.
     ``terminated_t`` and ``truncated_t`` (T, E) bool say how a step ended. The value of a terminal state is 0;
     that of a state at a time-out is ``v_t``, as the episode could have gone on; no return flows from an
     episode to the one before.
@@ -61,7 +60,6 @@ class Batch(NamedTuple):
 
     s_tm1: Tensor
     m_tm1: Tensor
-    f_tm1: Tensor
     a_tm1: Tensor
     g_tm1: Tensor
     valid: Tensor
@@ -77,8 +75,7 @@ class PQN(Learner):
         super().__init__(config, envs, network_of(config), report=config.num_steps)
         self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate, foreach=True)
         observation, memory = self.reset_envs(), self.network.memory.empty(envs.num_envs)
-        self.map = Planner(envs.config, envs.num_envs) if config.map else None
-        self.rollout = Rollout.starting(config.num_steps, observation, memory, self.map)
+        self.rollout = Rollout.starting(config.num_steps, observation, memory)
 
     @property
     def epsilon(self) -> float:
@@ -92,7 +89,6 @@ class PQN(Learner):
         self.act(epsilon)
         loss = self.train_epochs(self.returns())
         self.clock.simulating += rollout.simulating
-        self.clock.mapping += rollout.mapping
         self.clock.all += perf_counter() - start
         tally = Tally(float(rollout.r.sum()), float(rollout.valid.sum()), rollout.overruled)
         return self.report(tally, loss=loss, epsilon=epsilon)
@@ -133,7 +129,7 @@ class PQN(Learner):
             yield from self.sequences(g)
             return
         rollout = self.rollout
-        states = (kept[:-1].flatten(0, 1) for kept in (rollout.s, rollout.memory, rollout.features))
+        states = (kept[:-1].flatten(0, 1) for kept in (rollout.s, rollout.memory))
         steps = Batch(*states, *(kept.flatten() for kept in (rollout.a, g, rollout.valid)))
         for part in self.permutation(g.numel()).chunk(self.config.num_minibatches):
             yield Batch(*(field.index_select(0, part) for field in steps))
@@ -153,14 +149,14 @@ class PQN(Learner):
             memory = self.network.memory.unrolled(
                 rollout.memory[0, envs], s, rollout.blocked[:-1, envs], a, ended[:, envs]
             )
-            fields = (s, memory, rollout.features[:-1, envs], a, g[:, envs], rollout.valid[:, envs])
+            fields = (s, memory, a, g[:, envs], rollout.valid[:, envs])
             yield Batch(*(field.flatten(0, 1) for field in fields))
 
     def train_step(self, batch: Batch) -> Tensor:
         """Learn from a batch; the loss. The batches of all ranks count as one."""
         count = batch.valid.sum()
         ranks.all_reduce(count)
-        q = self.network(batch.s_tm1, batch.m_tm1, batch.f_tm1)
+        q = self.network(batch.s_tm1, batch.m_tm1)
         loss = q_loss(q, batch.a_tm1, batch.g_tm1, batch.valid, count)
         self.optimizer.zero_grad()
         loss.backward()
@@ -171,22 +167,19 @@ class PQN(Learner):
         return loss.detach() * ranks.size()
 
     def own_state(self) -> dict[str, Any]:
-        """The optimiser, the maps, and the state that the last rollout ended in."""
+        """The optimiser, and the state that the last rollout ended in."""
         rollout = self.rollout
         return {
             "optimizer": self.optimizer.state_dict(),
-            "map": self.map.state if self.map else None,
             "last": {name: getattr(rollout, name)[-1].clone() for name in LAST},
         }
 
     def restore_own(self, state: dict[str, Any]) -> None:
         """Take up what ``own_state`` gave."""
         self.optimizer.load_state_dict(state["optimizer"])
-        if self.map:
-            self.map.state = state["map"]
         for name in LAST:
             getattr(self.rollout, name)[-1] = state["last"][name]
 
 
-LAST = ("s", "blocked", "memory", "features", "terminated", "truncated")
+LAST = ("s", "blocked", "memory", "terminated", "truncated")
 """What the next rollout starts from."""

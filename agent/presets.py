@@ -19,7 +19,6 @@ PQN = PQNConfig()
 PRESETS: dict[str, TrainConfig] = {
     # More environments, and one pass over each rollout: half the time a step.
     "pqn": replace(PQN, num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
-    "pqn-map": replace(PQN, targets="secondary", steps=2_000_000, map=True),
     "map-completion": CompletionConfig(
         targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3
     ),

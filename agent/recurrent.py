@@ -65,7 +65,7 @@ class RecurrentQNetwork(nn.Module):
     def __init__(self, rays: int = 40, channels: int = 2, width: int = 128) -> None:
         """Draw first weights from torch's generator."""
         super().__init__()
-        self.shape = (rays, channels, (), 0)
+        self.shape = (rays, channels, ())
         self.memory = Recurrence(rays, channels)
         self.look = nn.Conv1d(channels, 16, kernel_size=5, stride=2)
         self.judge = nn.Sequential(
@@ -78,7 +78,7 @@ class RecurrentQNetwork(nn.Module):
             nn.Linear(width, ACTIONS),
         )
 
-    def forward(self, observation: Tensor, memory: Tensor, features: Tensor | None = None) -> Tensor:
+    def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
         """Q-values (B, A) of observations (B, R, C) and memories (B, H)."""
         seen = torch.relu(self.look(observation.transpose(1, 2))).flatten(1)
         return self.judge(torch.cat([seen, memory], dim=1))

@@ -8,8 +8,7 @@ from torch import Tensor
 
 from agent.avoidance import Layer, subsume
 from agent.network import QNetwork
-from agent.planner import Planner
-from agent.policies import defer, exploration_noise, explore
+from agent.policies import exploration_noise, explore
 from sim import HouseVectorEnv
 
 
@@ -25,9 +24,6 @@ class Rollout:
 
     memory: Tensor
     """Memories at each state (T + 1, E, M, 6) float32."""
-
-    features: Tensor
-    """The map's features at each state (T + 1, E, F) float32; F is 0 without a map."""
 
     v: Tensor
     """Q-value (T + 1, E) float32 of the action that the network, under avoidance, prefers in each state."""
@@ -47,43 +43,29 @@ class Rollout:
     valid: Tensor
     """Which steps count (T, E) bool: all but those after an end, whose action the environment ignored."""
 
-    map: Planner | None = None
-    """The maps, where the network reads them."""
-
     overruled: int = 0
     """How many actions the avoidance layer changed."""
 
     simulating: float = 0.0
     """Seconds spent in the simulator."""
 
-    mapping: float = 0.0
-    """Seconds spent on maps."""
-
     @classmethod
-    def starting(
-        cls, steps: int, observation: Tensor, memory: Tensor, map: Planner | None = None
-    ) -> "Rollout":
+    def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
         """Make room for that many steps from the first observations (E, R, C) and memories (E, M, 6)."""
         size = (steps, len(observation))
         ended = observation.new_zeros(size, dtype=torch.bool)
-        features = observation.new_zeros(len(observation), 0)
-        if map is not None:
-            map.step(observation, ended[0], torch.zeros(len(observation)), ~ended[0])
-            features = map.features
         rollout = cls(
             s=observation.new_empty(steps + 1, *observation.shape),
             blocked=observation.new_zeros(steps + 1, len(observation), dtype=torch.bool),
             memory=memory.new_empty(steps + 1, *memory.shape),
-            features=features.new_empty(steps + 1, *features.shape),
             v=observation.new_empty(steps + 1, len(observation)),
             a=observation.new_empty(size, dtype=torch.int64),
             r=observation.new_empty(size),
             terminated=ended.clone(),
             truncated=ended.clone(),
             valid=ended.clone(),
-            map=map,
         )
-        rollout.s[-1], rollout.memory[-1], rollout.features[-1] = observation, memory, features
+        rollout.s[-1], rollout.memory[-1] = observation, memory
         return rollout
 
     @torch.inference_mode()
@@ -101,15 +83,15 @@ class Rollout:
         at random.
         """
         first = ended = self.terminated[-1] | self.truncated[-1]
-        for states in (self.s, self.blocked, self.memory, self.features):
+        for states in (self.s, self.blocked, self.memory):
             states[0] = states[-1]
-        self.simulating, self.mapping = 0.0, 0.0
+        self.simulating = 0.0
         values, explored = [], []
         steps = zip(*exploration_noise(self.a.shape, generator, epsilon, forward), strict=True)
         for t, noise in enumerate(steps):
-            q, preferred, allowed = self._values(t, network, avoidance)
-            values.append((q, preferred, allowed))
-            explored.append(explore(preferred, noise))
+            q, allowed = self._values(t, network, avoidance)
+            values.append((q, allowed))
+            explored.append(explore(q, noise))
             self.a[t] = subsume(explored[t], allowed)
             before = perf_counter()
             observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
@@ -120,25 +102,18 @@ class Rollout:
             # The step after an end begins the next episode: its memory is empty.
             begun, ended = ended, terminated | truncated
             self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.blocked[t], self.a[t], begun)
-            if self.map:
-                before = perf_counter()
-                self.map.step(observation, self.blocked[t + 1], self.a[t], begun)
-                self.mapping += perf_counter() - before
-                self.features[t + 1] = self.map.features
         values.append(self._values(-1, network, avoidance))
         # The rest for all steps at once.
-        q, preferred, allowed = (torch.stack(column) for column in zip(*values, strict=True))
-        self.v.copy_(_of(q, subsume(preferred, allowed)))
+        q, allowed = (torch.stack(column) for column in zip(*values, strict=True))
+        self.v.copy_(_of(q, subsume(q, allowed)))
         wanted = torch.stack(explored)
         self.overruled = int((_of(wanted, self.a) < wanted.amax(-1)).sum())
         self.valid[0] = ~first
         self.valid[1:] = ~(self.terminated | self.truncated)[:-1]
 
-    def _values(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor, Tensor]:
-        """Of the actions in state t (E, A): Q-values, preferences, and whether avoidance allows them."""
-        q = network(self.s[t], self.memory[t], self.features[t])
-        preferred = defer(q, self.map.advice) if self.map else q
-        return q, preferred, avoidance(self.s[t], self.blocked[t])
+    def _values(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor]:
+        """Of the actions in state t (E, A): Q-values, and whether avoidance allows them."""
+        return network(self.s[t], self.memory[t]), avoidance(self.s[t], self.blocked[t])
 
 
 def _of(values: Tensor, actions: Tensor) -> Tensor:

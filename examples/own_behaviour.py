@@ -28,7 +28,7 @@ def stride(observation: Tensor, blocked: Tensor) -> Tensor:
     return allowed
 
 
-def main(houses: tyro.conf.Positional[Path], agent: str = "pqn-map") -> None:
+def main(houses: tyro.conf.Positional[Path], agent: str = "pqn") -> None:
     """Play an episode in each house with and without the layer."""
     bank, network = load(houses), checkpoint.load(agent).network
     envs = make_envs(bank, len(bank), "main")

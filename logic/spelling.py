@@ -24,7 +24,7 @@ def closest(name: str, names: Iterable[str]) -> str | None:
 
 
 def unknown(what: str, name: object, names: Iterable[str]) -> str:
-    """As in ``there is no preset pqnmap: did you mean pqn-map? There are dqn, paper, pqn-map``."""
+    """As in ``there is no preset papre: did you mean paper? There are dqn, paper, pqn``."""
     names = list(names)
     close = closest(str(name), names)
     hint = f": did you mean {close}? There are " if close else ": there are "

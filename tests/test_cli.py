@@ -326,9 +326,9 @@ def test_the_base_alone_makes_checks_and_draws_houses(tmp_path: Path) -> None:
     ("command", "needs"),
     [
         ("train houses.jsonl", "vitruvius train needs gymnasium: pip install vitruvius[agent]"),
-        ("evaluate pqn-map", "vitruvius evaluate needs gymnasium: pip install vitruvius[agent]"),
+        ("evaluate pqn", "vitruvius evaluate needs gymnasium: pip install vitruvius[agent]"),
         ("bench generator", "vitruvius bench generator needs scipy: pip install vitruvius[bench]"),
-        ("bench phases pqn-map", "vitruvius bench phases needs torch: pip install vitruvius[agent]"),
+        ("bench phases pqn", "vitruvius bench phases needs torch: pip install vitruvius[agent]"),
     ],
 )
 def test_a_command_names_the_extra_that_it_lacks(command: str, needs: str) -> None:
@@ -350,8 +350,8 @@ def test_the_extras_are_those_of_the_distribution() -> None:
 
 
 def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
-    said = ["houses.jsonl", "--preset", "pqn-map", "--targets", "main", "--seed", "3"]
-    assert parse(["train", *said]).learning == replace(PRESETS["pqn-map"], targets="main", seed=3)
+    said = ["houses.jsonl", "--preset", "dqn", "--targets", "mixed", "--seed", "3"]
+    assert parse(["train", *said]).learning == replace(PRESETS["dqn"], targets="mixed", seed=3)
     assert parse(["train", *said[:1]]).learning == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
     assert replayed.learning == replace(PRESETS["paper"], batch_size=700, lr_decay=0)

@@ -207,13 +207,13 @@ COMPLETED = {
     "vitruvius bench gen": ["generator"],
     "vitruvius generate --gram": ["--grammar"],
     "vitruvius generate --grammar fam": ["family"],
-    "vitruvius train --preset pqn-": ["pqn-map", "pqn-recurrent"],
+    "vitruvius train --preset pqn": ["pqn", "pqn-recurrent"],
     "vitruvius train --num-min": ["--num-minibatches"],
     "vitruvius train --buffer": ["--buffer-size"],
     "vitruvius evaluate paper-": ["paper-original"],
     "vitruvius evaluate --json paper-": ["paper-original"],
     "vitruvius evaluate --houses home-t": ["home-test-v1"],
-    "vitruvius record pqn-map home-t": ["home-test-v1"],
+    "vitruvius record pqn home-t": ["home-test-v1"],
     "vitruvius draw houses.jsonl --format pn": ["png"],
     "vitruvius convert houses.jsonl --to gl": ["gltf"],
     "vitruvius check hous": ["houses.jsonl"],
@@ -298,7 +298,7 @@ def test_each_script_has_every_command_and_option() -> None:
         assert all(place.words in script for place in places())
 
 
-@pytest.mark.parametrize("words", ["--help", "completion bash", "bench --help", "info pqn-map"])
+@pytest.mark.parametrize("words", ["--help", "completion bash", "bench --help", "info pqn"])
 def test_help_completion_and_info_import_neither_torch_nor_taichi(words: str) -> None:
     code = (
         "import sys; from agent.cli import main\ntry: main(sys.argv[1:])\nexcept SystemExit: pass\n"

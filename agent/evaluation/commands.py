@@ -31,7 +31,8 @@ class Evaluate:
     groups: ClassVar = {"houses": "What they play", "scores": "Beside others", "out": "Output"}
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints, or names of agents that come with the project (pqn-map, paper, paper-original).
+    """Checkpoints, or names of agents that come with the project (pqn, map-completion, paper,
+    paper-original).
     Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
 
     houses: Path = Path(banks.NAME)

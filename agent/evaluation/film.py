@@ -93,6 +93,7 @@ def record(
     """
     envs = make_envs([house], 1, targets, preset=sensor(agent.config))
     policy = policy_of(agent.network, agent.config, envs, seed)
+    planner = policy.tracker.planner if isinstance(policy, Explorer) else None
     camera, map_picture = Camera(envs, width=width), MapPicture(house, width)
     for watcher in watchers:
         watcher.begin(envs, policy)
@@ -101,12 +102,12 @@ def record(
         for moment in _played(envs, policy, seed, steps, report):
             for watcher in watchers:
                 watcher.note(moment)
-            if policy.tracker and policy.tracker.planner.read("time")[0] == 1:
+            if planner and planner.read("time")[0] == 1:
                 # again where only the first wall shows how the body stands
                 map_picture.begin(envs.scene(0).pose)
             if moment.step % stride == 0 or moment.ended.all():
                 shot = camera.shoot()
-                yield beside(shot, map_picture.drawn(policy.tracker.planner)) if policy.tracker else shot
+                yield beside(shot, map_picture.drawn(planner)) if planner else shot
 
     return film(shots(), path)
 

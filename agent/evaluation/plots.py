@@ -14,7 +14,7 @@ from agent.learner import Progress
 
 COLOURS = {
     "agent": "#1f5ea8",
-    "pqn-map": "#1f5ea8",
+    "map-completion": "#1f5ea8",
     "pqn": "#4f93d8",
     "paper": "#b04a5a",
     "paper-original": "#7d2c3a",

@@ -2,7 +2,7 @@
 
 It reads the agent's own rays and actions, and whether its moves were blocked. It knows nothing else: not its
 pose, its house, its target or its reward. Headings are multiples of 45 degrees to walls that lie along two
-axes, so odometry is exact. Axes: E environments, R rays, C channels, F features, S by S cells.
+axes, so odometry is exact. Axes: E environments, R rays, C channels, S by S cells.
 ``docs/planner.md`` tells how it works and what it costs.
 """
 
@@ -14,7 +14,6 @@ from agent.avoidance import air, clearance
 from agent.planner.belief import OPAQUE, PATH
 from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
-from agent.planner.features import FEATURES
 from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
 from agent.planner.offers import CHOICE, OFFER
 from agent.planner.paths import FAR
@@ -27,7 +26,7 @@ from logic.errors import RequestError
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
 
-__all__ = ["FEATURES", "TUNED", "Planner", "PlannerConfig"]
+__all__ = ["TUNED", "Planner", "PlannerConfig"]
 
 UNSEEN, FREE, TAKEN = range(3)
 """What ``Planner.occupancy`` says of a cell."""
@@ -46,7 +45,7 @@ STATE = (
         "evidence",
         "last",
     ),
-    *("states", "advice", "features"),
+    *("states", "advice"),
 )
 """The arrays that the next steps depend on."""
 
@@ -58,11 +57,6 @@ class Planner:
     that it has seen. Its goal is that target, or else the viewpoint that shows most candidates, places where
     a target may lie that were not seen since the last pick-up, for its cost.
     """
-
-    features: Tensor
-    """(E, F) float32, what a network reads: the goal's kind, its distance and bearing, what is new; and for
-    each of the eight headings, counter-clockwise from the body's own, whether a step is free, how much nearer
-    it brings the goal, and whether it is advised. The same memory after every step."""
 
     advice: Tensor
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
@@ -136,7 +130,6 @@ class Planner:
         kept = {
             "states": Array(ti.i32, count * SIZE),
             "advice": Array(ti.i64, count),
-            "features": Array(ti.f32, count * FEATURES),
         }
         self.arrays = given | tables | memory | kept | {"picks": Array(ti.i64, count)}
         self.body = body = Body(
@@ -164,7 +157,7 @@ class Planner:
         self.offers = tensors["offers"].view(count, offers, OFFER)
         self.offered = tensors["offered"].view(-1, CHOICE) if offers else torch.zeros(count, CHOICE)
         self._picks = tensors["picks"]
-        self.advice, self.features = tensors["advice"], tensors["features"].view(count, FEATURES)
+        self.advice = tensors["advice"]
 
     def step(self, observation: Tensor, blocked: Tensor, action: Tensor, begun: Tensor) -> None:
         """Take what an action led to: ``observation`` (E, R, C), and whether it was ``blocked`` (E,) bool.
@@ -201,16 +194,6 @@ class Planner:
         return self._states[:, AT[name]]
 
     @property
-    def new(self) -> Tensor:
-        """How many cells (E,) int32 were seen for the first time in the last step."""
-        return self.read("new")
-
-    @property
-    def progress(self) -> Tensor:
-        """How many half cells (E,) int32 the last action brought the body nearer to the goal that it had."""
-        return self.read("progress")
-
-    @property
     def seeks(self) -> Tensor:
         """Where (E,) bool no target is known, so that one must be sought."""
         return self.read("kind") != TARGET
@@ -219,16 +202,6 @@ class Planner:
     def seen(self) -> Tensor:
         """How many cells (E,) int32 have been seen."""
         return self.read("seen")
-
-    @property
-    def found(self) -> Tensor:
-        """How many targets (E,) int32 were picked up, as far as the planner can tell."""
-        return self.read("found")
-
-    @property
-    def path(self) -> Tensor:
-        """Half cells (E,) int32 to the goal, 65535 where no path is known."""
-        return self.read("path")
 
     def pose(self, environment: int) -> tuple[float, float, int]:
         """Where the planner locates the eye: cells east and south of its start, and its heading. The frame's

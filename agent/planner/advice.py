@@ -19,13 +19,13 @@ class Advice:
         return ti.select((px | py) & 1 == 0, ti.max(2, self.step), self.step)
 
     @ti.func
-    def steps(self, memory: ti.template(), base, px, py, heading, forward):
-        """Of a step at each of the eight headings, counter-clockwise from the body's own: whether it is free,
-        and how much nearer each half cell of it brings the goal, -1 where that is not known. The first is not
-        free where the rays say that the body cannot go ``forward``.
+    def gains(self, memory: ti.template(), base, px, py, heading, forward):
+        """Of a step at each of the eight headings, counter-clockwise from the body's own: how much nearer
+        each half cell of it brings the goal, -1 where that is not known or the step is not free. The first
+        is not free where the rays say that the body cannot go ``forward``.
         """
         span, far = self.span(px, py), self.paths.far(memory, base, px, py)
-        open_, gains = ti.Vector([0] * 8), ti.Vector([-1.0] * 8)
+        gains = ti.Vector([-1.0] * 8)
         for k in range(8):
             way = self.occupancy.ahead((heading + k) & 7)
             qx, qy = px + span * way[0], py + span * way[1]
@@ -46,8 +46,7 @@ class Advice:
             there = self.paths.far(memory, base, qx, qy)
             if (free > 0) & (there < FAR) & (far < FAR):
                 gains[k] = ti.cast(far - there, ti.f32) / ti.cast(span, ti.f32)
-            open_[k] = free
-        return open_, gains
+        return gains
 
     @ti.func
     def turn(self, memory: ti.template(), base, px, py, heading, gains):

@@ -21,12 +21,9 @@ class Goal:
         self.radius = config.goal_radius_touching if occupancy.touching else config.goal_radius
 
     @ti.func
-    def choose(self, memory: ti.template(), tables: ti.template(), state, base, fresh, hits):
+    def choose(self, memory: ti.template(), tables: ti.template(), state, base, hits):
         """The goal and the paths to it: the target that was seen, or else the next best view."""
         far = self.paths.far(memory, base, state.x, state.y)
-        state.progress = 0
-        if (fresh == 0) & (far < FAR) & (state.path < FAR):
-            state.progress = state.path - far
         state.stale += hits
         state.path_age += 1
         state.plan_age += 1

@@ -24,10 +24,8 @@ State = ti.types.struct(
     path_age=ti.i32,  # steps since that search
     stale=ti.i32,  # cells that were found to be occupied since that search
     path=ti.i32,  # half cells to the goal, 65535 where no path is known
-    progress=ti.i32,  # how many fewer than before the last action
     new=ti.i32,  # cells seen for the first time in the last step
     seen=ti.i32,  # and ever
-    last_new=ti.i32,  # the step in which there were any last
     found=ti.i32,  # targets picked up, as far as the planner can tell
     found_here=ti.i32,  # those of them in the start room
 )
@@ -62,12 +60,10 @@ def loaded(states: ti.template(), e):
         path_age=states[at + 15],
         stale=states[at + 16],
         path=states[at + 17],
-        progress=states[at + 18],
-        new=states[at + 19],
-        seen=states[at + 20],
-        last_new=states[at + 21],
-        found=states[at + 22],
-        found_here=states[at + 23],
+        new=states[at + 18],
+        seen=states[at + 19],
+        found=states[at + 20],
+        found_here=states[at + 21],
     )
 
 
@@ -80,8 +76,7 @@ def store(states: ti.template(), e, state):
         [
             state.time, state.x, state.y, state.heading, state.aligned, state.straight, state.since,
             state.known, x, y, state.kind, state.goal, state.look, state.plan_age, state.queued,
-            state.path_age, state.stale, state.path, state.progress, state.new, state.seen, state.last_new,
-            state.found, state.found_here,
+            state.path_age, state.stale, state.path, state.new, state.seen, state.found, state.found_here,
         ]
     )  # fmt: skip
     for k in ti.static(range(SIZE)):

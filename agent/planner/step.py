@@ -9,7 +9,6 @@ from agent.planner.belief import Belief
 from agent.planner.body import Body
 from agent.planner.candidates import Candidates
 from agent.planner.config import PlannerConfig
-from agent.planner.features import describe
 from agent.planner.goal import Goal
 from agent.planner.occupancy import Occupancy, number_type
 from agent.planner.paths import Paths
@@ -134,8 +133,6 @@ class Step:
             state.straight = 0
         state.new = new
         state.seen += new
-        if new > 0:
-            state.last_new = time
         return state, sight
 
     @ti.func
@@ -176,27 +173,14 @@ class Step:
         return state, sight
 
     @ti.func
-    def advise(self, memory: ti.template(), tables: ti.template(), features: ti.template(), state, base, e,
-               forward):  # fmt: skip
-        """The action that leads to the goal; with it, the features of the whole are written."""
+    def advise(self, memory: ti.template(), state, base, forward):
+        """The action that leads to the goal."""
         px, py, heading = state.x, state.y, state.heading
-        free, gains = self.advice.steps(memory, base, px, py, heading, forward)
+        gains = self.advice.gains(memory, base, px, py, heading, forward)
         turn = self.advice.turn(memory, base, px, py, heading, gains)
         if (state.kind == SEARCH) & (state.look >= 0) & (state.path == 0):
             turn = (state.look - heading) & 7
-        action = self.advice.action(turn)
-        bearing = ti.Vector(
-            [
-                ti.cast(self.occupancy.apart(self.occupancy.across(state.goal), px >> 1), ti.f32),
-                ti.cast(self.occupancy.apart(self.occupancy.down(state.goal), py >> 1), ti.f32),
-            ]
-        )
-        if state.known:
-            bearing = state.target - ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
-        middle = 2 * (heading * self.body.rays + ti.static(self.body.rays // 2))
-        nose = ti.Vector([tables.directions[middle], tables.directions[middle + 1]])
-        describe(features, state, e, forward, free, gains, turn, action, bearing, nose)
-        return action
+        return self.advice.action(turn)
 
 
 @cache
@@ -212,7 +196,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
         last: Floats, prior: Bytes, offers: Floats, offered: Floats,
-        states: Wholes, advice: Longs, features: Floats,
+        states: Wholes, advice: Longs,
     ):  # fmt: skip
         memory = ti.static(
             Memory(
@@ -230,8 +214,8 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
             state, sight = parts.remember(memory, state, sight, base, hit)
             if ti.static(body.offers):
                 parts.viewpoints.offers.begin(memory, e, sight.forward)
-            state = parts.goal.choose(memory, tables, state, base, fresh, sight.hits)
-            advice[e] = parts.advise(memory, tables, features, state, base, e, sight.forward)
+            state = parts.goal.choose(memory, tables, state, base, sight.hits)
+            advice[e] = parts.advise(memory, state, base, sight.forward)
             store(states, e, state)
 
     return step
@@ -246,11 +230,10 @@ def take_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     @ti.kernel
     def take(
         picks: Longs,
-        directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
         last: Floats, prior: Bytes, offers: Floats, offered: Floats,
-        states: Wholes, advice: Longs, features: Floats,
+        states: Wholes, advice: Longs,
     ):  # fmt: skip
         memory = ti.static(
             Memory(
@@ -258,7 +241,6 @@ def take_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
                 offers, offered,
             )
         )  # fmt: skip
-        tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
         ti.loop_config(block_dim=8)
         for e in range(picks.shape[0]):
             pick = ti.cast(picks[e], ti.i32)
@@ -268,7 +250,7 @@ def take_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
                 state = parts.goal.search(memory, state, base, within + parts.config.path_slack)
                 state.path = parts.paths.far(memory, base, state.x, state.y)
                 forward = parts.viewpoints.offers.forward(memory, e)
-                advice[e] = parts.advise(memory, tables, features, state, base, e, forward)
+                advice[e] = parts.advise(memory, state, base, forward)
                 store(states, e, state)
 
     return take

@@ -34,8 +34,8 @@ class Recorder:
         self.envs, self.policy, self.house = envs, policy, envs.houses[0]
         self.columns, self.places = defaultdict[str, list](list), list[np.ndarray]()
         self.targets = list[tuple[float, float]]()
-        tracker = policy.tracker
-        self.map = _MapNotes(self.house, tracker.planner) if tracker else None
+        mapped = isinstance(policy, Explorer)
+        self.map = _MapNotes(self.house, policy.tracker.planner) if mapped else None
 
     def note(self, moment: Moment) -> None:
         """See ``Watcher``."""

@@ -4,7 +4,7 @@ from agent.presets import PRESETS
 from benchmarks.agents.records import Entry, External
 
 BUDGET = 15 * 60
-RATES = {"pqn": 46_000, "pqn-map": 21_500, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
+RATES = {"pqn": 46_000, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
 """The whole budget of a run: as many steps as 15 minutes gave on one quiet core of the machine that the study
 began on; steps a second. Counted in steps, it does not depend on the machine."""
 
@@ -16,14 +16,8 @@ def _entry(name: str, preset: str, shows: str, said: str = "", beside: str = "")
     return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside)
 
 
-def _changed(name: str, shows: str, said: str) -> Entry:
-    """A change of the agent with a map."""
-    return _entry(f"map-{name}", "pqn-map", shows, said, beside="pqn-map")
-
-
 ENTRIES = (
-    _entry("pqn-map", "pqn-map", "the agent with a map"),
-    _entry("pqn", "pqn", "rays and exponential moving averages of the past, no map"),
+    _entry("pqn", "pqn", "rays and exponential moving averages of the past"),
     _entry("dqn", "dqn", "deep Q-learning from a replay memory"),
     _entry(
         "paper",
@@ -32,9 +26,9 @@ ENTRIES = (
         "--targets main --num-envs 8 --episodes None",
     ),
     _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the averages"),
-    _entry("pqn-secondary", "pqn", "no map at all", "--targets secondary", beside="pqn-map"),
-    _changed("no-shield", "no avoidance layer", "--avoidance none"),
-    _changed("paper-rule", "the paper's avoidance in place of the shield", "--avoidance paper"),
+    _entry(
+        "pqn-secondary", "pqn", "learnt for targets in secondary rooms", "--targets secondary", beside="pqn"
+    ),
     _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance none", beside="pqn"),
 )
 """What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""

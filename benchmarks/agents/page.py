@@ -138,9 +138,9 @@ def _time(study: Study, entry: Entry) -> list[str]:
     lasts = _lasts(study, entry)
     whole = median(last["steps"] / last["seconds"] for last in lasts)
     cells = [f"{whole:,.0f}"]
-    for part in ("simulator", "map", "learner"):
-        rates = [last[part] for last in lasts if last.get(part)]
-        cells.append(f"{median(rates):,.0f} ({whole / median(rates):.0%})" if rates else UNMEASURED)
+    for part in ("simulator", "learner"):
+        rate = median(last[part] for last in lasts)
+        cells.append(f"{rate:,.0f} ({whole / rate:.0%})")
     return [entry.name, *cells, f"{median(last['seconds'] for last in lasts) / 60:.1f}"]
 
 
@@ -166,9 +166,8 @@ has never seen. Whenever it picks up a target the next one appears. The **ratio*
 that an oracle picks up there, who knows the house and the target and takes the shortest path: 1 is perfect,
 and the human of the paper stands at {human}, in another house and with the whole plan in sight.
 
-In the main room a network learns all that it does. In secondary rooms, where a target must be sought, the
-search of an agent with a planner is the planner's ([planner.md](planner.md)): compare it with `explorer`,
-which is the planner alone.
+These agents have no map. In secondary rooms, where a target must be sought, compare them with `explorer`,
+which is a planner and learns nothing ([planner.md](planner.md)).
 
 **Share of the budget: {share}.** The whole budget of a run is as many steps as 15 minutes gave on one quiet
 core of the machine that the study began on; this share of it is the work of {minutes} minutes. No run was
@@ -199,8 +198,7 @@ Targets in secondary rooms, ratio to the oracle:
 ![Ratio by number of rooms](agent-rooms.png)
 
 ## What each part contributes
-Each row changes one thing of an agent and trains it from scratch by the same budget of time. (No map at all
-is the preset `pqn`: it makes twice the steps in that time, and differs in a few settings more.) The
+Each row changes one thing of an agent and trains it from scratch by the same budget of time. The
 difference is to the agent as it is; it is clear (in bold) where its interval does not hold 0 and all seeds
 have the same sign. The 95 % interval is from a bootstrap of pairs: the same seed in the same house. Blocked
 moves, and actions that the avoidance layer overruled, are per 1000 steps.
@@ -223,17 +221,17 @@ is measured afterwards. Each panel has all runs of an entry, those that went bad
 {externals}
 ## Where the time goes
 Steps a second of a whole training run on one core, then of each part if it were alone, and in brackets its
-share of the time; the learner is all that is not simulator or map: acting, avoidance, returns, updates.
+share of the time; the learner is all that is not simulator: acting, avoidance, returns, updates.
 Medians over the runs. Other runs were at work beside on the same machine.
 
-| entry | steps a second | simulator | map | learner | minutes |
-|---|---|---|---|---|---|
+| entry | steps a second | simulator | learner | minutes |
+|---|---|---|---|---|
 {time}
 
 ## Do it again
 `{command}` goes on where it was stopped, and repeats nothing.
 
-One run alone: `./run train runs/study/learn.jsonl --preset pqn-map --steps 1000000 --seed 0`, or with the
+One run alone: `./run train runs/study/learn.jsonl --preset pqn --steps 1000000 --seed 0`, or with the
 options and steps of its row, then `./run evaluate runs/train/agent.safetensors`. With other houses, seeds
 or processors the figures will vary as the intervals say; the same seed on the same machine gives the same
 run.

@@ -22,7 +22,6 @@ from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.tables import Table
 from agent.policies import Policy
-from agent.released import released
 from agent.world import make_envs
 from benchmarks.agents.account import PHASES, Account, follow
 from benchmarks.agents.kept import code, fingerprint
@@ -37,7 +36,8 @@ class Phases:
     """Account for the steps of agents and baselines, one episode in each house."""
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints, of agents of the default world; by default those that come with the project."""
+    """Checkpoints, or names of agents that come with the project, of the default world. None: explorer,
+    searcher and oracle alone."""
 
     houses: Path = Path(NAME)
     """House file, or a frozen bank, such as test-v1 or home-test-v1."""
@@ -57,7 +57,7 @@ class Phases:
         houses = named(self.houses)
         envs = make_envs(houses, len(houses), self.targets)
         makers: dict[str, tuple[str, Callable[[], Policy]]] = {}
-        for path in self.agents or tuple(map(Path, released())):
+        for path in self.agents:
             found = checkpoint.load(path)
             make = partial(policy_of, found.network, found.config, envs, self.seed)
             makers[found.name] = fingerprint(found), make

@@ -28,8 +28,8 @@ from benchmarks.common.processes import CLI, ONE_THREAD, say
 from logic.errors import RequestError
 
 HEAD = """\
-| preset | processes | environments | steps a second | times one | simulator | map | learner | ratio |
-|---|---|---|---|---|---|---|---|---|"""
+| preset | processes | environments | steps a second | times one | simulator | learner | ratio |
+|---|---|---|---|---|---|---|---|"""
 
 
 @dataclass(frozen=True)
@@ -57,25 +57,21 @@ class Series:
 
     def row(self, one: "Series", ratio: str) -> list[str]:
         """Medians over the runs, the whole with its range; beside them the same preset by one process."""
-        parts = (f"{median(self.rates(part)):,.0f}" if self.has(part) else "-" for part in PARTS)
+        parts = (f"{median(self.rates(part)):,.0f}" for part in PARTS)
         rates = self.rates()
         whole = f"{median(rates):,.0f} ({min(rates):,.0f} to {max(rates):,.0f})"
         times = f"{median(rates) / median(one.rates()):.2f}"
         return [self.preset, str(self.processes), str(self.environments), whole, times, *parts, ratio]
 
-    def has(self, part: str) -> bool:
-        """Whether the runs have such a part."""
-        return all(rate is not None for rate in self.rates(part))
 
-
-PARTS = ("simulator", "map", "learner")
+PARTS = ("simulator", "learner")
 
 
 @dataclass(frozen=True)
 class Throughput:
     """Measure how fast training is, by one process and by several."""
 
-    presets: tuple[str, ...] = ("pqn", "pqn-map")
+    presets: tuple[str, ...] = ("pqn", "pqn-recurrent")
     """What is trained."""
 
     processes: int = 2

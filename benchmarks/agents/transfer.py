@@ -22,7 +22,6 @@ from agent.evaluation.protocol import measure
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import Table
 from agent.planner import TUNED, Planner
-from agent.released import released
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns
 from benchmarks.common.pages import ROOT
@@ -67,7 +66,7 @@ class Transfer:
     """Measure agents in banks that they did not learn in, beside the explorer and the searcher."""
 
     agents: tyro.conf.Positional[tuple[Path, ...]] = ()
-    """Checkpoints; by default those that come with the project."""
+    """Checkpoints, or names of agents that come with the project. None: explorer and searcher alone."""
 
     targets: tyro.conf.UseAppendAction[tuple[TargetMode, ...]] = ()
     """Where targets lie; by default in secondary rooms. Repeat for several."""
@@ -81,9 +80,8 @@ class Transfer:
     def run(self) -> None:
         """Measure what is not measured yet; print the tables."""
         torch.set_num_threads(1)
-        paths = self.agents or tuple(map(Path, released()))
         agents: dict[str, list[Checkpoint]] = {}
-        for path in paths:
+        for path in self.agents:
             found = checkpoint.load(path)
             agents.setdefault(found.name, []).append(found)
         page = [

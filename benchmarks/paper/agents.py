@@ -10,18 +10,16 @@ import torch
 
 from agent import checkpoint
 from agent.avoidance import Free, PaperRule
-from agent.build import policy_of
-from agent.evaluation.baselines import oracle
+from agent.evaluation.baselines import explorer, oracle
 from agent.evaluation.episodes import play
 from agent.evaluation.result import HUMAN
 from agent.policies import Policy, QPolicy
-from agent.simulator import sensor
 from agent.world import make_envs
 from benchmarks.common.pages import table_rows
 from logic.files import write_whole
 from sim import HouseVectorEnv
 from sim.arguments import PAPER_HOUSE, house_list
-from sim.config import PAPER
+from sim.config import DEFAULT, PAPER
 
 TASKS = ("paper-main", "paper-secondary", "paper-mixed")
 
@@ -43,12 +41,6 @@ def by_network(
     return make
 
 
-def with_map(envs: HouseVectorEnv) -> Policy:
-    """Our agent with a map."""
-    agent = checkpoint.load("pqn-map")
-    return policy_of(agent.network, agent.config, envs, SEED)
-
-
 POLICIES: dict[str, Callable[[HouseVectorEnv], Policy]] = {
     "original weights, epsilon 0.025": by_network(0.025),
     "original weights, epsilon 0.025, no avoidance": by_network(0.025, avoids=False),
@@ -58,10 +50,10 @@ POLICIES: dict[str, Callable[[HouseVectorEnv], Policy]] = {
     "random walk, no homing": by_network(1.0, homing=False),
     "random walk with homing": by_network(1.0),
     "random walk with homing, no avoidance": by_network(1.0, avoids=False),
-    "pqn-map": with_map,
+    "explorer": lambda envs: explorer(envs, SEED),
     "oracle": lambda envs: oracle(envs, SEED),
 }
-"""By name. ``pqn-map`` alone is not in the simulator's preset ``paper``: its collisions end no episode."""
+"""By name. ``explorer`` alone is not in the simulator's preset ``paper``: its collisions end no episode."""
 
 
 def measure(out: Path) -> dict[str, Any]:
@@ -73,7 +65,7 @@ def measure(out: Path) -> dict[str, Any]:
         done = data.setdefault(task, {})
         for name, make in POLICIES.items():
             if name not in done:
-                world = sensor(checkpoint.load(name).config) if name == "pqn-map" else PAPER
+                world = DEFAULT if name == "explorer" else PAPER
                 envs = make_envs(house_list(PAPER_HOUSE), EPISODES, task, preset=world)
                 scores = play(envs, make(envs), SEED, np.zeros(EPISODES, np.int32))
                 done[name] = {

@@ -14,7 +14,6 @@ from agent.build import network_of
 from agent.checkpoint import FORMAT, Checkpoint, load, save
 from agent.config import DQNConfig, PQNConfig, TrainConfig
 from agent.network import QNetwork
-from agent.planner import FEATURES
 from agent.presets import PRESETS
 from agent.released import CheckpointError, released
 
@@ -57,8 +56,7 @@ def test_a_checkpoint_comes_back_as_it_was(tmp_path, preset):
         assert all(torch.equal(kept[name], each) for name, each in network.state_dict().items())
         return
     given = torch.rand(5, *network.shape[:2]), network.memory.empty(5)
-    features = [torch.rand(5, network.shape[3])] if network.shape[3] else []
-    assert torch.equal(found.network(*given, *features), network(*given, *features))
+    assert torch.equal(found.network(*given), network(*given))
 
 
 @pytest.mark.parametrize("name", released())
@@ -150,13 +148,3 @@ def test_a_config_of_another_version_or_algorithm_is_refused(tmp_path):
     assert "steps" in refusal(spoiled(path, config=json.dumps({"steps": "many"})))
     assert "replay" not in refusal(spoiled(path, config=json.dumps(asdict(DQNConfig()))))
     assert "sarsa" in refusal(spoiled(path, algorithm="sarsa"))
-
-
-def test_a_checkpoint_keeps_a_network_that_reads_a_planner(tmp_path):
-    network = network_of(PQNConfig(map=True))
-    torch.nn.init.normal_(next(network.judge[-1].parameters()))
-    save(Checkpoint(network, PRESETS["pqn-map"], steps=1), tmp_path / "agent.safetensors")
-    found = load(tmp_path / "agent.safetensors")
-    given = torch.rand(2, 40, 2), torch.rand(2, 4, 6), torch.rand(2, FEATURES)
-    assert found.config == PRESETS["pqn-map"]
-    assert torch.equal(found.network(*given), network(*given))

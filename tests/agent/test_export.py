@@ -13,7 +13,7 @@ from agent.checkpoint import Checkpoint
 from agent.cli import main
 from agent.config import PQNConfig
 from agent.export import INPUTS, OUTPUTS, NoExporter, Step, export
-from agent.network import QNetwork
+from agent.network import QNetwork, seeded
 from agent.presets import PRESETS
 from agent.recurrent import RecurrentQNetwork
 from logic.errors import RequestError
@@ -31,13 +31,12 @@ def whole_floats():
     torch.set_float32_matmul_precision(before)
 
 
-def network(features: int | None) -> Any:
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(0)
-        return RecurrentQNetwork() if features is None else QNetwork(features=features)
+def network(kind: type[torch.nn.Module] = QNetwork) -> Any:
+    with seeded(0):
+        return kind()
 
 
-@pytest.fixture(scope="module", params=[0, 30, None], ids=["pqn", "with a map", "recurrent"])
+@pytest.fixture(scope="module", params=[QNetwork, RecurrentQNetwork], ids=["pqn", "recurrent"])
 def exported(request, tmp_path_factory):
     """A network's step, and the file of it in the other runtime."""
     step = Step(network(request.param)).eval()
@@ -48,7 +47,7 @@ def exported(request, tmp_path_factory):
 
 
 def run(session: Any, *given: torch.Tensor) -> list[np.ndarray]:
-    return session.run(None, {name: each.numpy() for name, each in zip(INPUTS, given, strict=False)})
+    return session.run(None, {name: each.numpy() for name, each in zip(INPUTS, given, strict=True)})
 
 
 @pytest.mark.parametrize("size", [1, 2, 7, 4096])
@@ -66,10 +65,10 @@ def test_a_memory_carried_by_the_file_is_the_networks(exported):
     envs, same = 5, torch.zeros(5, dtype=torch.bool)
     here = there = step.network.memory.empty(envs)
     for time in range(100):
-        observation, _, blocked, *features = step.example(envs, seed=time)
+        observation, _, blocked = step.example(envs, seed=time)
         with torch.no_grad():
-            action = step.network(observation, here, *features).argmax(1)
-        q, memories = run(session, observation, there, blocked, *features)
+            action = step.network(observation, here).argmax(1)
+        q, memories = run(session, observation, there, blocked)
         np.testing.assert_array_equal(q.argmax(1), action)
         here = step.network.memory(here, observation, blocked, action, same)
         there = torch.from_numpy(memories[np.arange(envs), q.argmax(1)])
@@ -80,7 +79,7 @@ def test_a_memory_carried_by_the_file_is_the_networks(exported):
 def test_inputs_and_outputs_bear_their_names_and_only_the_batch_is_free(exported):
     step, session = exported
     given = step.example(1)
-    assert [each.name for each in session.get_inputs()] == list(INPUTS[: len(given)])
+    assert [each.name for each in session.get_inputs()] == list(INPUTS)
     assert [each.name for each in session.get_outputs()] == list(OUTPUTS)
     assert [each.shape for each in session.get_inputs()] == [["batch", *each.shape[1:]] for each in given]
     memory = ["batch", 3, *given[1].shape[1:]]
@@ -97,7 +96,7 @@ def test_without_the_exporter_one_line_says_what_to_install_and_nothing_is_writt
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(NoExporter, match="pip install onnx") as error:
-        export(network(0), tmp_path / "agent.onnx")
+        export(network(), tmp_path / "agent.onnx")
     assert error.value.exit_code == 69
     assert not list(tmp_path.iterdir())
 

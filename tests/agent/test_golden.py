@@ -96,14 +96,14 @@ def played(preset: str) -> dict[str, Any]:
 
 
 def explored(name: str) -> dict[str, Any]:
-    """What the explorer does, its advice and its map's features after each step."""
+    """What the explorer does, its advice and what its planner counts after each step."""
     targets, cell = EXPLORERS[name]
     envs = environments(targets, cell=cell)
     policy = Explorer(shield(envs), envs.config)
 
     def look() -> tuple[torch.Tensor, ...]:
         map = policy.tracker.planner
-        return map.advice, map.features, map.new, map.progress, map.path, map.found
+        return map.advice, *(map.read(name) for name in ("new", "path", "found"))
 
     return play(envs, policy, look)
 
@@ -127,8 +127,10 @@ def learnt(preset: str) -> dict[str, Any]:
 
 def machine() -> str:
     """What the last bits of sums depend on."""
-    brand = cpuinfo.get_cpu_info()["brand_raw"]
-    return f"torch {torch.__version__}, {torch.backends.cpu.get_cpu_capability()}, {brand}"
+    cpu = cpuinfo.get_cpu_info()
+    # Generations that round differently may bear one name.
+    processor = f"{cpu['brand_raw']}, family {cpu.get('family')}, model {cpu.get('model')}"
+    return f"torch {torch.__version__}, {torch.backends.cpu.get_cpu_capability()}, {processor}"
 
 
 GOLDEN = json.loads(FILE.read_text()) if FILE.exists() else {}

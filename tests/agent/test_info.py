@@ -65,11 +65,11 @@ def test_a_name_of_several_kinds_is_recognised_as_each() -> None:
 
 
 def test_a_checkpoint_is_told_by_its_header(tmp_path: Path) -> None:
-    found = told(located("pqn-map"))
-    assert (found.agent, found.format, found.readable, found.algorithm) == ("pqn-map", FORMAT, True, "pqn")
-    assert (found.steps, found.targets, found.config["map"]) == (19353088, "secondary", True)
+    found = told(located("pqn"))
+    assert (found.agent, found.format, found.readable, found.algorithm) == ("pqn", FORMAT, True, "pqn")
+    assert (found.steps, found.targets, found.config["num_envs"]) == (3004928, "main", 512)
     assert found.parameters > 10_000
-    content = located("pqn-map").read_bytes().replace(FORMAT.encode(), b"vitruvius-agent-2")
+    content = located("pqn").read_bytes().replace(FORMAT.encode(), b"vitruvius-agent-2")
     (tmp_path / "old.safetensors").write_bytes(content)
     assert not told(tmp_path / "old.safetensors").readable
 
@@ -89,16 +89,12 @@ def test_a_run_is_told_with_how_far_it_is(tmp_path: Path) -> None:
 def test_games_scores_traces_plans_grammars_settings_and_weights_are_told(tmp_path: Path) -> None:
     game = PlayedGame(
         player="ann", house="0" * 64, index=0, targets="main", seed=0, view="plan", seconds=15.0,
-        actions="LRF", score=3, raced={"pqn-map": 5}, taken="2026-01-02T03:04:05+00:00",
+        actions="LRF", score=3, raced={"pqn": 5}, taken="2026-01-02T03:04:05+00:00",
     )  # fmt: skip
     append(tmp_path / "games.jsonl", [game, msgspec.structs.replace(game, player="bob", score=4)])
     games = told(tmp_path / "games.jsonl")
-    assert (games.games, games.players, games.score, games.raced) == (
-        2,
-        {"ann": 1, "bob": 1},
-        3.5,
-        ["pqn-map"],
-    )
+    expected = 2, {"ann": 1, "bob": 1}, 3.5, ["pqn"]
+    assert (games.games, games.players, games.score, games.raced) == expected
 
     figures = {"figures": {"ratio": {"value": 0.5, "low": 0.4, "high": 0.6}}, "runs": []}
     scores = {"bank": {"hash": "ab", "file": "test-v1", "houses": 2}, "seed": 0, "backend": "grid"}

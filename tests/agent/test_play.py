@@ -150,7 +150,7 @@ def test_a_game_is_the_episode_that_an_evaluation_plays_and_comes_out_again() ->
 
 
 def test_an_agent_races_in_the_same_episode() -> None:
-    agent = checkpoint.load("pqn-map")
+    agent = checkpoint.load("pqn")
     scenes = agents_scenes(agent, HOUSES[0], "main", 0)
     game = Game(HOUSES[0], "main", 0)
     assert (scenes[0].pose == game.scene.pose).all()
@@ -174,12 +174,12 @@ def test_games_are_added_to_a_file_and_read_again(tmp_path: Path) -> None:
 def test_people_stand_beside_agents_in_the_same_episodes(tmp_path: Path) -> None:
     games = [played(drive(index, "FFFFFFFLFFFFFF" * 30), index) for index in range(3)]
     append(tmp_path / "games.jsonl", games)
-    (table,) = people_tables(tmp_path / "games.jsonl", HOUSES, {"pqn-map": [checkpoint.load("pqn-map")]})
+    (table,) = people_tables(tmp_path / "games.jsonl", HOUSES, {"pqn": [checkpoint.load("pqn")]})
     assert table.title.startswith(
         "People, who saw the whole plan and the target: 3 games of 1 player in 3 houses"
     )
     rows = {row[0]: row[1:] for row in table.rows}
-    assert list(rows) == ["people", "pqn-map", "explorer", "searcher", "oracle"]
+    assert list(rows) == ["people", "pqn", "explorer", "searcher", "oracle"]
     assert rows["oracle"][1].startswith("1.00")
     assert rows["people"][2] == ""
     mean = sum(sorted(game.score for game in games)[1:2])
@@ -203,11 +203,11 @@ def test_the_command_plays_records_and_shows_again(
     out = tmp_path / "games.jsonl"
     play = ["play", str(tmp_path / "houses.jsonl")]
     with pytest.raises(SystemExit) as end:
-        main([*play, "--house", "1", "--player", "Ada", "--race", "pqn-map", "--out", str(out)])
+        main([*play, "--house", "1", "--player", "Ada", "--race", "pqn", "--out", str(out)])
     assert not end.value.code
     (game,) = load(out)
     assert (game.player, game.index, game.seed, game.actions) == ("Ada", 1, 1, "F" * 1500)
-    assert game.raced["pqn-map"] > 0
+    assert game.raced["pqn"] > 0
     assert "house 1: Ada" in capsys.readouterr().err
     with pytest.raises(SystemExit) as end:
         main([*play, "--replay", str(out)])

@@ -36,7 +36,6 @@ from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
-WITH_MAP = replace(CONFIG, map=True)
 RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
 COMPLETION = CompletionConfig(targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4))
 VIEWPOINTS = replace(PRESETS["viewpoints"], num_envs=4, steps=4000, sim=("steps=300",), batch_size=32)
@@ -92,7 +91,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
     """By SIGKILL, wherever it stood; and again. With all that a run may keep."""
     save(HOUSES, tmp_path / "houses.jsonl")
     arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
-    arguments += ["--num-envs", "8", "--num-steps", "16", "--map"]
+    arguments += ["--num-envs", "8", "--num-steps", "16"]
 
     def started(name: str) -> BaseProcess:
         # --resume begins where there is nothing yet
@@ -118,8 +117,8 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 
 @pytest.mark.parametrize(
     "config",
-    [CONFIG, WITH_MAP, RECURRENT, VIEWPOINTS, REPLAY, COMPLETION],
-    ids=["pqn", "pqn-map", "pqn-recurrent", "viewpoints", "dqn", "map-completion"],
+    [CONFIG, RECURRENT, VIEWPOINTS, REPLAY, COMPLETION],
+    ids=["pqn", "pqn-recurrent", "viewpoints", "dqn", "map-completion"],
 )
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""

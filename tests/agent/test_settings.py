@@ -62,21 +62,17 @@ def test_a_printed_file_trains_the_same_network_bit_for_bit(
 def test_the_command_line_wins_over_the_file_and_the_file_over_the_preset(tmp_path: Path) -> None:
     file = tmp_path / "f.toml"
     file.write_text(
-        'preset = "pqn-map"\nname = "mine"\nhouses = "mine.jsonl"\nseed = 3\nmax_grad_norm = "none"\n'
-        'map = true\nsim = ["noise=0.05", "rays=20"]\ngamma = 1\n'
+        'preset = "pqn"\nname = "mine"\nhouses = "mine.jsonl"\nseed = 3\nmax_grad_norm = "none"\n'
+        'sim = ["noise=0.05", "rays=20"]\ngamma = 1\n'
     )
     train = parse(["train", "--config", str(file)])
-    expected = replace(
-        PRESETS["pqn-map"], seed=3, max_grad_norm=None, sim=("noise=0.05", "rays=20"), gamma=1.0
-    )
-    assert (train.preset, train.name, str(train.houses)) == ("pqn-map", "mine", "mine.jsonl")
+    expected = replace(PRESETS["pqn"], seed=3, max_grad_norm=None, sim=("noise=0.05", "rays=20"), gamma=1.0)
+    assert (train.preset, train.name, str(train.houses)) == ("pqn", "mine", "mine.jsonl")
     assert train.learning == expected
-    words = f"train other.jsonl --config={file} --seed 4 --no-map --sim noise=0.1 --max-grad-norm 2"
+    words = f"train other.jsonl --config={file} --seed 4 --sim noise=0.1 --max-grad-norm 2"
     train = parse(words.split())
     assert str(train.houses) == "other.jsonl"
-    assert train.learning == replace(
-        expected, seed=4, map=False, sim=("rays=20", "noise=0.1"), max_grad_norm=2.0
-    )
+    assert train.learning == replace(expected, seed=4, sim=("rays=20", "noise=0.1"), max_grad_norm=2.0)
     file.write_text('preset = "pqn"\nseed = 3\n')
     assert parse(["train", "--config", str(file), "--preset", "dqn"]).learning == replace(
         PRESETS["dqn"], seed=3
@@ -103,7 +99,10 @@ def test_the_command_line_wins_over_the_file_and_the_file_over_the_preset(tmp_pa
         ('steps = "none"\n', ":1: steps: expected `int`, got `str`"),
         ("[train]\nsteps = 9\n", ":1: [train]: settings stand at the top of the file, in no table"),
         ("steps = \n", ":1: no TOML: Invalid value"),
-        ('device = "cuda"\nmap = true\n', ":2: map needs device cpu"),
+        (
+            "num_envs = 1\nnum_steps = 1\nnum_minibatches = 9\n",
+            ":3: num_minibatches must not exceed num_envs x num_steps, not 9",
+        ),
         (b"\xff\xfe", ": no TOML: it is no text in UTF-8"),
         (b"#" * (1 << 21), ": more than 1 MiB"),
     ],

@@ -101,7 +101,7 @@ def test_an_agent_without_a_file_is_refused(text: str) -> None:
 
 def test_several_files_are_runs_of_one_agent() -> None:
     assert runs_of("map=a,b") == ("map", ("a", "b"))
-    assert runs_of("pqn-map") == ("pqn-map", ("pqn-map",))
+    assert runs_of("map-completion") == ("map-completion", ("map-completion",))
 
 
 def test_what_cannot_be_imported_is_one_line() -> None:

@@ -82,7 +82,8 @@ def test_the_map_stands_beside_the_house_above_its_key(envs, explorer) -> None:
 
 
 def test_the_film_of_an_agent_with_a_map_shows_house_and_map(tmp_path) -> None:
-    record(checkpoint.load("pqn-map"), HOUSE, tmp_path / "film.gif", steps=8, width=300)
+    agent = checkpoint.load("map-completion")
+    record(agent, HOUSE, tmp_path / "film.gif", targets="secondary", steps=8, width=300)
     width, height = View(geometry(HOUSE), 300).shown
     with Image.open(tmp_path / "film.gif") as image:
         assert image.n_frames == 3  # pyright: ignore[reportAttributeAccessIssue]

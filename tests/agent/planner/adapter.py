@@ -16,7 +16,7 @@ SIDE, UNKNOWN = 256, 65535
 BITS = {"occupied": OCCUPIED, "solid": SOLID, "near": NEAR}
 KINDS = ("none", "search", "target")
 SHAPES = {"cells": (SIDE, SIDE), "distance": (SIDE, SIDE), "candidates": (128, 128), "gains": (64, 64)}
-MEMORY = (*SHAPES, "features", "advice", "states")
+MEMORY = (*SHAPES, "advice", "states")
 
 
 class Memory:
@@ -30,7 +30,7 @@ class Memory:
         self.tried, self.advice = arrays["candidates"] > 127, int(arrays["advice"][0])
 
     def __getattr__(self, name: str) -> Any:
-        """Of cells [y, x]: when each was seen, 0 for never, its bits, and its node's distance; features."""
+        """Of cells [y, x]: when each was seen, 0 for never, its bits, and its node's distance."""
         value = self.arrays["cells" if name in (*BITS, "seen_at") else name]
         if name in BITS:
             value = value & BITS[name] > 0

@@ -294,27 +294,6 @@ def turn(body: Body, memory: Any, gain: np.ndarray) -> int:
     return int(min(best)[1]) if best else 1
 
 
-def features(body: Body, memory: Any, forward: bool) -> np.ndarray:
-    """What a network reads, (38,)."""
-    free, gain = steps(body, memory, forward)
-    turned = turn(body, memory, gain)
-    eye = np.array([memory.x, memory.y])
-    goal = memory.target - eye / 2 if memory.known else (np.array(memory.goal) - eye // 2 + 128) % SIDE - 128
-    facing = body.angles[len(body.angles) // 2] + memory.heading * np.pi / 4  # along the middle ray
-    nose = np.array([np.cos(facing), -np.sin(facing)])
-    crow, far = np.hypot(*goal) + 1e-3, min(memory.path, 2000) / 2
-    ahead, aside = goal @ nose / crow, (nose[0] * goal[1] - nose[1] * goal[0]) / crow
-    return np.concatenate(
-        [
-            [memory.kind == "search", memory.kind == "target"],
-            [np.exp(-far / 8), np.exp(-far / 40), np.exp(-far / 160), np.exp(-crow / 20)],
-            [min(1, memory.new / 50), min(1, (memory.time - memory.last_new) / 100)],
-            [min(1, (memory.time - memory.since) / 300), forward, ahead, aside, 0 < turned <= 4, turned > 4],
-            np.stack([free, np.clip(gain, -1, 1), np.arange(8) == turned], -1).ravel(),
-        ]
-    )
-
-
 def stopped(body: Body, memory: Any, solid: np.ndarray) -> tuple[int, int] | None:
     """The node [y, x] that hinders a body which cannot go forward; None where known ones do."""
     (dx, dy), far = WAYS[memory.heading], body.step // 2 if body.touching else body.step
@@ -322,10 +301,3 @@ def stopped(body: Body, memory: Any, solid: np.ndarray) -> tuple[int, int] | Non
         return None
     x, y = memory.x + far * dx, memory.y + far * dy
     return (y + (dy > 0)) // 2 % SIDE, (x + (dx > 0)) // 2 % SIDE
-
-
-def flip(features: np.ndarray) -> np.ndarray:
-    """Features (B, 38) of the mirror image: left is right, and each heading is the opposite one."""
-    left, right, sides = features[:, 12:13], features[:, 13:14], features[:, 14:].reshape(-1, 8, 3)
-    image = [features[:, :11], -features[:, 11:12], right, left, sides[:, -np.arange(8)].reshape(-1, 24)]
-    return np.concatenate(image, axis=1)

@@ -1,15 +1,16 @@
-"""Paths, advice and features, against the NumPy reference and the simulator's shortest paths."""
+"""Paths and advice, against the NumPy reference and the simulator's shortest paths."""
 
 import numpy as np
 import torch
 
+from agent.actions import FORWARD, LEFT, RIGHT
 from agent.policies import Explorer
 from agent.world import make_envs, shield
 from sim import HouseVectorEnv
 from sim.oracle import Oracle
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import UNKNOWN
-from tests.agent.planner.conftest import E, Walk
+from tests.agent.planner.conftest import E, Step, Walk
 from tests.agent.planner.test_occupancy import abilities
 from tests.sample_houses import random_house
 
@@ -56,42 +57,40 @@ def test_a_goal_is_kept_until_something_is_reached_or_changed(walk: Walk) -> Non
     assert kept > 100
 
 
-def test_features_and_advice_are_those_of_the_reference(walk: Walk) -> None:
+def forward(walk: Walk, step: Step) -> bool:
+    """Whether rays and bump let the body go on."""
+    return walk.body.may_go(step.observation, step.after.heading % 2) and not step.blocked
+
+
+def test_advice_is_that_of_the_reference(walk: Walk) -> None:
     """The advised step is free, brings the goal nearest, and needs the fewest turns of those that do."""
-    for e, observation, blocked, _, before, after in walk:
-        if after.time % 4 == e % 4 and after.time > 1:
-            forward = walk.body.may_go(observation, after.heading % 2) and not blocked
-            features = planning.features(walk.body, after, forward)
-            np.testing.assert_allclose(after.features, features, atol=2e-4)
-            turn = features[14:].reshape(8, 3)[:, 2].argmax()
-            assert after.advice == (2 if turn == 0 else int(turn > 4))
-            left = planning.away(before.distance, after.x, after.y)
-            far = before.path < UNKNOWN and left is not None
-            assert after.progress == (before.path - left if far else 0)
+    for step in walk:
+        after = step.after
+        if after.time % 4 == step.e % 4 and after.time > 1:
+            _, gain = planning.steps(walk.body, after, forward(walk, step))
+            turn = planning.turn(walk.body, after, gain)
+            assert after.advice == (FORWARD if turn == 0 else RIGHT if turn > 4 else LEFT)
 
 
-def test_mirrored_rays_and_actions_give_flipped_features(continuous: Walk) -> None:
-    """But where two paths are equally long."""
-    features = np.stack([step.after.features for step in continuous]).reshape(-1, E, 38)
+def test_mirrored_rays_and_actions_give_mirrored_advice(continuous: Walk) -> None:
+    """But where two ways are equally good."""
+    advice = np.array([step.after.advice for step in continuous]).reshape(-1, E)
     agree = []
-    for (observation, blocked, action, begun), expected in zip(
-        continuous.inputs[:32], features, strict=False
-    ):
-        mirrored = np.where(action == 2, 2, 1 - action)
+    for (observation, blocked, action, begun), expected in zip(continuous.inputs[:32], advice, strict=False):
+        mirrored, flipped = (np.where(way == FORWARD, way, 1 - way) for way in (action, expected))
         continuous.planner.step(observation[:, ::-1].copy(), blocked, mirrored, begun)
-        agree.append(np.abs(planning.flip(expected) - continuous.planner.array("features")) < 1e-4)
+        agree.append(flipped == continuous.planner.array("advice")[:, 0])
     assert np.mean(agree) > 0.9
 
 
 def test_steps_that_are_free_on_the_map_of_a_grid_are_free_in_the_house(grid: Walk) -> None:
     """At all eight headings, of which the rays show three or so at a time."""
-    features = np.stack([step.after.features for step in grid]).reshape(-1, E, 38)
-    free = features[..., 14:].reshape(-1, E, 8, 3)[..., 0] > 0
+    free = np.array([planning.steps(grid.body, step.after, forward(grid, step))[0] for step in grid])
     poses = np.stack(grid.poses)
     can = abilities(grid, poses[..., :2].reshape(-1, 2)).reshape(-1, E, 1)
     headings = (np.rint(poses[..., 2:] / (np.pi / 4)).astype(int) + np.arange(8)) % 8
     bumps = np.stack([blocked for _, blocked, _, _ in grid.inputs])[..., None] & (np.arange(8) == 0)
-    assert (free == (can >> headings & 1 == 1))[~bumps].mean() > 0.995
+    assert (free.reshape(-1, E, 8) == (can >> headings & 1 == 1))[~bumps].mean() > 0.995
 
 
 def explored(envs: HouseVectorEnv, steps: int, seed: int) -> tuple[Explorer, np.ndarray, int]:
@@ -118,7 +117,7 @@ def test_an_explorer_finds_targets_behind_walls(continuous: Walk) -> None:
     """Far more than a target-blind walk, in every house; and the planner knows how many it picked up."""
     envs = make_envs([random_house(seed) for seed in range(6)], 6, "secondary")
     explorer, rewards, bumps = explored(envs, 1499, seed=0)
-    truly, found = rewards.sum(0), explorer.tracker.planner.found.numpy()
+    truly, found = rewards.sum(0), explorer.tracker.planner.read("found").numpy()
     assert (truly >= 3).all()
     assert bumps <= rewards.size * 0.001
     assert np.abs(found - truly).sum() <= 0.1 * truly.sum()

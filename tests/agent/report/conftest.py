@@ -2,13 +2,13 @@
 
 import pytest
 
-from agent import checkpoint
 from agent.build import network_of
 from agent.checkpoint import Checkpoint
 from agent.config import PQNConfig
 from agent.evaluation.film import watch
 from agent.report import trace
 from agent.report.recorder import Recorder
+from agent.viewpoint_q.config import ViewpointQConfig
 from tests import sample_houses
 
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)
@@ -21,6 +21,12 @@ def untrained() -> Checkpoint:
     return Checkpoint(network_of(config), config, 0, "untrained", "")
 
 
+def with_planner() -> Checkpoint:
+    """An agent that keeps a map and has learnt nothing of it."""
+    config = ViewpointQConfig()
+    return Checkpoint(network_of(config), config, 0, "with planner", "")
+
+
 def recorded(agent: Checkpoint) -> Recorder:
     """The first steps of an agent's episode in the house."""
     recorder = Recorder(agent.name, "main", 3)
@@ -31,4 +37,4 @@ def recorded(agent: Checkpoint) -> Recorder:
 @pytest.fixture(scope="session")
 def mapped() -> trace.Trace:
     """An episode of an agent that keeps a map."""
-    return recorded(checkpoint.load("pqn-map")).trace
+    return recorded(with_planner()).trace

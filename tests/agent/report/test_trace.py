@@ -9,14 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from agent import checkpoint
 from agent.evaluation.film import watch
 from agent.planner import FREE, TAKEN
 from agent.report import trace
 from agent.report.recorder import EVERY, Recorder
 from agent.report.trace import FORMAT, Packed, Trace, TraceError
 from sim.geometry import geometry
-from tests.agent.report.conftest import HOUSE, STEPS, recorded, untrained
+from tests.agent.report.conftest import HOUSE, STEPS, recorded, untrained, with_planner
 
 
 class Notes:
@@ -39,8 +38,8 @@ class Notes:
 @pytest.fixture(scope="module")
 def both() -> tuple[Trace, Notes]:
     """An episode of an agent that keeps a map, and what it really was."""
-    recorder, notes = Recorder("pqn-map", "main", 3), Notes()
-    watch(checkpoint.load("pqn-map"), HOUSE, [notes, recorder], seed=3, steps=STEPS)
+    recorder, notes = Recorder("with planner", "main", 3), Notes()
+    watch(with_planner(), HOUSE, [notes, recorder], seed=3, steps=STEPS)
     return recorder.trace, notes
 
 
@@ -123,7 +122,7 @@ def test_where_it_believes_the_target_to_be_is_where_the_target_is(both) -> None
 
 def test_looking_on_changes_nothing_that_the_agent_does(both) -> None:
     notes = Notes()
-    watch(checkpoint.load("pqn-map"), HOUSE, [notes], seed=3, steps=STEPS)
+    watch(with_planner(), HOUSE, [notes], seed=3, steps=STEPS)
     assert [action for action, _ in notes.actions] == [action for action, _ in both[1].actions]
     for (_, _, alone), (_, _, watched) in zip(notes.states, both[1].states, strict=True):
         assert all(np.array_equal(alone[name], watched[name]) for name in alone)
@@ -141,7 +140,7 @@ def test_an_episode_of_an_agent_without_a_map_has_its_values_and_vetoes() -> Non
 
 def test_the_same_episode_gives_the_same_bytes_and_they_are_few(tmp_path, mapped) -> None:
     for name in ("one", "other"):
-        trace.save(mapped if name == "one" else recorded(checkpoint.load("pqn-map")).trace, tmp_path / name)
+        trace.save(mapped if name == "one" else recorded(with_planner()).trace, tmp_path / name)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
     assert (tmp_path / "one").stat().st_size < 200 * STEPS
     read = trace.load(tmp_path / "one")
