@@ -59,7 +59,7 @@ class Foresight(Tracker):
         self.seen[time == 1], self.found[time == 1], self.age[time == 1] = 0, 0, 0
         self.age += 1
         due = (planner.seen.numpy() - self.seen >= NEWS) & ((self.age >= EVERY) | np.isin(time, EARLY))
-        due |= (planner.found.numpy() != self.found) | (self.age >= ANYWAY)
+        due |= (planner.read("found").numpy() != self.found) | (self.age >= ANYWAY)
         self.foresee(np.flatnonzero(due & planner.seeks.numpy()))
         return planner
 
@@ -71,7 +71,7 @@ class Foresight(Tracker):
         marks = self.marks.read(environments, corners)
         self.windows.write(environments, self.given(self.predict(windows, marks, -corners), windows))
         self.seen[environments] = self.planner.seen.numpy()[environments]
-        self.found[environments] = self.planner.found.numpy()[environments]
+        self.found[environments] = self.planner.read("found").numpy()[environments]
         self.age[environments] = 0
 
     @torch.inference_mode()

@@ -343,12 +343,12 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     assert (none[0, 1:] == OPAQUE).all()
 
 
-def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while():
+def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkeypatch):
     foresight, asked = Foresight(make_envs(HOUSES, 1).config, CompletionNetwork(1, 0, (4, 4))), []
     foresight.begin(3)
-    foresight.foresee = lambda environments: asked.append(environments.tolist())
+    monkeypatch.setattr(foresight, "foresee", lambda environments: asked.append(environments.tolist()))
     planner, states = foresight.planner, foresight.planner.arrays["states"].view()
-    planner.step = lambda *given: None
+    monkeypatch.setattr(planner, "step", lambda *given: None)
     at = [AT[name] + SIZE * np.arange(3) for name in ("time", "seen", "found", "kind")]
     nothing = torch.ones(3, planner.world.rays, planner.world.channels), torch.zeros(3, dtype=torch.bool)
     for where, values in zip(at, ([50, 50, 50], [0, 16, 0], [0, 0, 1], [NONE] * 3), strict=True):
