@@ -22,6 +22,7 @@ from agent.released import located
 from agent.world import shield
 from benchmarks.planner import prior
 from benchmarks.planner.prior import Informed
+from benchmarks.planner.seer import seer
 from logic.errors import RequestError
 from logic.spelling import unknown
 from sim import HouseVectorEnv
@@ -30,6 +31,9 @@ EXPLORER = "explorer"
 
 PRIORS = {f"prior-{what}": what for what in (prior.FLOOR, prior.ROOMS)}
 """Explorers that know a part of the house from the start. They must be better: they test the study itself."""
+
+TRUTH = "truth"
+"""The explorer that foresees the truth: the most that map completion can add."""
 
 SOURCES = (
     *("planner", "map_completion", "viewpoint_q"),
@@ -56,12 +60,15 @@ class Contender:
 
 
 def contender(name: str) -> Contender:
-    """The agent of a name: a baseline, a prior, ``module:function``, a released agent or a checkpoint.
+    """The agent of a name: a baseline, a prior, ``truth``, ``module:function``, a released agent or a
+    checkpoint.
 
     ``function`` takes environments and gives a policy. Raises ``RequestError`` and ``CheckpointError``.
     """
     if name in PRIORS:
         return Contender(lambda envs: informed(envs, PRIORS[name]), _key(name, inspect.getsource(prior)))
+    if name == TRUTH:
+        return Contender(seer, _key(name, inspect.getsource(inspect.getmodule(seer) or seer)))
     if name in BASELINES:
         return Contender(lambda envs: BASELINES[name](envs, 0), _key(name))
     if ":" in name:

@@ -56,9 +56,10 @@ class Learning:
     """Compare agents with the explorer, episode by episode, in houses of validation seeds."""
 
     agent: tyro.conf.UseAppendAction[tuple[str, ...]] = ("prior-rooms",)
-    """A released agent, a checkpoint, ``module:function`` that makes a policy of environments, a baseline, or
-    ``prior-floor`` and ``prior-rooms``, explorers that know a part of the house. Several training runs of one
-    agent: NAME=FILE,FILE,FILE. Repeat for other agents."""
+    """A released agent, a checkpoint, ``module:function`` that makes a policy of environments, a baseline,
+    ``prior-floor`` and ``prior-rooms``, explorers that know a part of the house, or ``truth``, one that
+    foresees all that map completion could. Several training runs of one agent: NAME=FILE,FILE,FILE. Repeat
+    for other agents."""
 
     bank: str = "star"
     """``star``, ``home``, ``large`` (12 rooms); or a house file, or a bank's name."""

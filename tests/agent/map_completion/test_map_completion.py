@@ -20,6 +20,8 @@ from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED
 from agent.planner.state import AT, NONE, SIZE, TARGET
 from agent.policies import Explorer, Tracker
 from agent.world import make_envs, shield
+from benchmarks.planner.contenders import with_shuffled_predictions
+from benchmarks.planner.seer import seer
 from logic import generate
 from logic.errors import RequestError
 from sim.config import DEFAULT, PAPER
@@ -271,35 +273,10 @@ def test_a_network_tells_how_likely_a_target_is_in_its_window():
         assert not torch.allclose(other[1], target[1], atol=1e-5)
 
 
-class Seer(Foresight):
-    """Foresight that is told the truth, or that of another house."""
-
-    def __init__(self, envs, shuffled):
-        self.shuffled = shuffled
-        super().__init__(envs.config, CompletionNetwork(0, 0, (4, 4)))
-        self.truth = Truth(envs, (), self.planner.cell)
-
-    def foresee(self, environments):
-        """Write the truth."""
-        self.truth.begin(np.flatnonzero(self.planner.read("time").numpy() == 1))
-        self.asked = environments
-        super().foresee(environments)
-
-    def predict(self, windows, marks, starts):
-        """Logits that are sure."""
-        floor, target, _ = self.truth.read(self.asked, -starts.astype(int))
-        if self.shuffled:
-            floor, target = np.roll(floor, 1, axis=0), np.roll(target, 1, axis=0)
-        sure = torch.from_numpy(np.where(floor, 9.0, -9.0)).float()
-        return Prediction(
-            sure, torch.from_numpy(target).clamp(min=1e-9).log(), torch.zeros(len(sure), 0, 48, 48)
-        )
-
-
-def picked_up(tracker_of, houses, steps=350):
+def picked_up(policy_of, houses, steps=350):
     """Targets in an episode of each house."""
     envs = make_envs(houses, len(houses), "secondary")
-    policy = Explorer(shield(envs), envs.config, tracker=tracker_of(envs))
+    policy = policy_of(envs)
     policy.begin(len(houses))
     observation = torch.as_tensor(envs.reset(seed=0, options={"house": np.arange(len(houses))})[0])
     blocked, found = torch.zeros(len(houses), dtype=torch.bool), 0.0
@@ -311,9 +288,9 @@ def picked_up(tracker_of, houses, steps=350):
 
 def test_who_foresees_the_truth_finds_more_and_another_house_less():
     houses = list(generate(5, seed=77, count=24))
-    told = picked_up(lambda envs: Seer(envs, shuffled=False), houses)
-    misled = picked_up(lambda envs: Seer(envs, shuffled=True), houses)
-    explorer = picked_up(lambda envs: None, houses)
+    told = picked_up(seer, houses)
+    misled = picked_up(lambda envs: with_shuffled_predictions(seer(envs), "seer"), houses)
+    explorer = picked_up(lambda envs: Explorer(shield(envs), envs.config), houses)
     assert told > 1.05 * explorer
     assert misled < 0.95 * explorer
 
