@@ -55,11 +55,11 @@ AT_ONCE = 64
 class Learning:
     """Compare agents with the explorer, episode by episode, in houses of validation seeds."""
 
-    agent: tyro.conf.UseAppendAction[tuple[str, ...]] = ("prior-rooms",)
+    agent: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """A released agent, a checkpoint, ``module:function`` that makes a policy of environments, a baseline,
     ``prior-floor`` and ``prior-rooms``, explorers that know a part of the house, or ``truth``, one that
     foresees all that map completion could. Several training runs of one agent: NAME=FILE,FILE,FILE. Repeat
-    for other agents."""
+    for other agents; by default ``prior-rooms``."""
 
     bank: str = "star"
     """``star``, ``home``, ``large`` (12 rooms); or a house file, or a bank's name."""
@@ -97,7 +97,7 @@ class Learning:
             raise RequestError(f"--houses and --episodes must be 1 or more, --steps 1 to {DEFAULT.steps}")
         if not 0 <= self.decisions <= 1 or not 0 < self.ahead < self.steps:
             raise RequestError("--decisions must be a share from 0 to 1, --ahead 1 or more and below --steps")
-        agents = dict(map(runs_of, self.agent))
+        agents = dict(map(runs_of, self.agent or ("prior-rooms",)))
         most, baseline = (self.scores(name, contender(name)) for name in (ORACLE, EXPLORER))
         compared = {EXPLORER: baseline[None]}
         for name, files in agents.items():
