@@ -1,8 +1,10 @@
 """The whole path in one command: houses from rules, an agent that learns in them, a measurement, a report."""
 
 import io
+import json
 import shutil
 import sys
+from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -13,12 +15,12 @@ from rich.markdown import Markdown
 
 from agent.banks import bank_hash, geometry_hash
 from agent.checkpoint import Checkpoint
-from agent.config import TargetMode
 from agent.evaluation.film import record
 from agent.evaluation.plots import learning_curve
 from agent.evaluation.protocol import measure
 from agent.evaluation.result import HUMAN_RATIO, Result
 from agent.evaluation.scores import Bank, ScoreFile, modes_of
+from agent.evaluation.statistics import paired_difference
 from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learner import Progress
 from agent.presets import PRESETS
@@ -27,9 +29,11 @@ from agent.report import trace
 from agent.report.folder import describe, write_report
 from agent.report.recorder import Recorder
 from agent.runs import run
+from agent.world import playable
 from logic import House, RequestError, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
 from logic.files import write_whole
+from sim.furniture_tasks import pieces_in
 
 ROOMS = (2, 3, 4, 5)
 """Rooms of the houses, in equal shares."""
@@ -56,8 +60,7 @@ SHOWN = 12
 """Plans on the contact sheet."""
 
 AGENT, FORESIGHT = "agent", "foresight"
-"""The agents of this run: for the main room, and the explorer with map completion for what lies behind doors.
-"""
+"""The agents of this run: for the main room, and the explorer with map completion that seeks a piece."""
 
 BASELINES = ("random + avoidance", "script", "explorer", "oracle")
 """What is measured with them."""
@@ -68,9 +71,9 @@ FILES = (
     "plans.png",
     "learning-curve.png",
     "episode.gif",
-    "episode-secondary.gif",
+    "episode-object.gif",
     "episode.trace.json",
-    "episode-secondary.trace.json",
+    "episode-object.trace.json",
     "evaluation.json",
     "about.json",
     "report.html",
@@ -90,12 +93,16 @@ MAIN_ROOM = (
     "learn nothing."
 )
 
-SECONDARY_ROOMS = (
-    "**Secondary rooms: a planner, and a network that foresees.** `explorer` is a next-best-view planner "
-    "over an occupancy map, written by hand; it learns nothing. `foresight` is the same planner with a map "
-    "completion network that began this run with random weights. It has learnt from houses what lies where "
-    "the map shows nothing yet: floor, walls, and where targets are. What it adds is the paired difference."
-)
+
+def object_goal(piece: str) -> str:
+    """What the second part shows, in words, for the kind of piece that is sought."""
+    return (
+        f"**Find a {piece}: a planner, and a network that foresees.** `explorer` is a next-best-view planner "
+        "over an occupancy map, written by hand; it learns nothing. `foresight` is the same planner with a "
+        "map completion network that began this run with random weights. It has learnt from houses what lies "
+        f"where the map shows nothing yet, and where a {piece} stands, by the kinds of pieces that its rays "
+        "have met. What it adds is the paired difference."
+    )
 
 
 def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
@@ -114,26 +121,35 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
     agent, history = run(houses, config, out / "training", name="pqn", every=LINES)
 
-    config = replace(PRESETS["map-completion"], seconds=COMPLETION_SECONDS, seed=seed)
-    foresight, learnt = run(houses, config, out / "foresight", name=FORESIGHT, every=LINES)
+    piece, kinds = sought(houses)
+    goal = json.dumps({"task": "object", "piece": piece})
+    config = replace(
+        PRESETS["map-completion"],
+        targets=goal,
+        sim=(f"kinds={json.dumps(kinds)}",),
+        seconds=COMPLETION_SECONDS,
+        seed=seed,
+    )
+    suited = playable(houses, goal)
+    foresight, learnt = run(suited, config, out / "foresight", name=FORESIGHT, every=LINES)
 
     main = _measured("main", AGENT, agent, held_out, out / "episode.gif", seed)
-    film = out / "episode-secondary.gif"
-    secondary = _measured("secondary", FORESIGHT, foresight, held_out, film, seed, EPISODES)
+    film = out / "episode-object.gif"
+    found = _measured(goal, FORESIGHT, foresight, playable(held_out, goal), film, seed, EPISODES)
     bank = Bank(bank_hash(held_out), "houses-held-out.jsonl", len(held_out))
-    measured = ScoreFile(bank, seed, modes_of([main.result, secondary.result]))
+    measured = ScoreFile(bank, seed, modes_of([main.result, found.result]))
     write_whole(out / "evaluation.json", measured.json())
     write_whole(out / "plans.png", _plans(held_out))
     write_whole(out / "learning-curve.png", learning_curve(history, main.result))
     last = history[-1], learnt[-1]
-    page = _page(main, secondary, last, seed=seed, seconds=perf_counter() - start)
+    words, added = object_goal(piece), f"{gain(found.result)}."
+    page = _page(main, found, words, last, seed=seed, seconds=perf_counter() - start)
     write_whole(out / "report.md", page.encode())
-    added = f"{gain(secondary.result)}."
     describe(
         out,
         TITLE.removeprefix("# "),
         MAIN_ROOM,
-        SECONDARY_ROOMS,
+        words,
         added,
         _made(*last),
         f"Made by `vitruvius demo --seed {seed}`.",
@@ -141,9 +157,9 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     write_report(out)
 
     console = Console()
-    for part, words in ((main, MAIN_ROOM), (secondary, SECONDARY_ROOMS)):
-        console.print("", Markdown(words), score_table(part.result).terminal())
-    console.print("", gain(secondary.result), "", SCORE_NOTE, "", sep="\n")
+    for part, what in ((main, MAIN_ROOM), (found, words)):
+        console.print("", Markdown(what), score_table(part.result).terminal())
+    console.print("", gain(found.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, *RUNS)), sep="\n")
     return _verdict(main.result)
 
@@ -175,6 +191,12 @@ def banks(seed: int, report: Report) -> tuple[list[House], list[House]]:
     return made[:TRAINING], made[TRAINING:]
 
 
+def sought(houses: list[House]) -> tuple[str, list[str]]:
+    """The kind of piece that most of the houses have, and all kinds."""
+    having = Counter(kind for house in houses for kind in pieces_in(house))
+    return max(sorted(having), key=lambda kind: having[kind]), sorted(having)
+
+
 @dataclass(frozen=True)
 class Part:
     """What an agent and the baselines did where targets lay in one kind of room."""
@@ -186,10 +208,17 @@ class Part:
 
     def film(self) -> str:
         """What the film shows, in words."""
-        [agent], [oracle] = (self.result.policies[name] for name in (self.agent, "oracle"))
+        result, house = self.result, self.filmed % (len(self.result.rooms) // self.result.episodes)
+        [agent], [oracle] = (result.policies[name] for name in (self.agent, "oracle"))
+        shown = f"The film shows `{self.agent}` in held-out house {house}"
+        if result.ends_on_pick_up:
+            return (
+                f"{shown}, where its SPL is the median of the houses with the most rooms. It finds the piece "
+                f"after {agent.first[self.filmed]:.0f} steps, the shortest way is "
+                f"{result.shortest[self.filmed]:.0f}."
+            )
         return (
-            f"The film shows `{self.agent}` in held-out house {self.filmed % HELD_OUT}, where its ratio is "
-            "the median of the houses with the most rooms. It picks up "
+            f"{shown}, where its ratio is the median of the houses with the most rooms. It picks up "
             f"{agent.targets[self.filmed]:.0f} targets, the oracle {oracle.targets[self.filmed]:.0f}. "
             "Orange rays see the target."
         )
@@ -197,12 +226,13 @@ class Part:
 
 def gain(result: Result) -> str:
     """What map completion adds to the planner, in one line."""
-    gain = result.difference(FORESIGHT, "explorer").signed(3)
-    return f"Ratio of {FORESIGHT} less explorer, paired by house, {EPISODES} episodes in each: {gain}"
+    own, base = (result.spl(name) for name in (FORESIGHT, "explorer"))
+    gain = paired_difference(own, base).signed(3)
+    return f"SPL of {FORESIGHT} less explorer, paired by house, {result.episodes} episodes in each: {gain}"
 
 
 def _measured(
-    mode: TargetMode,
+    mode: str,
     name: str,
     agent: Checkpoint,
     houses: list[House],
@@ -224,10 +254,14 @@ def _measured(
 
 
 def _typical(result: Result, agent: str) -> int:
-    """Of the houses with the most rooms, the one where the agent's ratio is the median."""
+    """Of the episodes in houses with the most rooms, the one where the agent's ratio, or its SPL where it
+    found what it sought, is the median.
+    """
     [scores] = result.policies[agent]
-    ratios = scores.targets / result.oracle.clip(1)
-    large = sorted(np.flatnonzero(result.rooms == result.rooms.max()), key=lambda house: ratios[house])
+    ratios = result.spl(agent)[0] if result.ends_on_pick_up else scores.targets / result.oracle.clip(1)
+    found = scores.targets >= min(result.ends_on_pick_up, scores.targets.max())
+    most = result.rooms == result.rooms[found].max()
+    large = sorted(np.flatnonzero(most & found), key=lambda house: ratios[house])
     return int(large[len(large) // 2])
 
 
@@ -265,22 +299,24 @@ def _made(last: Progress, learnt: Progress) -> str:
     )
 
 
-def _page(main: Part, secondary: Part, last: tuple[Progress, Progress], *, seed: int, seconds: float) -> str:
+def _page(
+    main: Part, found: Part, words: str, last: tuple[Progress, Progress], *, seed: int, seconds: float
+) -> str:
     """The report, in Markdown."""
     paragraphs = (
         TITLE,
         MAIN_ROOM,
-        SECONDARY_ROOMS,
-        f"{gain(secondary.result)}.",
+        words,
+        f"{gain(found.result)}.",
         f"{_made(*last)} All of it took {seconds:.0f} s.",
         score_table(main.result).markdown(),
         "![Learning curve](learning-curve.png)",
         main.film(),
         "![An episode](episode.gif)",
-        score_table(secondary.result).markdown(),
-        secondary.film(),
-        "Right: what it has seen and what it foresees; red: how the house is.",
-        "![An episode in secondary rooms](episode-secondary.gif)",
+        score_table(found.result).markdown(),
+        found.film(),
+        "Right: what it has seen, and how likely it thinks the target to lie where; red: how the house is.",
+        "![An episode of the search](episode-object.gif)",
         SCORE_NOTE,
         "Some of the held-out houses:",
         "![Plans](plans.png)",

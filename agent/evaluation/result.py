@@ -106,6 +106,12 @@ class Result:
         """How much higher the policy's ratio is than the other's, paired by house; both have as many runs."""
         return paired_difference(self.ratios(policy), self.ratios(other))
 
+    def spl(self, policy: str) -> np.ndarray:
+        """(S, H) success weighted by the shortest way's length over the way taken, by run and house."""
+        first = self.stacked(policy, lambda scores: scores.first)
+        success = np.isfinite(first) if self.ends_on_pick_up else first <= SUCCESS_STEPS
+        return success * self.shortest / np.maximum(first, self.shortest)
+
     def targets(self, policy: str) -> Estimate:
         """Targets in an episode."""
         return interquartile_mean(self.stacked(policy, lambda scores: scores.targets))
@@ -141,7 +147,7 @@ class Result:
             "targets": self.targets(policy),
             "ratio": self.ratio(policy),
             "success": mean(success),
-            "spl": mean(success * self.shortest / np.maximum(first, self.shortest)),
+            "spl": mean(self.spl(policy)),
             **found,
             **coverage,
             "rooms": mean(rooms),

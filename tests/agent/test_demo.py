@@ -11,11 +11,12 @@ from rich.console import Console
 from agent import demo as module
 from agent.banks import geometry_hash
 from agent.checkpoint import load as load_checkpoint
-from agent.demo import FILES, banks, demo, gain
+from agent.demo import FILES, banks, demo, gain, sought
 from agent.evaluation.commands import Record
 from agent.report.folder import report
-from logic import House, Rect, RequestError, Star, check, load
+from logic import House, Rect, RequestError, Star, check, generate, load
 from sim.film import SHARP, framed, largest, plan
+from sim.furniture_tasks import pieces_in
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 
 
@@ -61,11 +62,12 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
 
 def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
-    main, secondary = page.split("**Targets in secondary rooms, 2 houses")
-    for agent, part in (("agent", main), ("foresight", secondary)):
-        for name in (agent, "random + avoidance", "script", "explorer", "oracle", "human, another house"):
+    main, found = page.split("**One target in ")
+    for agent, part in (("agent", main), ("foresight", found)):
+        for name in (agent, "random + avoidance", "script", "explorer", "oracle"):
             assert f"| {name} |" in part
-    for picture in ("plans.png", "learning-curve.png", "episode.gif", "episode-secondary.gif"):
+    assert "| human, another house |" in main
+    for picture in ("plans.png", "learning-curve.png", "episode.gif", "episode-object.gif"):
         assert f"]({picture})" in page
         with Image.open(made[0] / picture) as image:
             image.verify()
@@ -82,7 +84,7 @@ def test_report_and_terminal_say_what_the_network_adds_to_the_planner_behind_doo
     for shown in ((made[0] / "report.md").read_text(), made[2]):
         words = " ".join(shown.split())
         assert "the same planner with a map completion network that began this run with random" in words
-        assert "Ratio of foresight less explorer, paired by house, 4 episodes in each: " in words
+        assert "SPL of foresight less explorer, paired by house, 4 episodes in each: " in words
         assert "in the paper's own house: the human's row says whether that is another house" in words
 
 
@@ -146,9 +148,20 @@ def test_the_hash_is_of_the_shape_alone():
 
 
 def test_the_networks_gain_is_the_paired_difference_to_the_planner():
-    both = result(others={"foresight": scores([5, 8]), "explorer": scores([6, 10])})
-    words = "Ratio of foresight less explorer, paired by house, 4 episodes in each"
-    assert gain(both) == f"{words}: -0.100 [-0.100, -0.100]"
+    both = result(
+        shortest=[10, 20],
+        others={"foresight": scores([1, 1], first=[40, 40]), "explorer": scores([1, 1], first=[20, 25])},
+    )
+    words = "SPL of foresight less explorer, paired by house, 1 episodes in each"
+    assert gain(both).startswith(f"{words}: -0.275 [")
+
+
+def test_the_piece_that_most_houses_have_is_sought():
+    houses = list(generate(3, seed=5, count=6))
+    piece, kinds = sought(houses)
+    having = {kind: sum(kind in pieces_in(house) for house in houses) for kind in kinds}
+    assert having[piece] == max(having.values())
+    assert set(kinds) == {p.type for house in houses for room in house.rooms for p in room.pieces}
 
 
 @pytest.mark.parametrize(("targets", "code"), [(9.0, 0), (4.8, 1), (1.0, 1)])
