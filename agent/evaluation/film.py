@@ -107,7 +107,7 @@ def record(
                 map_picture.begin(envs.scene(0).pose)
             if moment.step % stride == 0 or moment.ended.all():
                 shot = camera.shoot()
-                yield beside(shot, map_picture.drawn(planner)) if planner else shot
+                yield beside(shot, map_picture.drawn(planner), planner.body.prior) if planner else shot
 
     return film(shots(), path)
 

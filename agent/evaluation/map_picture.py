@@ -32,6 +32,9 @@ KEY = (
     (VIEWPOINT, "next viewpoint"),
     (FOUND, "target"),
 )
+FORESEEN = {LIKELY: "a target is likely (red: how the house is)"}
+"""Other words, where a network foresees."""
+
 ROW = 18
 """Pixels: the height of a row of the key."""
 
@@ -103,12 +106,12 @@ def _likely(planner: Planner) -> np.ndarray:
     return np.maximum(counts / CERTAIN, PALE * (floor & (counts > 0)))
 
 
-def beside(house: Image.Image, map_: Image.Image) -> Image.Image:
-    """Both pictures side by side, and below them what the map's colours mean."""
+def beside(house: Image.Image, map_: Image.Image, foresees: bool = False) -> Image.Image:
+    """Both pictures side by side, and below them what the map's colours mean, if a network ``foresees``."""
     width = house.width + map_.width
     shapes: list[Shape] = []
     x, y = float(MARGIN), ROW / 2
-    for colour, words in KEY:
+    for colour, words in ((each, FORESEEN.get(each, was) if foresees else was) for each, was in KEY):
         needed = 16 + text_width(words, 11) + 16
         if x > MARGIN and x + needed > width:
             x, y = float(MARGIN), y + ROW
