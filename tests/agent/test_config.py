@@ -15,8 +15,6 @@ WRONG = {
         ("half_lives", (4.0, 0.0)),
         ("num_steps", 0),
         ("q_lambda", 2.0),
-        ("map", {"device": "cuda", "map": True}),
-        ("map", {"network": "recurrent", "map": True}),
         ("num_minibatches", {"network": "recurrent", "num_envs": 2}),
     ],
     DQNConfig: [

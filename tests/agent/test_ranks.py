@@ -57,7 +57,7 @@ def test_no_thread_of_the_process_group_is_left(learnt):
 def test_the_command_trains_by_torchrun_and_goes_on(tmp_path):
     save([random_house(seed) for seed in range(4)], tmp_path / "houses.jsonl")
     out = tmp_path / "run"
-    train = ["train", str(tmp_path / "houses.jsonl"), "--out", str(out), "--map"]
+    train = ["train", str(tmp_path / "houses.jsonl"), "--out", str(out)]
     train += ["--num-envs", "8", "--num-steps", "16"]
     ended = subprocess.run(
         [*TORCHRUN, "-m", "agent.cli", *train, "--steps", "500"],
