@@ -1,5 +1,6 @@
 """What a config names: its network, and the policy that plays by it."""
 
+import shlex
 from typing import Any
 
 import torch
@@ -66,6 +67,6 @@ def _require_foreseen(config: CompletionConfig, envs: HouseVectorEnv) -> None:
         )
     if task(config.targets) != envs.world.task:
         raise RequestError(
-            f"map completion that learnt where targets of {config.targets} lie does not know those of "
-            f"{envs.world.task}: give --targets {config.targets}"
+            "map completion plays no other task than the one that it has learnt: "
+            f"give --targets {shlex.quote(config.targets)}"
         )

@@ -6,7 +6,7 @@ from torch import Tensor
 
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.map_completion.windows import LOOKED, SEEN, Windows
+from agent.map_completion.windows import LOOKED, Windows, seen
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.planner.belief import OPAQUE, PATH
 from agent.planner.config import CERTAIN
@@ -25,9 +25,6 @@ EARLY = (1, 4, 10)
 
 PATHS, WALLS = 0.3, 0.05
 """How surely a block must be floor for paths to lead over it unseen; and below which views end there."""
-
-LIKELY = 1.0
-"""Times the density of targets where they are expected, at which a block counts as ``CERTAIN``."""
 
 DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
 """What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
@@ -88,11 +85,12 @@ class Foresight(Tracker):
         (n, W, W) uint8.
         """
         floor, target = prediction.floor.sigmoid().numpy(), prediction.target.exp().numpy()
-        seen = (windows >> 3 & 7) >= SEEN
-        # Where a target is expected that was not looked for there, this is the mean density of targets.
+        known = seen(windows)
+        # The mean density of targets, as far as they are expected where it has not looked: from there on a
+        # block is certain.
         left = np.where(windows & LOOKED, 0, target)
         dense = np.square(left).sum((1, 2)) / left.sum((1, 2)).clip(1e-12)
-        count = CERTAIN * target / (LIKELY * dense.clip(1e-12)[:, None, None])
+        count = CERTAIN * target / dense.clip(1e-12)[:, None, None]
         count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint8)
-        count[(floor < WALLS) & ~seen] = OPAQUE
-        return count | (PATH * ((floor > PATHS) | seen)).astype(np.uint8)
+        count[(floor < WALLS) & ~known] = OPAQUE
+        return count | (PATH * ((floor > PATHS) | known)).astype(np.uint8)

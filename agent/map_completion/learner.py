@@ -16,7 +16,7 @@ from agent.map_completion.config import CompletionConfig
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import CompletionNetwork, Prediction
 from agent.map_completion.truth import UNKNOWN, Truth
-from agent.map_completion.windows import SEEN, Windows
+from agent.map_completion.windows import Windows, seen
 from agent.policies import Explorer
 from sim import HouseVectorEnv
 
@@ -181,19 +181,19 @@ def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
     """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
     was not seen but is near to what was; and of the next target's block.
     """
-    seen = (batch.windows >> 3 & 7) >= SEEN
+    known = seen(batch.windows)
     # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
-    squares = F.max_pool2d(seen[:, None].float(), COARSE)
+    squares = F.max_pool2d(known[:, None].float(), COARSE)
     near = F.max_pool2d(squares, 2 * NEAR // COARSE + 1, 1, NEAR // COARSE)
     about = F.interpolate(near, scale_factor=float(COARSE))[:, 0]
-    weight = torch.where(seen, FAR, about.clamp(min=FAR))
+    weight = torch.where(known, FAR, about.clamp(min=FAR))
     floor = F.binary_cross_entropy_with_logits(prediction.floor, batch.floor.float(), reduction="none")
     kinds, weights = (each[:, ::2, ::2] for each in (batch.kinds, weight))
-    known = kinds != UNKNOWN
+    told = kinds != UNKNOWN
     logits = prediction.kinds.permute(0, 2, 3, 1).flatten(0, 2)  # as they lie in memory
-    ground = F.cross_entropy(logits, (kinds.long() * known).flatten(), reduction="none").view_as(weights)
+    ground = F.cross_entropy(logits, (kinds.long() * told).flatten(), reduction="none").view_as(weights)
     target = -(batch.target * prediction.target).sum((1, 2)) / batch.target.sum((1, 2)).clamp(min=1e-6)
-    return mean(floor, weight) + TARGETS * target.mean() + KINDS * mean(ground, weights * known)
+    return mean(floor, weight) + TARGETS * target.mean() + KINDS * mean(ground, weights * told)
 
 
 def mean(values: Tensor, weight: Tensor) -> Tensor:

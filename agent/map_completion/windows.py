@@ -24,6 +24,11 @@ LOOKED = 1 << 6
 """Bit of a window's block: so many of its cells were seen since the last pick-up."""
 
 
+def seen(windows: Any) -> Any:
+    """Which blocks of windows (n, W, W) uint8, an array or a tensor, count as seen: bool."""
+    return (windows >> 3 & 7) >= SEEN
+
+
 class Windows:
     """The windows of E environments' maps."""
 

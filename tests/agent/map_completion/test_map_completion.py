@@ -342,7 +342,7 @@ def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkey
 @pytest.mark.parametrize(
     ("targets", "preset", "message"),
     [
-        ("main", "default", "does not know those of"),
+        ("main", "default", "plays no other task than the one that it has learnt: give --targets secondary"),
         ("secondary", replace(PAPER, body=(0.4, 0.4)), "cannot read those of one of 0.400 m"),
     ],
 )
