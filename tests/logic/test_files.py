@@ -185,7 +185,7 @@ def test_a_wrong_file_is_refused_by_line_in_one_line(tmp_path: Path, content: by
 
 
 @pytest.mark.parametrize(
-    "content", [LINE, gzip.compress(LINE)[:-20], gzip.compress(LINE)[:30] + b"\x07" * 99]
+    "content", [LINE, gzip.compress(LINE, mtime=0)[:-20], gzip.compress(LINE, mtime=0)[:30] + b"\x07" * 99]
 )
 def test_a_damaged_gzip_file_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "houses.jsonl.gz"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from agent.planner import Planner as Tested
+from agent.planner import Planner as Offering
 from agent.planner.offers import OF
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import Planner
@@ -15,7 +15,7 @@ MOST = 8
 
 def with_offers(walk: Walk) -> Planner:
     planner = Planner(walk.envs.config, E)
-    planner.tested = Tested(walk.envs.config, E, offers=MOST)
+    planner.tested = Offering(walk.envs.config, E, offers=MOST)
     return planner
 
 
