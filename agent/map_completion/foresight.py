@@ -13,11 +13,11 @@ from agent.planner.config import CERTAIN
 from agent.policies import Tracker
 from sim.config import Config
 
-EVERY, NEWS = 24, 16
+EVERY, NEWS = 48, 64
 """Steps of an environment between two predictions, at least; cells that must be new. After a pick-up it
 predicts at once."""
 
-ANYWAY = 96
+ANYWAY = 384
 """Steps after which it predicts though nothing is new: more was looked at."""
 
 EARLY = (1, 4, 10)
@@ -67,6 +67,7 @@ class Foresight(Tracker):
         windows, corners = self.windows.read(environments)
         marks = self.marks.read(environments, corners)
         self.windows.write(environments, self.given(self.predict(windows, marks, -corners), windows))
+        self.planner.choose_again(environments)
         self.seen[environments] = self.planner.seen.numpy()[environments]
         self.found[environments] = self.planner.read("found").numpy()[environments]
         self.age[environments] = 0

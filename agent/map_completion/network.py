@@ -82,12 +82,22 @@ class CompletionNetwork(nn.Module):
             passed.append(x)
             x = down(F.max_pool2d(x, 2))
         for narrow, up in zip(reversed(self.narrow), reversed(self.up), strict=True):
-            x = up(F.interpolate(narrow(x), scale_factor=2.0) + passed.pop())
-        out = self.out(x)
-        blocks = F.pixel_shuffle(out[:, :8], 2)
+            x = up(F.interpolate(_pointwise(narrow, x), scale_factor=2.0) + passed.pop())
+        out = _pointwise(self.out, x)
+        # Four channels are the blocks of a place: south of it, then east.
+        count, _, high, wide = out.shape
+        blocks = out[:, :8].permute(0, 2, 3, 1).reshape(count, high, wide, 2, 2, 2)
+        blocks = blocks.permute(0, 3, 1, 4, 2, 5).reshape(count, 2, 2 * high, 2 * wide)
         outside = blocks.new_zeros(len(blocks), 1)
         target = torch.cat([blocks[:, 1].flatten(1), outside], 1).log_softmax(1)[:, :-1]
         return Prediction(blocks[:, 0], target.view_as(blocks[:, 1]), out[:, 8:])
+
+
+def _pointwise(layer: nn.Conv2d, x: Tensor) -> Tensor:
+    """A convolution over 1 by 1 of ``x`` (n, C, H, W), as a product of matrices: torch has no fast one for
+    channels that lie last.
+    """
+    return F.linear(x.permute(0, 2, 3, 1), layer.weight.flatten(1), layer.bias).permute(0, 3, 1, 2)
 
 
 def _block(inputs: int, outputs: int) -> nn.Sequential:

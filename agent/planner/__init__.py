@@ -177,6 +177,10 @@ class Planner:
         self._picks.copy_(picks)
         self._take()
 
+    def choose_again(self, environments: np.ndarray) -> None:
+        """Choose a viewpoint again in the next step, in these environments (n,) int."""
+        self.read("plan_age")[torch.from_numpy(environments)] = self.config.replan_interval
+
     @property
     def state(self) -> dict[str, Tensor]:
         """All that the next steps depend on: copies, to be given back another time."""

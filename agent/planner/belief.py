@@ -30,8 +30,8 @@ class Belief:
         odds = CERTAIN
         if ti.static(self.prior):
             odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & (PATH - 1)
-            if odds == OPAQUE:
-                odds = 0
+            # Nothing is impossible: where all that is likely was seen, the unlikely is looked at.
+            odds = ti.select(odds == OPAQUE, 0, ti.max(odds, 1))
         elif ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
             floor = self.floor(memory, base, x, y)
             for k in ti.static(range(17)):

@@ -39,7 +39,8 @@ class Goal:
             )
             # From far away, a node more or less on this side or on that makes no other path.
             drifted = self.config.target_drift * moved > far
-            search |= ti.cast((state.kind != TARGET) | drifted, ti.i32)
+            # Where it stands at the goal and has not picked it up, the target lies a part of a cell aside.
+            search |= ti.cast((state.kind != TARGET) | drifted | (far == 0), ti.i32)
             state.kind, state.goal = TARGET, ti.select(search, node, state.goal)
             # Mostly it is in sight: no path is tried first that is much longer than the straight one.
             away = ti.max(

@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from agent.planner import TUNED
+from agent.planner.belief import OPAQUE
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
@@ -194,7 +195,7 @@ def test_each_planner_reads_its_own_prior() -> None:
     torch.set_num_threads(1)
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     kinds = []
-    for count in (0, CERTAIN):
+    for count in (OPAQUE, CERTAIN):
         found = Informed(envs, "rooms")
         observation, _ = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
         found.begin(len(HOUSES))

@@ -8,7 +8,7 @@ import torch
 
 from agent.build import network_of, policy_of
 from agent.map_completion.config import CompletionConfig
-from agent.map_completion.foresight import ANYWAY, EVERY, Foresight
+from agent.map_completion.foresight import ANYWAY, EVERY, NEWS, Foresight
 from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
@@ -320,6 +320,40 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     assert (none[0, 1:] == OPAQUE).all()
 
 
+def test_where_nothing_is_likely_it_still_looks_at_all_before_it_looks_again():
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
+    policy = Explorer(shield(envs), envs.config, tracker=Tracker(envs.config, prior=True))
+    policy.begin(len(HOUSES))
+    observation = torch.as_tensor(envs.reset(seed=0, options={"house": EVERYONE})[0])
+    blocked, seen = torch.zeros(len(HOUSES), dtype=torch.bool), []
+    planner = policy.tracker.planner
+    for step in range(STEPS):
+        observation, _, _, _, info = envs.step_torch(policy(observation, blocked))
+        blocked = info["blocked"]
+        searching = (planner.read("found") == 0).numpy()
+        assert (planner.read("since").numpy()[searching] == 1).all()
+        if step % 100 == 99:
+            seen.append(planner.seen.numpy().copy())
+    assert (seen[-1] > 1.1 * seen[0]).all()
+
+
+def test_what_is_foreseen_is_the_ground_of_the_next_choice():
+    envs = make_envs(HOUSES, len(HOUSES), "secondary")
+    foresight = Foresight(envs.config, CompletionNetwork(1, 0, (4, 4)))
+    foresight.begin(len(HOUSES))
+    look, planner = torch.as_tensor(envs.reset(seed=0, options={"house": EVERYONE})[0]), foresight.planner
+    stands = torch.zeros(len(HOUSES), dtype=torch.bool)
+    for _ in range(12):  # it turns on the spot; it predicted on its own two steps ago
+        foresight.look(look, stands)
+        look, _, _, _, _ = envs.step_torch(foresight.actions)
+    ages = planner.read("plan_age").numpy().copy()
+    foresight.foresee(EVERYONE[:2])
+    Tracker.look(foresight, look, stands)
+    again = planner.read("plan_age").numpy()
+    assert (again[:2] == 0).all()
+    assert (again[2:] == ages[2:] + 1).all()
+
+
 def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkeypatch):
     foresight, asked = Foresight(make_envs(HOUSES, 1).config, CompletionNetwork(1, 0, (4, 4))), []
     foresight.begin(3)
@@ -328,7 +362,7 @@ def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkey
     monkeypatch.setattr(planner, "step", lambda *given: None)
     at = [AT[name] + SIZE * np.arange(3) for name in ("time", "seen", "found", "kind")]
     nothing = torch.ones(3, planner.world.rays, planner.world.channels), torch.zeros(3, dtype=torch.bool)
-    for where, values in zip(at, ([50, 50, 50], [0, 16, 0], [0, 0, 1], [NONE] * 3), strict=True):
+    for where, values in zip(at, ([50, 50, 50], [0, NEWS, 0], [0, 0, 1], [NONE] * 3), strict=True):
         states[where] = values
     foresight.age[:] = EVERY
     foresight.look(*nothing)

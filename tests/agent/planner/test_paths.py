@@ -4,6 +4,7 @@ import numpy as np
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
+from agent.planner.paths import FAR
 from agent.policies import Explorer
 from agent.world import make_envs, shield
 from sim import HouseVectorEnv
@@ -11,6 +12,7 @@ from sim.oracle import Oracle
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import UNKNOWN
 from tests.agent.planner.conftest import E, Step, Walk
+from tests.agent.planner.reference import SIDE
 from tests.agent.planner.test_occupancy import abilities
 from tests.sample_houses import random_house
 
@@ -29,6 +31,30 @@ def test_paths_are_as_short_as_a_breadth_first_search_finds(walk: Walk) -> None:
             assert (after.distance >= true)[after.distance >= 0].all()
             checked += 1
     assert checked > 30
+
+
+def test_a_body_that_stands_at_a_known_target_without_touching_it_searches_again() -> None:
+    """The target turned out to lie a part of a cell aside since the last search, maybe behind a wall."""
+    envs = make_envs([random_house(seed) for seed in range(6)], 6, "main")
+    policy = Explorer(shield(envs), envs.config)
+    policy.begin(6)
+    observation, blocked = torch.as_tensor(envs.reset(seed=0)[0]), torch.zeros(6, dtype=torch.bool)
+    planner, checked = policy.tracker.planner, 0
+    distance = planner.arrays["distance"].view().reshape(6, SIDE, SIDE)
+    for _ in range(60):
+        far, known = planner.read("path").numpy().copy(), planner.read("known").numpy() > 0
+        away = known & (far > 30) & (far < FAR)
+        for e in np.flatnonzero(away):
+            x, y, _ = planner.pose(int(e))
+            near = [np.arange(int(at) - 2, int(at) + 4) % SIDE for at in (y, x)]
+            distance[e][np.ix_(*near)] = 0  # as if the goal were where it stands
+        observation, _, _, _, info = envs.step_torch(policy(observation, blocked))
+        blocked = info["blocked"]
+        on_node = (planner.read("x") | planner.read("y")).numpy() % 2 == 0
+        still = away & on_node & (planner.read("known").numpy() > 0)
+        assert (planner.read("path").numpy()[still] > 20).all()
+        checked += still.sum()
+    assert checked > 5
 
 
 def test_a_goal_is_kept_until_something_is_reached_or_changed(walk: Walk) -> None:
