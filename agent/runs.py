@@ -27,6 +27,7 @@ import msgspec
 import torch
 
 from agent import checkpoint, ranks
+from agent.allocation import keep_freed_memory
 from agent.banks import bank_hash
 from agent.checkpoint import Checkpoint
 from agent.config import PQNConfig, TrainConfig
@@ -158,6 +159,7 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     if config.device == "cuda" and not torch.cuda.is_available():
         raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
     torch.set_num_threads(config.threads)
+    keep_freed_memory()
     set_precision(config.precision, config.device)
     envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
     return LEARNERS[config.algorithm](config, envs)

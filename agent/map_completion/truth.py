@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import convolve1d
 
 from agent.map_completion.network import WINDOW
-from agent.planner.frame import metres
+from agent.planner.frame import metres, quarters
 from agent.world import make_envs
 from logic import House
 from sim import HouseVectorEnv
@@ -82,15 +82,18 @@ class Truth:
         """The blocks of these environments' windows with such corners."""
         shape = len(environments), WINDOW, WINDOW
         found = Blocks(np.zeros(shape, np.uint8), np.zeros(shape, np.float32), np.zeros(shape, np.uint8))
-        south, east = np.mgrid[:WINDOW, :WINDOW]
+        along = np.arange(WINDOW)[:, None] * np.eye(2)[:, None]
         for n, (e, corner) in enumerate(zip(environments, corners, strict=True)):
             origin, house = self.houses[self.house[e]]
-            blocks = np.stack([east + corner[1], south + corner[0]], axis=-1)
-            places = metres(self.pose[e], blocks, 2 * self.cell)
-            i, j = np.moveaxis(np.rint((places - origin) / self.world.config.step).astype(int), -1, 0)
-            inside = (i >= 0) & (i < house.floor.shape[0]) & (j >= 0) & (j < house.floor.shape[1])
+            # A map's axes are the house's: all blocks of a column have one x or one y, and those of a row.
+            places = metres(self.pose[e], along + corner[::-1], 2 * self.cell) - origin
+            turned = quarters(self.pose[e, 2]) % 2
+            lines = np.stack([places[turned, :, 0], places[1 - turned, :, 1]])
+            lines = np.rint(lines / self.world.config.step).astype(int)
+            inside = (lines >= 0) & (lines < np.array(house.floor.shape)[:, None])
+            there = np.ix_(*(line[kept] for line, kept in zip(lines, inside, strict=True)))
             for field, whole in zip(found, house, strict=True):
-                field[n, inside] = whole[i[inside], j[inside]]
+                (field[n] if turned else field[n].T)[np.ix_(*inside)] = whole[there]
         return found
 
 

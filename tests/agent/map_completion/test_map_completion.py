@@ -8,7 +8,7 @@ import torch
 
 from agent.build import network_of, policy_of
 from agent.map_completion.config import CompletionConfig
-from agent.map_completion.foresight import ANYWAY, EVERY, NEWS, Foresight
+from agent.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresight
 from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
@@ -258,6 +258,7 @@ def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
 
 
 def test_a_network_tells_how_likely_a_target_is_in_its_window():
+    torch.manual_seed(0)
     network = CompletionNetwork(2, 2, (4, 4))
     windows = torch.randint(0, 40, (3, WINDOW, WINDOW), dtype=torch.uint8)
     marks = torch.zeros(3, 2, WINDOW, WINDOW, dtype=torch.uint8)
@@ -362,9 +363,13 @@ def test_it_predicts_where_something_is_new_or_was_found_or_after_a_while(monkey
     monkeypatch.setattr(planner, "step", lambda *given: None)
     at = [AT[name] + SIZE * np.arange(3) for name in ("time", "seen", "found", "kind")]
     nothing = torch.ones(3, planner.world.rays, planner.world.channels), torch.zeros(3, dtype=torch.bool)
-    for where, values in zip(at, ([50, 50, 50], [0, NEWS, 0], [0, 0, 1], [NONE] * 3), strict=True):
+    now = 12 * TOGETHER + 1
+    for where, values in zip(at, ([now - 1] * 3, [0, NEWS, 0], [0, 0, 1], [NONE] * 3), strict=True):
         states[where] = values
     foresight.age[:] = EVERY
+    foresight.look(*nothing)
+    assert not asked  # not every step
+    states[at[0]] = now
     foresight.look(*nothing)
     states[at[3]] = TARGET  # a target that is known need not be sought
     foresight.look(*nothing)
