@@ -20,6 +20,10 @@ to where the episode began; and how many targets were picked up in it."""
 EMBEDDING = 6
 """Numbers that it learns for each kind of piece that rays can meet."""
 
+OWN = 8
+"""Channels of its last layer that are of single blocks: floor and then target, each of the four blocks of a
+place, south by east. The others are kinds."""
+
 FADE = 9.0
 """Blocks over which nearness to the start falls by a factor of e."""
 
@@ -60,7 +64,7 @@ class CompletionNetwork(nn.Module):
         # What comes from below is narrowed before it is enlarged: three quarters of the work are saved.
         self.narrow = nn.ModuleList(nn.Conv2d(o, i, 1) for i, o in pairwise(channels))
         self.up = nn.ModuleList(_block(i, i) for i in channels[:-1])
-        self.out = nn.Conv2d(channels[0], 8 + kinds, 1)
+        self.out = nn.Conv2d(channels[0], OWN + kinds, 1)
         self.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
 
     def forward(self, windows: Tensor, marks: Tensor, starts: Tensor) -> Prediction:
@@ -84,9 +88,8 @@ class CompletionNetwork(nn.Module):
             x = down(F.max_pool2d(x, 2))
         for narrow, up in zip(reversed(self.narrow), reversed(self.up), strict=True):
             x = up(F.interpolate(_pointwise(narrow, x), scale_factor=2.0) + passed.pop())
-        # The first four pairs of channels are the blocks of a place: south of it, then east. The others are
-        # kinds. A product for each: the gradients of two parts of one are slow to join.
-        own, kinds = (_pointwise(self.out, x, part) for part in (slice(8), slice(8, None)))
+        # A product for each part of the last layer: the gradients of parts of one product are slow to join.
+        own, kinds = (_pointwise(self.out, x, part) for part in (slice(OWN), slice(OWN, None)))
         count, _, high, wide = own.shape
         blocks = own.permute(0, 2, 3, 1).reshape(count, high, wide, 2, 2, 2)
         blocks = blocks.permute(0, 3, 1, 4, 2, 5).reshape(count, 2, 2 * high, 2 * wide)

@@ -344,7 +344,7 @@ def test_what_is_foreseen_is_the_ground_of_the_next_choice():
     foresight.begin(len(HOUSES))
     look, planner = torch.as_tensor(envs.reset(seed=0, options={"house": EVERYONE})[0]), foresight.planner
     stands = torch.zeros(len(HOUSES), dtype=torch.bool)
-    for _ in range(12):  # it turns on the spot; it predicted on its own two steps ago
+    for _ in range(12):  # it turns on the spot; it predicted on its own three steps ago
         foresight.look(look, stands)
         look, _, _, _, _ = envs.step_torch(foresight.actions)
     ages = planner.read("plan_age").numpy().copy()
