@@ -8,7 +8,7 @@ from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.map_completion.windows import LOOKED, Windows, seen
 from agent.planner import TUNED, Planner, PlannerConfig
-from agent.planner.belief import OPAQUE, PATH
+from agent.planner.belief import BLOCKED, PATH, WALL
 from agent.planner.config import CERTAIN
 from agent.policies import Tracker
 from sim.config import Config
@@ -27,8 +27,8 @@ TOGETHER = 4
 """It predicts at every fourth step of an episode alone: environments that began together then make larger
 batches, which take less time each."""
 
-PATHS, WALLS = 0.3, 0.05
-"""How surely a block must be floor for paths to lead over it unseen; and below which views end there."""
+LEAST = 0.05
+"""How likely a block must be floor for paths to lead over it unseen, and views to go on."""
 
 DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
 """What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
@@ -87,8 +87,8 @@ class Foresight(Tracker):
         return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
-        """What blocks count by a prediction, ``OPAQUE`` where views end, and with ``PATH`` where paths lead,
-        (n, W, W) uint8.
+        """What is believed by a prediction, as the planner's ``prior`` has it (n, W, W) uint16: what blocks
+        count, ``PATH`` where paths lead, and how likely views end there, ``BLOCKED`` for certain.
         """
         floor, target = prediction.floor.sigmoid().numpy(), prediction.target.exp().numpy()
         known = seen(windows)
@@ -97,6 +97,8 @@ class Foresight(Tracker):
         left = np.where(windows & LOOKED, 0, target)
         dense = np.square(left).sum((1, 2)) / left.sum((1, 2)).clip(1e-12)
         count = CERTAIN * target / dense.clip(1e-12)[:, None, None]
-        count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint8)
-        count[(floor < WALLS) & ~known] = OPAQUE
-        return count | (PATH * ((floor > PATHS) | known)).astype(np.uint8)
+        count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint16)
+        floor[floor < LEAST] = 0.0
+        floor[known] = 1.0
+        wall = np.rint(BLOCKED * (1 - floor)).astype(np.uint16)
+        return wall << WALL | (PATH * (floor > 0)).astype(np.uint16) | count

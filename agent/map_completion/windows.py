@@ -39,7 +39,7 @@ class Windows:
             "asked": Array(ti.i32, count),
             "corners": Array(ti.i32, 2 * count),
             "windows": Array(ti.u8, count * WINDOW**2),
-            "given": Array(ti.u8, count * WINDOW**2),
+            "given": Array(ti.u16, count * WINDOW**2),
             "since": Array(ti.i32, count),
         }
         self.arrays = {name: planner.arrays[name] for name in ("cells", "dirty", "gains", "prior")} | own
@@ -69,7 +69,9 @@ class Windows:
         return self.arrays["windows"].view().reshape(-1, WINDOW, WINDOW)[: len(environments)].copy(), corners
 
     def write(self, environments: np.ndarray, given: np.ndarray) -> None:
-        """Give the planners what blocks (n, W, W) uint8 count in these environments: see ``Foresight``."""
+        """Give the planners what is believed of blocks (n, W, W) uint16 in these environments: see
+        ``Foresight.given``.
+        """
         self.ask(environments)
         self.arrays["given"].view()[: given.size] = given.ravel()
         self._write()
@@ -106,7 +108,13 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
 
     @ti.kernel
     def write(
-        cells: Shorts, dirty: Bytes, gains: Shorts, prior: Bytes, asked: Wholes, corners: Wholes, given: Bytes
+        cells: Shorts,
+        dirty: Bytes,
+        gains: Shorts,
+        prior: Shorts,
+        asked: Wholes,
+        corners: Wholes,
+        given: Shorts,
     ):
         for n in range(asked.shape[0]):
             e = asked[n]
@@ -118,10 +126,10 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
                     value = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32)
                     place = e * (area >> 2) + ((y >> 1 << bits - 1) | (x >> 1))
                     if ti.cast(prior[place], ti.i32) != value:
-                        prior[place] = ti.cast(value, ti.u8)
+                        prior[place] = ti.cast(value, ti.u16)
                         tile = ((y >> TILE) << bits - TILE) | (x >> TILE)
                         dirty[(e * area >> 2 * TILE) + tile] = ti.cast(1, ti.u8)
-                    if value >= PATH:
+                    if value & PATH:
                         for j, i in ti.static(ti.ndrange((-1, 1), (-1, 1))):
                             there = e * area + ((((y + j) & mask) << bits) | ((x + i) & mask))
                             cells[there] = cells[there] | ti.cast(NEAR, ti.u16)

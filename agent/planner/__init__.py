@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
-from agent.planner.belief import OPAQUE, PATH
+from agent.planner.belief import BLOCKED, COUNT, WALL
 from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
@@ -123,7 +123,7 @@ class Planner:
             "gains": Array(ti.u16, area // config.viewpoint_pitch**2),
             "evidence": Array(ti.u8, area if errs else 1),
             "last": Array(ti.f32, count * rays if world.slip else 1),
-            "prior": Array(ti.u8, area >> 2 if prior else 1),
+            "prior": Array(ti.u16, area >> 2 if prior else 1),
             "offers": Array(ti.f32, count * offers * OFFER),
             "offered": Array(ti.f32, count * CHOICE if offers else 1),
         }
@@ -248,13 +248,14 @@ class Planner:
         return np.where(odds == UNKNOWN, 0, odds)
 
     def foreseen(self, environment: int) -> tuple[np.ndarray, np.ndarray]:
-        """With a prior: what places count (S / 2, S / 2) uint8, and bool, where sight is not believed to end;
-        for two by two cells of ``occupancy`` each.
+        """With a prior: what places count (S / 2, S / 2) uint8, and bool, where sight is not believed to end
+        for certain; for two by two cells of ``occupancy`` each.
         """
         half = 1 << self.config.map_bits - 1
         blocks = self.arrays["prior"].view().reshape(-1, half, half)[environment]
-        blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1)) & np.uint8(PATH - 1)
-        return np.where(blocks == OPAQUE, np.uint8(0), blocks), blocks != OPAQUE
+        blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1))
+        passes = blocks >> WALL < BLOCKED
+        return ((blocks & COUNT) * passes).astype(np.uint8), passes
 
     def paths(self, environment: int) -> np.ndarray:
         """Nodes (S, S) from the goal where they were searched, else 65535; placed as ``occupancy``."""

@@ -9,11 +9,16 @@ from agent.planner.config import CERTAIN, PlannerConfig
 from agent.planner.occupancy import FLAGS, HEADINGS, OCCUPIED, Occupancy
 from sim.runtime import ti
 
-OPAQUE = 127
-"""Of ``prior``: counts nothing, and what lies there is believed to stop sight."""
+COUNT = 127
+"""Bits of ``prior``: what a block counts, 0 to ``CERTAIN``."""
 
 PATH = 128
 """Bit of ``prior``: a body is believed to be able to stand there, so that it may be a viewpoint."""
+
+WALL, BLOCKED = 8, 255
+"""Of ``prior``: from this bit on, how likely a block is no floor, so that sight may end there; what is certain
+to end it, and counts nothing.
+"""
 
 
 @ti.data_oriented
@@ -29,9 +34,9 @@ class Belief:
         """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
         odds = CERTAIN
         if ti.static(self.prior):
-            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & (PATH - 1)
+            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32)
             # Nothing is impossible: where all that is likely was seen, the unlikely is looked at.
-            odds = ti.select(odds == OPAQUE, 0, ti.max(odds, 1))
+            odds = ti.select(odds >> WALL == BLOCKED, 0, ti.max(odds & COUNT, 1))
         elif ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
             floor = self.floor(memory, base, x, y)
             for k in ti.static(range(17)):
@@ -46,17 +51,18 @@ class Belief:
         return (base >> 2) + ((y << ti.static(self.occupancy.bits - 1)) | x)
 
     @ti.func
-    def hidden(self, memory: ti.template(), base, node):
-        """Whether sight is believed to end at a node that was never seen (i32)."""
-        opaque = ti.cast(memory.prior[self.block(base, node)] & ti.u8(PATH - 1) == OPAQUE, ti.i32)
-        return opaque & ti.cast(ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS, ti.i32)
+    def clear(self, memory: ti.template(), base, node):
+        """How likely sight is believed to pass a node, where that was never seen: 0 to 1 (f32)."""
+        wall = ti.cast(memory.prior[self.block(base, node)], ti.i32) >> WALL
+        unseen = ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS
+        return 1.0 - ti.select(unseen, ti.cast(wall, ti.f32), 0.0) / BLOCKED
 
     @ti.func
     def stands(self, memory: ti.template(), base, node):
         """Whether a body is known, or believed, to be able to stand at a node (i32)."""
         stands = ti.cast(ti.cast(memory.cells[base + node], ti.i32) >= 1 << FLAGS, ti.i32)
         if ti.static(self.prior):
-            stands |= ti.cast(memory.prior[self.block(base, node)] >= PATH, ti.i32)
+            stands |= ti.cast(memory.prior[self.block(base, node)] & ti.u16(PATH) != 0, ti.i32)
         return stands
 
     @ti.func

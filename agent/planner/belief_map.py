@@ -50,7 +50,7 @@ def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
     @ti.kernel
     def belief_map(
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
-        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Bytes,
+        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Shorts,
         offers: Floats, offered: Floats, states: Wholes, counts: Bytes,
     ):  # fmt: skip
         memory = ti.static(

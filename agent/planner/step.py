@@ -195,7 +195,7 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
         directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
-        last: Floats, prior: Bytes, offers: Floats, offered: Floats,
+        last: Floats, prior: Shorts, offers: Floats, offered: Floats,
         states: Wholes, advice: Longs,
     ):  # fmt: skip
         memory = ti.static(
@@ -232,7 +232,7 @@ def take_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
         picks: Longs,
         cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
         odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
-        last: Floats, prior: Bytes, offers: Floats, offered: Floats,
+        last: Floats, prior: Shorts, offers: Floats, offered: Floats,
         states: Wholes, advice: Longs,
     ):  # fmt: skip
         memory = ti.static(

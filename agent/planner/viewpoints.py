@@ -151,24 +151,37 @@ class Viewpoints:
         """The information gain of an octant from a node: what the candidates count that its rays meet, each
         for the ground about it, as far as the next. With ``try_`` 1 these are tried now: what they counted.
         With 2, how much of the gain is by what was never seen, in the unit of neither.
+
+        With a prior, sight may end wherever a ray passes what may be a wall. Blocks that are unlikely floor
+        mostly are so together: where there is a room there is all of it. So what a candidate that is floor
+        itself is likely to show is as the least likely floor before it, not as the product of all.
         """
-        gain, count = 0, 0
+        prior = ti.static(self.candidates.belief.prior)
+        gain, count = ti.static(0.0 if prior else 0), 0
         rays = ti.static(self.config.viewpoint_rays)
         places = ti.static(self.places)
         for ray in range(rays):
-            j, k, clear = places * (rays * octant + ray), 0, 1
+            j, k, clear, passes = places * (rays * octant + ray), 0, 1, 1.0
+            if ti.static(prior):  # where it stands must be floor too
+                passes = self.candidates.belief.clear(memory, base, node)
             while clear & (k < places):
                 there = self.occupancy.beside(node, tables.views[j + k])
                 k += 1
                 stops = ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID)
-                if ti.static(self.candidates.belief.prior):
-                    stops |= self.candidates.belief.hidden(memory, base, there)
-                if stops:
+                share = 1.0
+                if ti.static(prior):
+                    floor = self.candidates.belief.clear(memory, base, there)
+                    share = ti.min(1.0, passes / ti.max(floor, 1e-9))
+                    passes = ti.min(passes, floor)
+                if (stops != 0) | (passes == 0):
                     clear = 0
                 else:
                     i = self.candidates.first(base) + self.candidates.at(there)
                     here = ti.cast(memory.candidates[i], ti.i32) & (TRIED - 1)
-                    gain += k * here
+                    if ti.static(prior):
+                        gain += share * ti.cast(k * here, ti.f32)
+                    else:
+                        gain += k * here
                     if ti.static(try_ == 2):  # noqa: SIM102 - ``and`` would compute both sides
                         if ti.cast(memory.cells[base + there], ti.i32) < 1 << FLAGS:
                             count += k * here

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from agent.planner import TUNED
-from agent.planner.belief import OPAQUE
+from agent.planner.belief import BLOCKED, WALL
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
@@ -195,11 +195,11 @@ def test_each_planner_reads_its_own_prior() -> None:
     torch.set_num_threads(1)
     envs = make_envs(HOUSES, len(HOUSES), "secondary")
     kinds = []
-    for count in (OPAQUE, CERTAIN):
+    for what in (BLOCKED << WALL, CERTAIN):
         found = Informed(envs, "rooms")
         observation, _ = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
         found.begin(len(HOUSES))
-        found.planner.arrays["prior"].view()[:] = count
+        found.planner.arrays["prior"].view()[:] = what
         found.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
         kinds.append(found.planner.read("kind").tolist())
     assert kinds == [[NONE] * len(HOUSES), [SEARCH] * len(HOUSES)]

@@ -14,7 +14,7 @@ from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.map_completion.windows import LOOKED, SEEN, Windows
-from agent.planner.belief import OPAQUE, PATH
+from agent.planner.belief import BLOCKED, COUNT, PATH, WALL
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED
 from agent.planner.state import AT, NONE, SIZE, TARGET
@@ -192,8 +192,8 @@ def test_what_is_written_is_what_places_count_and_where_paths_lead():
     observation, _ = envs.reset(seed=0, options={"house": EVERYONE})
     planner = tracker.look(torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool))
     windows, near = Windows(planner), planner.arrays["cells"].numpy() & NEAR
-    given = np.zeros((1, WINDOW, WINDOW), np.uint8)
-    given[0, 2, 3], given[0, 3, 5], given[0, 5, 5] = 70 | PATH, 30, OPAQUE
+    given = np.zeros((1, WINDOW, WINDOW), np.uint16)
+    given[0, 2, 3], given[0, 3, 5], given[0, 5, 5] = 70 | PATH, 200 << WALL | 30, BLOCKED << WALL | 40
     windows.write(np.array([2]), given)
     counts, open_ = planner.foreseen(2)
     corner = middle(planner, 2) - WINDOW // 2 + len(counts) // 2
@@ -309,16 +309,19 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     given = foresight.given(Prediction(sure, some, sure[:, None]), windows)
     assert (given[0, 40:42, 40:42] == CERTAIN | PATH).all()
     # What the others count is less than 1, so that some of them count it, as many as is right.
-    others = (given & OPAQUE).astype(float)[0, 48:]
+    others = (given & COUNT).astype(float)[0, 48:]
     assert set(np.unique(others)) == {0, 1}
     assert others.mean() == pytest.approx(CERTAIN * np.exp(-8.0), abs=1 / 16)
     # Where these were looked at since the last pick-up, the others are what is left.
     windows[0, 40:42, 40:42] |= LOOKED
-    assert (foresight.given(Prediction(sure, some, sure[:, None]), windows) & OPAQUE == CERTAIN).all()
+    assert (foresight.given(Prediction(sure, some, sure[:, None]), windows) & COUNT == CERTAIN).all()
     none = foresight.given(Prediction(-sure, likely - 50, sure[:, None]), windows)
     assert none[0, 0, 0] & PATH  # it was seen: a path may lead there, and a view go on
-    assert none[0, 0, 0] & OPAQUE != OPAQUE
-    assert (none[0, 1:] == OPAQUE).all()
+    assert none[0, 0, 0] >> WALL == 0
+    assert (none[0, 1:] == BLOCKED << WALL).all()
+    half = foresight.given(Prediction(0 * sure, likely, sure[:, None]), windows)
+    assert half[0, 0, 0] == CERTAIN | PATH
+    assert (half[0, 1:] >> WALL == BLOCKED // 2 + 1).all()
 
 
 def test_where_nothing_is_likely_it_still_looks_at_all_before_it_looks_again():

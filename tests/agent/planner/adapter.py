@@ -15,8 +15,14 @@ SIDE, UNKNOWN = 256, 65535
 
 BITS = {"occupied": OCCUPIED, "solid": SOLID, "near": NEAR}
 KINDS = ("none", "search", "target")
-SHAPES = {"cells": (SIDE, SIDE), "distance": (SIDE, SIDE), "candidates": (128, 128), "gains": (64, 64)}
-MEMORY = (*SHAPES, "advice", "states")
+SHAPES = {
+    "cells": (SIDE, SIDE),
+    "distance": (SIDE, SIDE),
+    "candidates": (128, 128),
+    "gains": (64, 64),
+    "prior": (128, 128),
+}
+MEMORY = ("cells", "distance", "candidates", "gains", "advice", "states")
 
 
 class Memory:
@@ -27,6 +33,7 @@ class Memory:
         self.__dict__.update(numbers)
         self.kind, self.goal = KINDS[numbers["kind"]], (numbers["goal"] % SIDE, numbers["goal"] // SIDE)
         self.target = arrays["states"][AT["target"] : AT["target"] + 2].view(np.float32)
+        self.prior = arrays.get("prior")
         self.tried, self.advice = arrays["candidates"] > 127, int(arrays["advice"][0])
 
     def __getattr__(self, name: str) -> Any:
@@ -45,8 +52,9 @@ class Memory:
 class Planner:
     """Planners of E environments, whose memory is read and written as NumPy arrays."""
 
-    def __init__(self, world: Config, environments: int) -> None:
-        self.tested, self.environments = Tested(world, environments), environments
+    def __init__(self, world: Config, environments: int, prior: bool = False) -> None:
+        self.tested, self.environments = Tested(world, environments, prior=prior), environments
+        self.kept = (*MEMORY, *["prior"] * prior)
 
     def step(self, *inputs: np.ndarray) -> None:
         """Observation, blocked, action, begun, of all environments."""
@@ -59,7 +67,7 @@ class Planner:
 
     def memory(self, e: int) -> Memory:
         """A copy of what an environment's planner keeps."""
-        return Memory({name: self.array(name)[e].copy() for name in MEMORY})
+        return Memory({name: self.array(name)[e].copy() for name in self.kept})
 
     def write(self, e: int, cells: Any = None, **numbers: Any) -> None:
         """Change some numbers of an environment, or all its cells, to those of a memory."""

@@ -60,8 +60,23 @@ def hides(memory: Any, since: int) -> np.ndarray:
     return (inner & (np.sum(list(rolled.values()), axis=0) >= 12))[::2, ::2]
 
 
+def foreseen(memory: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """What a prior says of blocks (128, 128): what they count, whether bodies can stand there, and how likely
+    they are floor; None without a prior.
+    """
+    prior = getattr(memory, "prior", None)
+    if prior is None:
+        return None
+    floor = 1 - (prior >> 8) / 255
+    return np.where(floor == 0, 0, np.maximum(prior & 127, 1)), prior & 128 > 0, floor
+
+
 def likelihood(memory: Any) -> np.ndarray:
-    """What each block (128, 128) counts as a candidate: 0, or how likely it is floor."""
+    """What each block (128, 128) counts as a candidate: what a prior says; else 0, or how likely it is
+    floor.
+    """
+    if prior := foreseen(memory):
+        return np.where(hides(memory, memory.since), prior[0], 0)
     floor = np.zeros((SIDE, SIDE), int)
     for dx, dy in WAYS:
         met = np.zeros((SIDE, SIDE), int)
@@ -75,7 +90,9 @@ def likelihood(memory: Any) -> np.ndarray:
 
 
 def believed(memory: Any) -> np.ndarray:
-    """``likelihood``, weighed by what pick-ups tell of the start room."""
+    """``likelihood``, weighed by what pick-ups tell of the start room, where no prior does."""
+    if foreseen(memory):
+        return likelihood(memory)
     west, east, north, south = start_room(memory)
     here, elsewhere = shares(memory.found_here, memory.found)
     at = (np.arange(0, SIDE, 2) + 128) % SIDE - 128
@@ -99,8 +116,24 @@ LOOK = look_table()
 def looked(memory: Any, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What looks from nodes (n,) meet: rows and columns of blocks (n, 8, 5, 27), and which are in sight."""
     column, row = np.reshape(x, (-1, 1, 1, 1)) + LOOK[..., 0], np.reshape(y, (-1, 1, 1, 1)) + LOOK[..., 1]
-    barred = (memory.occupied | memory.solid)[row % SIDE, column % SIDE]
+    barred = (memory.occupied | memory.solid | (floor(memory) == 0))[row % SIDE, column % SIDE]
     return row % SIDE // 2, column % SIDE // 2, ~np.logical_or.accumulate(barred, axis=-1)
+
+
+def floor(memory: Any) -> np.ndarray:
+    """How likely each cell (256, 256) is floor: a prior tells it of cells that were never seen."""
+    if prior := foreseen(memory):
+        return np.where(memory.seen_at > 0, 1.0, prior[2].repeat(2, 0).repeat(2, 1))
+    return np.ones((SIDE, SIDE))
+
+
+def passed(memory: Any, x: Any, y: Any) -> np.ndarray:
+    """How likely looks from nodes (n,) come as far as each place (n, 8, 5, 27), if that is floor."""
+    here = floor(memory)[np.reshape(y, (-1, 1, 1, 1)) % SIDE, np.reshape(x, (-1, 1, 1, 1)) % SIDE]
+    column, row = np.reshape(x, (-1, 1, 1, 1)) + LOOK[..., 0], np.reshape(y, (-1, 1, 1, 1)) + LOOK[..., 1]
+    there = floor(memory)[row % SIDE, column % SIDE]
+    before = np.concatenate([np.broadcast_to(here, (*there.shape[:-1], 1)), there[..., :-1]], -1)
+    return np.minimum(1, np.minimum.accumulate(before, -1) / there.clip(1e-9))
 
 
 def gains(memory: Any, counts: np.ndarray, x: Any, y: Any) -> np.ndarray:
@@ -108,7 +141,8 @@ def gains(memory: Any, counts: np.ndarray, x: Any, y: Any) -> np.ndarray:
     for the ground about it.
     """
     rows, columns, clear = looked(memory, x, y)
-    octants = (counts[rows, columns] * clear * np.arange(1, 28)).sum((-1, -2)) * np.pi / 20
+    counted = counts[rows, columns] * clear * passed(memory, x, y)
+    octants = (counted * np.arange(1, 28)).sum((-1, -2)) * np.pi / 20
     return octants + np.roll(octants, 1, -1) + np.roll(octants, -1, -1)
 
 
@@ -146,7 +180,10 @@ def choice(body: Body, memory: Any, tried: np.ndarray) -> Choice:
     now[rows[clear], columns[clear]] = True
     now &= (counts > 0) & ~tried
     counts[tried | now] = 0
-    may = (level > 0) & openings(memory)[::2, ::2] & (memory.seen_at > 0)[::2, ::2]
+    stands = (memory.seen_at > 0)[::2, ::2]
+    if prior := foreseen(memory):
+        stands |= prior[1]
+    may = (level > 0) & openings(memory)[::2, ::2] & stands
     y, x = 2 * np.argwhere(may & ~(np.indices(may.shape) % (PITCH // 2)).any(0)).T
     off = (np.column_stack([x, y]) - here + SIDE // 2) % SIDE - SIDE // 2
     distance = np.append(np.maximum(2 * level[y // 2, x // 2] - 1, np.abs(off).max(-1)), 0)
