@@ -108,14 +108,9 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
 
     @ti.kernel
     def write(
-        cells: Shorts,
-        dirty: Bytes,
-        gains: Shorts,
-        prior: Shorts,
-        asked: Wholes,
-        corners: Wholes,
-        given: Shorts,
-    ):
+        cells: Shorts, dirty: Bytes, gains: Shorts, prior: Shorts,
+        asked: Wholes, corners: Wholes, given: Shorts,
+    ):  # fmt: skip
         for n in range(asked.shape[0]):
             e = asked[n]
             if e >= 0:

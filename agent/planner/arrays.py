@@ -51,7 +51,7 @@ class Memory(NamedTuple):
     """(E, R) float32, or one number where no action slips: the last look's distances (``scan.py``)."""
 
     prior: Any
-    """(E, S S / 4) uint16, or one number: what is believed of each block, where that is given (``belief.py``)."""
+    """(E, S S / 4) uint16, or one number: what is believed of a block, if that is given (``belief.py``)."""
 
     offers: Any
     """(E, K, ``OFFER``) float32, or one number: the viewpoints that may be taken (``offers.py``)."""

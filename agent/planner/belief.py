@@ -16,9 +16,8 @@ PATH = 128
 """Bit of ``prior``: a body is believed to be able to stand there, so that it may be a viewpoint."""
 
 WALL, BLOCKED = 8, 255
-"""Of ``prior``: from this bit on, how likely a block is no floor, so that sight may end there; what is certain
-to end it, and counts nothing.
-"""
+"""Of ``prior``: from this bit on, how likely a block is no floor, so that sight may end there; and what is
+certain to be none, and counts nothing."""
 
 
 @ti.data_oriented
