@@ -41,7 +41,7 @@ ROOMS = (2, 3, 4, 5)
 TRAINING, HELD_OUT = 512, 64
 """Houses to learn in, and houses to be measured in."""
 
-STEPS, SECONDS = 4_000_000, 60.0
+STEPS, SECONDS = 2_000_000, 60.0
 """Length of the training; where the machine is slow, the clock binds and compresses the schedules."""
 
 COMPLETION_SECONDS = 80.0
