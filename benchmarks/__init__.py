@@ -24,6 +24,7 @@ STUDIES = {
     "explorers": ("benchmarks.planner.explorers:Explorers", "The planner with other numbers, or a prior."),
     "tasks": ("benchmarks.planner.tasks:Tasks", "What knowing where targets lie is worth, task by task."),
     "learning": ("benchmarks.planner.learning:Learning", "What learning adds to the explorer, paired."),
+    "playing": ("benchmarks.planner.playing:Playing", "Steps a second of agents that play."),
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""
