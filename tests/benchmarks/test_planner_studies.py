@@ -14,6 +14,7 @@ from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
 from agent.policies import Explorer
+from agent.released import CheckpointError
 from agent.world import make_envs, shield
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
@@ -352,10 +353,10 @@ def test_agents_play_in_processes_that_start_together(tmp_path: Path, capsys: py
 
 
 def test_a_speed_of_play_that_cannot_be_measured_is_refused(tmp_path: Path) -> None:
-    for wrong, says in (
-        ({"steps": WARM_UP}, "--steps 10 to 1500"),
-        ({"processes": 4096}, "--processes 4096"),
-        ({"agent": ("explorers",)}, "explorers"),
+    for wrong, error, says in (
+        ({"steps": WARM_UP}, RequestError, "--steps 10 to 1500"),
+        ({"processes": 4096}, RequestError, "--processes 4096"),
+        ({"agent": ("explorers",)}, CheckpointError, "there is no agent explorers"),
     ):
-        with pytest.raises(RequestError, match=says):
+        with pytest.raises(error, match=says):
             Playing(**{"out": tmp_path, "processes": 1, **wrong}).run()
