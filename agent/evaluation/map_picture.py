@@ -102,8 +102,8 @@ def _likely(planner: Planner) -> np.ndarray:
     """
     if not planner.body.prior:
         return planner.unseen_floor(0) / CERTAIN
-    counts, floor = planner.foreseen(0)
-    return np.maximum(counts / CERTAIN, PALE * (floor & (counts > 0)))
+    counts = planner.foreseen(0)
+    return np.maximum(counts / CERTAIN, PALE * (counts > 0))
 
 
 def beside(house: Image.Image, map_: Image.Image, foresees: bool = False) -> Image.Image:

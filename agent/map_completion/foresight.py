@@ -28,7 +28,7 @@ TOGETHER = 4
 batches, which take less time each."""
 
 LEAST = 0.05
-"""How likely a block must be floor for paths to lead over it unseen, and views to go on."""
+"""How likely a block must be floor for paths to lead over it unseen, and targets to be looked for there."""
 
 DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
 """What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
@@ -88,17 +88,18 @@ class Foresight(Tracker):
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
         """What is believed by a prediction, as the planner's ``prior`` has it (n, W, W) uint16: what blocks
-        count, ``PATH`` where paths lead, and how likely views end there, ``BLOCKED`` for certain.
+        count, ``PATH`` where paths lead, and how likely views end there.
         """
-        floor, target = prediction.floor.sigmoid().numpy(), prediction.target.exp().numpy()
-        known = seen(windows)
+        floor, sight = (logits.sigmoid().numpy() for logits in (prediction.floor, prediction.sight))
+        target, known = prediction.target.exp().numpy(), seen(windows)
         # The mean density of targets, as far as they are expected where it has not looked: from there on a
         # block is certain.
         left = np.where(windows & LOOKED, 0, target)
         dense = np.square(left).sum((1, 2)) / left.sum((1, 2)).clip(1e-12)
         count = CERTAIN * target / dense.clip(1e-12)[:, None, None]
         count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint16)
-        floor[floor < LEAST] = 0.0
-        floor[known] = 1.0
-        wall = np.rint(BLOCKED * (1 - floor)).astype(np.uint16)
-        return wall << WALL | (PATH * (floor > 0)).astype(np.uint16) | count
+        # No floor is impossible: where all that is likely was seen, the unlikely is looked at.
+        path = known | (floor >= LEAST)
+        count = np.where(path, count.clip(1), 0)
+        wall = np.rint(BLOCKED * (1 - np.where(known, 1.0, sight))).astype(np.uint16)
+        return wall << WALL | (PATH * path).astype(np.uint16) | count

@@ -15,6 +15,7 @@ from agent.learner import Learner, Progress, Tally, linear
 from agent.map_completion.config import CompletionConfig
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import CompletionNetwork, Prediction
+from agent.map_completion.sight import cast
 from agent.map_completion.truth import UNKNOWN, Truth
 from agent.map_completion.windows import Windows, seen
 from agent.policies import Explorer
@@ -29,8 +30,8 @@ COARSE = 4
 FAR = 0.05
 """What ground counts that lies farther, or that was seen."""
 
-TARGETS, KINDS = 0.2, 0.1
-"""What the place of the target, and the kinds of ground, count in the loss beside floor."""
+SIGHT, TARGETS, KINDS = 1.0, 0.2, 0.1
+"""What sight, the place of the target, and the kinds of ground count in the loss beside floor."""
 
 
 class Batch(NamedTuple):
@@ -46,13 +47,19 @@ class Batch(NamedTuple):
     """(n, 2) float32: where the episodes began, blocks south and east of the first."""
 
     floor: Tensor
-    """(n, W, W) uint8; this and what follows as ``truth.Blocks``."""
+    """(n, W, W) uint8; this, target and kinds as ``truth.Blocks``."""
 
     target: Tensor
     """(n, W, W) float32."""
 
     kinds: Tensor
     """(n, W, W) uint8."""
+
+    rays: Tensor
+    """(n, W, W) float32; this and what passed as ``sight.Sight``."""
+
+    passed: Tensor
+    """(n, W, W) float32."""
 
 
 class MapCompletion(Learner):
@@ -137,7 +144,9 @@ class MapCompletion(Learner):
         everyone = np.arange(self.envs.num_envs)
         windows, corners = self.windows.read(everyone)
         given = windows, self.marks.read(everyone, corners), -corners.astype(np.float32)
-        return Batch(*map(torch.from_numpy, (*given, *self.truth.read(everyone, corners))))
+        truth = self.truth.read(everyone, corners)
+        sight = cast(windows, truth.solid, self.random)
+        return Batch(*map(torch.from_numpy, (*given, truth.floor, truth.target, truth.kinds, *sight)))
 
     def update(self, batch: Batch) -> Tensor:
         """Learn from a batch; the loss."""
@@ -179,7 +188,8 @@ LAST = ("observation", "blocked", "ended")
 
 def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
     """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
-    was not seen but is near to what was; and of the next target's block.
+    was not seen but is near to what was; of the next target's block; and of whether a ray that comes to a
+    block goes on.
     """
     known = seen(batch.windows)
     # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
@@ -193,7 +203,9 @@ def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
     logits = prediction.kinds.permute(0, 2, 3, 1).flatten(0, 2)  # as they lie in memory
     ground = F.cross_entropy(logits, (kinds.long() * told).flatten(), reduction="none").view_as(weights)
     target = -(batch.target * prediction.target).sum((1, 2)) / batch.target.sum((1, 2)).clamp(min=1e-6)
-    return mean(floor, weight) + TARGETS * target.mean() + KINDS * mean(ground, weights * told)
+    sight = F.binary_cross_entropy_with_logits(prediction.sight, batch.passed, reduction="none")
+    blocks = mean(floor, weight) + SIGHT * mean(sight, batch.rays)
+    return blocks + TARGETS * target.mean() + KINDS * mean(ground, weights * told)
 
 
 def mean(values: Tensor, weight: Tensor) -> Tensor:

@@ -20,9 +20,12 @@ to where the episode began; and how many targets were picked up in it."""
 EMBEDDING = 6
 """Numbers that it learns for each kind of piece that rays can meet."""
 
-OWN = 8
-"""Channels of its last layer that are of single blocks: floor and then target, each of the four blocks of a
-place, south by east. The others are kinds."""
+FIELDS = 3
+"""What is predicted of each block: floor, sight, and the target."""
+
+OWN = 4 * FIELDS
+"""Channels of its last layer that are of single blocks: each field of the four blocks of a place, south by
+east. The others are kinds."""
 
 FADE = 9.0
 """Blocks over which nearness to the start falls by a factor of e."""
@@ -36,6 +39,10 @@ class Prediction(NamedTuple):
 
     floor: Tensor
     """(n, W, W) logits: whether a body can stand in a block, so that a target may lie there in some task."""
+
+    sight: Tensor
+    """(n, W, W) logits: whether a ray from seen ground that comes to an unseen block goes on, as neither a
+    wall nor furniture stands there. Products along a ray are how likely it comes so far."""
 
     target: Tensor
     """(n, W, W): the logarithm of the probability that the next target lies in a block, were all places of
@@ -91,11 +98,12 @@ class CompletionNetwork(nn.Module):
         # A product for each part of the last layer: the gradients of parts of one product are slow to join.
         own, kinds = (_pointwise(self.out, x, part) for part in (slice(OWN), slice(OWN, None)))
         count, _, high, wide = own.shape
-        blocks = own.permute(0, 2, 3, 1).reshape(count, high, wide, 2, 2, 2)
-        blocks = blocks.permute(0, 3, 1, 4, 2, 5).reshape(count, 2, 2 * high, 2 * wide)
-        outside = blocks.new_zeros(len(blocks), 1)
-        target = torch.cat([blocks[:, 1].flatten(1), outside], 1).log_softmax(1)[:, :-1]
-        return Prediction(blocks[:, 0], target.view_as(blocks[:, 1]), kinds)
+        blocks = own.permute(0, 2, 3, 1).reshape(count, high, wide, FIELDS, 2, 2)
+        blocks = blocks.permute(3, 0, 1, 4, 2, 5).reshape(FIELDS, count, 2 * high, 2 * wide)
+        floor, sight, target = blocks
+        outside = target.new_zeros(count, 1)
+        target = torch.cat([target.flatten(1), outside], 1).log_softmax(1)[:, :-1].view_as(target)
+        return Prediction(floor, sight, target, kinds)
 
 
 def _pointwise(layer: nn.Conv2d, x: Tensor, part: slice = slice(None)) -> Tensor:

@@ -11,6 +11,7 @@ from agent.world import make_envs
 from logic import House
 from sim import HouseVectorEnv
 from sim.backend import Lattice
+from sim.geometry import Geometry
 from sim.places import Places
 
 GROUND = "outside", "wall", "door"
@@ -25,6 +26,9 @@ class Blocks(NamedTuple):
 
     floor: np.ndarray
     """(n, W, W) uint8, 1 where a target may lie in some task."""
+
+    solid: np.ndarray
+    """(n, W, W) uint8, 1 where a wall runs through a block, or furniture stands on its middle."""
 
     target: np.ndarray
     """(n, W, W) float32: the probability that the next target lies in a block, the last one left aside."""
@@ -46,9 +50,10 @@ class Truth:
         self.world, self.cell = envs.unwrapped.world, cell
         anywhere = make_envs(envs.unwrapped.houses, 1, "all", preset=envs.config)
         self.houses = [
-            (np.array(lattice.origin, float), self._house(house, lattice, one, other, kinds))
-            for house, lattice, one, other in zip(
+            self._house(house, shape, lattice, one, other, kinds)
+            for house, shape, lattice, one, other in zip(
                 envs.unwrapped.houses,
+                self.world.bank.geometries,
                 self.world.lattices,
                 anywhere.unwrapped.world.places,
                 self.world.places,
@@ -59,19 +64,32 @@ class Truth:
         self.house = np.zeros(self.world.num_envs, int)
 
     def _house(
-        self, house: House, lattice: Lattice, anywhere: Places, here: Places, kinds: tuple[str, ...]
-    ) -> Blocks:
-        """A house's lattice: of the blocks about its places (X, Y)."""
-        floor, target = np.zeros(lattice.shape, np.uint8), np.zeros(lattice.shape, np.float32)
-        floor[tuple(np.rint(anywhere.targets).astype(int).T)] = 1
-        listed = np.rint(here.listed).astype(int)
-        np.add.at(target, tuple(listed.T), 1 / len(listed))
-        # A block reaches a cell to each side of its node: places on its edge are half in it.
+        self,
+        house: House,
+        shape: Geometry,
+        lattice: Lattice,
+        anywhere: Places,
+        here: Places,
+        kinds: tuple[str, ...],
+    ) -> tuple[np.ndarray, Blocks]:
+        """The blocks about the places of a house's lattice and of what lies around it (X, Y): the first
+        place, metres, and what is so.
+        """
+        # A block reaches a cell to each side of its node: the outer walls are in blocks about places outside.
         reach = round(self.cell / lattice.pitch)
+        north_west = np.array(lattice.origin, float) - reach * lattice.pitch
+        wide, high = (along + 2 * reach for along in lattice.shape)
+        lattice = Lattice(north_west, lattice.pitch, (wide, high))
+        floor, target = np.zeros(lattice.shape, np.uint8), np.zeros(lattice.shape, np.float32)
+        floor[tuple(np.rint(anywhere.targets).astype(int).T + reach)] = 1
+        listed = np.rint(here.listed).astype(int) + reach
+        np.add.at(target, tuple(listed.T), 1 / len(listed))
+        # Places on a block's edge are half in it.
         weights = np.array([0.5, *[1.0] * (2 * reach - 1), 0.5])
         for axis in range(2):
             target = convolve1d(target, weights, axis=axis, mode="constant")
-        return Blocks(floor, target, _ground(house, lattice, kinds, reach))
+        ground = _ground(house, lattice, kinds, reach)
+        return north_west, Blocks(floor, _solid(shape, lattice, reach), target, ground)
 
     def begin(self, begun: np.ndarray) -> None:
         """Maps begin where the bodies are now, in these environments (n,) int."""
@@ -81,7 +99,7 @@ class Truth:
     def read(self, environments: np.ndarray, corners: np.ndarray) -> Blocks:
         """The blocks of these environments' windows with such corners."""
         shape = len(environments), WINDOW, WINDOW
-        found = Blocks(np.zeros(shape, np.uint8), np.zeros(shape, np.float32), np.zeros(shape, np.uint8))
+        found = Blocks(*(np.zeros(shape, each) for each in (np.uint8, np.uint8, np.float32, np.uint8)))
         along = np.arange(WINDOW)[:, None] * np.eye(2)[:, None]
         for n, (e, corner) in enumerate(zip(environments, corners, strict=True)):
             origin, house = self.houses[self.house[e]]
@@ -95,6 +113,17 @@ class Truth:
             for field, whole in zip(found, house, strict=True):
                 (field[n] if turned else field[n].T)[np.ix_(*inside)] = whole[there]
         return found
+
+
+def _solid(shape: Geometry, lattice: Lattice, reach: int) -> np.ndarray:
+    """Where a wall runs through a block about a lattice's place (X, Y) uint8, which reaches so many steps to
+    each side, or furniture stands on the place.
+    """
+    solid, half = np.zeros(lattice.shape, np.uint8), reach * lattice.pitch
+    east, south = (lattice.origin[axis] + lattice.pitch * np.arange(lattice.shape[axis]) for axis in range(2))
+    for x, y, wide, high in shape.solids:
+        solid[np.ix_(np.abs(east - x) <= max(wide, half), np.abs(south - y) <= max(high, half))] = 1
+    return solid
 
 
 def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], reach: int) -> np.ndarray:

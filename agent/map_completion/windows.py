@@ -17,6 +17,9 @@ from agent.planner.candidates import NOT_COMPUTED
 from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, TILE
 from sim.runtime import Array, Launch, start, ti
 
+OCCUPIED_CELLS = 7
+"""Bits of a window's block: how many of its four cells are occupied."""
+
 SEEN = 3
 """Cells of a block from which on it counts as seen."""
 

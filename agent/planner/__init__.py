@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
-from agent.planner.belief import BLOCKED, COUNT, WALL
+from agent.planner.belief import COUNT
 from agent.planner.body import Body
 from agent.planner.config import TUNED, PlannerConfig
 from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
@@ -247,15 +247,11 @@ class Planner:
         odds = np.roll(blocks.swapaxes(1, 2).reshape(2 * half, 2 * half), (half, half), axis=(0, 1))
         return np.where(odds == UNKNOWN, 0, odds)
 
-    def foreseen(self, environment: int) -> tuple[np.ndarray, np.ndarray]:
-        """With a prior: what places count (S / 2, S / 2) uint8, and bool, where sight is not believed to end
-        for certain; for two by two cells of ``occupancy`` each.
-        """
+    def foreseen(self, environment: int) -> np.ndarray:
+        """With a prior: what places count (S / 2, S / 2) uint8, two by two cells of ``occupancy`` each."""
         half = 1 << self.config.map_bits - 1
         blocks = self.arrays["prior"].view().reshape(-1, half, half)[environment]
-        blocks = np.roll(blocks, (half // 2, half // 2), axis=(0, 1))
-        passes = blocks >> WALL < BLOCKED
-        return ((blocks & COUNT) * passes).astype(np.uint8), passes
+        return (np.roll(blocks, (half // 2, half // 2), axis=(0, 1)) & COUNT).astype(np.uint8)
 
     def paths(self, environment: int) -> np.ndarray:
         """Nodes (S, S) from the goal where they were searched, else 65535; placed as ``occupancy``."""

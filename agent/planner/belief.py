@@ -16,8 +16,8 @@ PATH = 128
 """Bit of ``prior``: a body is believed to be able to stand there, so that it may be a viewpoint."""
 
 WALL, BLOCKED = 8, 255
-"""Of ``prior``: from this bit on, how likely a block is no floor, so that sight may end there; and what is
-certain to be none, and counts nothing."""
+"""Of ``prior``: from this bit on, how likely sight ends in a block that it comes to; and what that is
+where it certainly does."""
 
 
 @ti.data_oriented
@@ -33,9 +33,7 @@ class Belief:
         """What a node counts as a candidate, if it is one: 0 to ``CERTAIN``."""
         odds = CERTAIN
         if ti.static(self.prior):
-            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32)
-            # Nothing is impossible: where all that is likely was seen, the unlikely is looked at.
-            odds = ti.select(odds >> WALL == BLOCKED, 0, ti.max(odds & COUNT, 1))
+            odds = ti.cast(memory.prior[self.block(base, self.occupancy.at(x, y))], ti.i32) & COUNT
         elif ti.cast(memory.cells[base + self.occupancy.at(x, y)], ti.i32) < 1 << FLAGS:
             floor = self.floor(memory, base, x, y)
             for k in ti.static(range(17)):
@@ -50,8 +48,10 @@ class Belief:
         return (base >> 2) + ((y << ti.static(self.occupancy.bits - 1)) | x)
 
     @ti.func
-    def clear(self, memory: ti.template(), base, node):
-        """How likely sight is believed to pass a node, where that was never seen: 0 to 1 (f32)."""
+    def sight(self, memory: ti.template(), base, node):
+        """How likely sight that comes to a node is believed to pass it, where that was never seen: 0 to 1
+        (f32).
+        """
         wall = ti.cast(memory.prior[self.block(base, node)], ti.i32) >> WALL
         unseen = ti.cast(memory.cells[base + node], ti.i32) < 1 << FLAGS
         return 1.0 - ti.select(unseen, ti.cast(wall, ti.f32), 0.0) / BLOCKED

@@ -15,6 +15,9 @@ from sim.runtime import ti
 TRIED = 128
 """Bit of a candidate that a view should have shown by the map's cells, but did not: it counts for none."""
 
+LEAST_LIKELY = 0.02
+"""How likely a ray must come so far to be followed."""
+
 
 def views(config: PlannerConfig) -> np.ndarray:
     """The places on a view's rays, octant by octant: ways (n,) int32 from a node to each, as
@@ -152,28 +155,25 @@ class Viewpoints:
         for the ground about it, as far as the next. With ``try_`` 1 these are tried now: what they counted.
         With 2, how much of the gain is by what was never seen, in the unit of neither.
 
-        With a prior, sight may end wherever a ray passes what may be a wall. Blocks that are unlikely floor
-        mostly are so together: where there is a room there is all of it. So what a candidate that is floor
-        itself is likely to show is as the least likely floor before it, not as the product of all.
+        With a prior, sight may end wherever a ray passes what may be a wall: a candidate counts by how likely
+        the ray comes to it.
         """
         prior = ti.static(self.candidates.belief.prior)
         gain, count = ti.static(0.0 if prior else 0), 0
         rays = ti.static(self.config.viewpoint_rays)
         places = ti.static(self.places)
         for ray in range(rays):
-            j, k, clear, passes = places * (rays * octant + ray), 0, 1, 1.0
+            j, k, clear, comes = places * (rays * octant + ray), 0, 1, 1.0
             if ti.static(prior):  # where it stands must be floor too
-                passes = self.candidates.belief.clear(memory, base, node)
+                comes = self.candidates.belief.sight(memory, base, node)
             while clear & (k < places):
                 there = self.occupancy.beside(node, tables.views[j + k])
                 k += 1
                 stops = ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID)
-                share = 1.0
+                share = comes
                 if ti.static(prior):
-                    floor = self.candidates.belief.clear(memory, base, there)
-                    share = ti.min(1.0, passes / ti.max(floor, 1e-9))
-                    passes = ti.min(passes, floor)
-                if (stops != 0) | (passes == 0):
+                    comes *= self.candidates.belief.sight(memory, base, there)
+                if (stops != 0) | (comes < LEAST_LIKELY):
                     clear = 0
                 else:
                     i = self.candidates.first(base) + self.candidates.at(there)

@@ -30,10 +30,10 @@ class Seer(Foresight):
 
     def predict(self, windows: np.ndarray, marks: np.ndarray, starts: np.ndarray) -> Prediction:
         """The truth of these windows, as ``Foresight.predict`` gives a network's prediction."""
-        floor, target, _ = self.truth.read(self.asked, -starts.astype(int))
-        likely = torch.from_numpy(target).clamp(min=1e-9).log()
+        floor, solid, target, _ = self.truth.read(self.asked, -starts.astype(int))
+        sure = (torch.from_numpy(np.where(each, SURE, -SURE)).float() for each in (floor, solid == 0))
         nothing = torch.zeros(len(floor), 0, WINDOW // 2, WINDOW // 2)
-        return Prediction(torch.from_numpy(np.where(floor, SURE, -SURE)).float(), likely, nothing)
+        return Prediction(*sure, torch.from_numpy(target).clamp(min=1e-9).log(), nothing)
 
 
 def seer(envs: HouseVectorEnv) -> Explorer:

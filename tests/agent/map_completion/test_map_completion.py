@@ -12,6 +12,7 @@ from agent.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresi
 from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from agent.map_completion.sight import RAYS, REACH, cast
 from agent.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.map_completion.windows import LOOKED, SEEN, Windows
 from agent.planner.belief import BLOCKED, COUNT, PATH, WALL
@@ -92,7 +93,7 @@ def test_the_truth_is_where_targets_may_lie_in_the_house(explored):
     """By another way: each place of the house, turned into the map's frame."""
     envs, planner, truth, _ = explored
     windows, corners = Windows(planner).read(EVERYONE)
-    floor, target, kinds = truth.read(EVERYONE, corners)
+    floor, solid, target, kinds = truth.read(EVERYONE, corners)
     world = envs.unwrapped.world
     for e in EVERYONE:
         places = world.places[e].targets * world.config.step + world.lattices[e].origin
@@ -111,6 +112,7 @@ def test_the_truth_is_where_targets_may_lie_in_the_house(explored):
         assert np.allclose(target[e], counts, atol=1e-6)
         assert target[e].sum() <= 1 + 1e-6
     assert not floor[(windows & 7) == 4].any()  # nothing lies in what is occupied
+    assert not (floor & solid).any()
     assert set(np.unique(kinds)) == {*range(len(GROUND) + 3), UNKNOWN}
 
 
@@ -142,6 +144,46 @@ def test_the_kinds_of_ground_are_those_of_the_house(explored):
                 assert (kinds[e, i - 1 : i + 2, j - 1 : j + 2] == names.index("door")).any()
                 checked.add("door")
     assert checked == {"bedroom", "kitchen", "bed", "door"}
+
+
+def test_solid_is_where_walls_run_and_furniture_stands(explored):
+    """By another way: points of blocks, turned into the house's frame by complex numbers."""
+    envs, planner, truth, _ = explored
+    _, corners = Windows(planner).read(EVERYONE)
+    solid, half = truth.read(EVERYONE, corners).solid, planner.cell
+    for e in EVERYONE:
+        x, y, heading = truth.pose[e]
+        along = np.exp(-1j * (np.pi / 2) * (round(heading / (np.pi / 4)) // 2))
+        south, east = (np.arange(WINDOW) + corners[e][:, None]) * 2 * planner.cell
+        middles = x + 1j * y + along * (east + 1j * south[:, None])
+        boxes = envs.unwrapped.world.bank.geometries[e].solids
+
+        def covered(points, margin, boxes=boxes):
+            inside = np.zeros(points.shape, bool)
+            for x, y, wide, high in boxes:
+                across, down = np.abs(points.real - x) - wide, np.abs(points.imag - y) - high
+                inside |= np.maximum(across, down) <= margin
+            return inside
+
+        # A block is taken for the lattice's place that is nearest to it.
+        margin = envs.unwrapped.config.step / 2 + 1e-6
+        assert solid[e][covered(middles, -margin)].all()
+        aside = np.linspace(-half, half, 5)
+        points = middles[..., None, None] + aside[:, None] + 1j * aside
+        assert np.any(covered(points, margin), axis=(2, 3))[solid[e] == 1].all()
+        # A wall is thin, and still ends sight all along, to half a block from its ends.
+        for west, north, wide, high in boxes:
+            if min(wide, high) < half / 2 and max(wide, high) > 2 * half:
+                ends = np.array([[west - wide, north - high], [west + wide, north + high]])
+                way = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0])) * (half + 3 * margin)
+                wall = np.linspace(ends[0] + way, ends[1] - way, 24)
+                found = np.zeros(len(wall), bool)
+                for aside in (-2 * margin, 2 * margin):
+                    i, j = np.rint(on_map(truth, e, wall + aside, planner, corners[e])).astype(int)
+                    inside = (i >= 0) & (i < WINDOW) & (j >= 0) & (j < WINDOW)
+                    found |= ~inside | (solid[e, i % WINDOW, j % WINDOW] == 1)
+                assert found.all()
+        assert (solid[e] == 1).sum() > 100
 
 
 def test_marks_are_where_targets_were_picked_up_and_where_rays_met_pieces(explored):
@@ -195,24 +237,73 @@ def test_what_is_written_is_what_places_count_and_where_paths_lead():
     given = np.zeros((1, WINDOW, WINDOW), np.uint16)
     given[0, 2, 3], given[0, 3, 5], given[0, 5, 5] = 70 | PATH, 200 << WALL | 30, BLOCKED << WALL | 40
     windows.write(np.array([2]), given)
-    counts, open_ = planner.foreseen(2)
+    counts = planner.foreseen(2)
     corner = middle(planner, 2) - WINDOW // 2 + len(counts) // 2
     here, there, wall = (tuple(np.add(corner, place)) for place in ((2, 3), (3, 5), (5, 5)))
-    assert [counts[here], counts[there], counts[wall]] == [70, 30, 0]
-    assert [open_[here], open_[there], open_[wall]] == [True, True, False]
-    assert (~open_).sum() == 1
-    assert counts.sum() == 100
-    assert not planner.foreseen(1)[0].any()
-    assert planner.foreseen(1)[1].all()
+    assert [counts[here], counts[there], counts[wall]] == [70, 30, 40]
+    assert counts.sum() == 140
+    assert not planner.foreseen(1).any()
     added = (planner.arrays["cells"].numpy() & NEAR) & ~near
     assert 0 < added.astype(bool).sum() <= 4  # the four cells of the block that paths lead to
+
+
+def corridor():
+    """A window of 48 by 48 that is seen in its first four columns, with a wall at column 10, half of whose
+    rows have a gap, and one at column 20.
+    """
+    windows, solid = np.zeros((2, 2, 48, 48), np.uint8)
+    windows[:, :, :4] = 8 * 4
+    solid[:, ::2, 10] = solid[:, :, 20] = 1
+    return windows, solid
+
+
+def test_rays_go_from_seen_ground_as_far_as_the_first_wall():
+    windows, solid = corridor()
+    sight = cast(windows, solid, np.random.default_rng(0))
+    assert sight.rays.shape == sight.passed.shape == windows.shape
+    assert not sight.rays[:, :, :4].any()  # what was seen need not be foreseen
+    assert not sight.rays[:, :, 21:].any()  # nothing comes there
+    came = sight.rays > 0
+    assert came[:, 10:40, 4:10].mean() > 0.95
+    assert set(np.unique(sight.passed[came & (solid == 1)])) == {0.0}
+    assert set(np.unique(sight.passed[came & (solid == 0)])) == {1.0}
+    assert 0 < sight.rays[:, :, 11:20].sum() < sight.rays[:, :, 4:10].sum() / 2
+
+
+def test_the_product_of_what_passes_is_about_how_far_rays_come():
+    """Over many houses whose wall is anywhere within ten columns; rays that go aside take more steps."""
+    random, wide = np.random.default_rng(1), 48
+    windows, solid = np.zeros((2, 400, wide, wide), np.uint8)
+    windows[:, :, :3] = 8 * 4
+    at = random.integers(10, 20, 400)
+    solid[np.arange(400), :, at] = 1
+    rays, passed = cast(windows, solid, random)
+    shares = (rays * passed).sum((0, 1)) / rays.sum((0, 1)).clip(1)
+    survives = np.cumprod(shares[3:21])
+    true = [(at > column).mean() for column in range(3, 21)]
+    assert np.allclose(survives, true, atol=0.08)
+    assert survives[-1] == 0  # beyond the last of them there is never a view, though no wall stands there
+    assert (rays.sum((1, 2)) > 0).all()
+    assert rays.sum() <= 400 * RAYS * REACH
+
+
+def test_no_ray_is_cast_where_nothing_was_seen_or_all_of_it_is_occupied():
+    windows, solid = corridor()
+    windows[0] = 0
+    windows[1, :, :4] |= 4
+    assert not any(each.any() for each in cast(windows, solid, np.random.default_rng(0)))
+    windows[1] = 8 * 4
+    assert not any(each.any() for each in cast(windows, solid, np.random.default_rng(0)))
 
 
 def batch_of(windows, floor, kinds, starts=None):
     """A batch whose targets lie on all floor alike."""
     target = floor.float() / floor.float().sum((1, 2), keepdim=True)
     starts = torch.zeros(len(windows), 2) if starts is None else starts
-    return Batch(windows, windows[:, None].repeat(1, 2, 1, 1), starts, floor, target, kinds)
+    rays = (windows == 0).float()
+    return Batch(
+        windows, windows[:, None].repeat(1, 2, 1, 1), starts, floor, target, kinds, rays, floor.float()
+    )
 
 
 def test_turned_houses_keep_their_starts():
@@ -228,7 +319,10 @@ def test_turned_houses_keep_their_starts():
         assert torch.equal(seen.marks[:, 0], seen.windows)
         assert torch.equal(seen.floor, seen.windows + 1)
         assert torch.equal(seen.kinds, seen.windows + 2)
-        assert torch.allclose(seen.target, batch_of(seen.windows, seen.floor, seen.kinds).target)
+        again = batch_of(seen.windows, seen.floor, seen.kinds)
+        assert torch.allclose(seen.target, again.target)
+        assert torch.equal(seen.rays, again.rays)
+        assert torch.equal(seen.passed, again.passed)
         places.add(tuple(seen.starts[0].tolist()))
     assert len(places) == 8
 
@@ -242,7 +336,7 @@ def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
     floor = torch.where(bits > 0, 9.0, -9.0)
     target = floor.flatten(1).log_softmax(1).view_as(floor)
     ground = torch.stack([torch.full((1, 16, 16), -9.0), torch.full((1, 16, 16), 9.0)], 1)
-    right = completion_loss(Prediction(floor, target, ground), batch)
+    right = completion_loss(Prediction(floor, floor, target, ground), batch)
     least = TARGETS * np.log(16 * 32)
     assert float(right) == pytest.approx(least, abs=0.01)
     # Farther than 12 blocks from what was seen it hardly matters.
@@ -250,11 +344,17 @@ def test_the_loss_is_of_what_was_not_seen_and_falls_with_the_truth():
     far[0, :, 30:] = 9.0
     wrong = floor.clone()
     wrong[0, :, 12:14] = 9.0
-    losses = [float(completion_loss(Prediction(each, target, ground), batch)) for each in (far, wrong)]
+    losses = [float(completion_loss(Prediction(each, floor, target, ground), batch)) for each in (far, wrong)]
     assert right < losses[0] < least + (losses[1] - least) / 5
-    assert completion_loss(Prediction(floor, target, -ground), batch) > right + 1
+    assert completion_loss(Prediction(floor, floor, target, -ground), batch) > right + 1
     nowhere = torch.full_like(floor, -np.log(32 * 32.0))
-    assert completion_loss(Prediction(floor, nowhere, ground), batch) > right + 0.1
+    assert completion_loss(Prediction(floor, floor, nowhere, ground), batch) > right + 0.1
+    # Sight is judged where rays came, and nowhere else.
+    came = batch.rays > 0
+    for where, least in ((came, 1.0), (~came, 0.0)):
+        loss = completion_loss(Prediction(floor, torch.where(where, -floor, floor), target, ground), batch)
+        assert loss >= right + least
+    assert float(loss) == pytest.approx(float(right), abs=1e-6)
 
 
 def test_a_network_tells_how_likely_a_target_is_in_its_window():
@@ -262,8 +362,8 @@ def test_a_network_tells_how_likely_a_target_is_in_its_window():
     network = CompletionNetwork(2, 2, (4, 4))
     windows = torch.randint(0, 40, (3, WINDOW, WINDOW), dtype=torch.uint8)
     marks = torch.zeros(3, 2, WINDOW, WINDOW, dtype=torch.uint8)
-    floor, target, kinds = network(windows, marks, torch.full((3, 2), 48.0))
-    assert floor.shape == target.shape == (3, WINDOW, WINDOW)
+    floor, sight, target, kinds = network(windows, marks, torch.full((3, 2), 48.0))
+    assert floor.shape == sight.shape == target.shape == (3, WINDOW, WINDOW)
     assert kinds.shape == (3, 2, WINDOW // 2, WINDOW // 2)
     assert (target.exp().sum((1, 2)) < 1).all()
     for plane, mark in ((0, 1), (1, 1), (1, 2)):
@@ -302,26 +402,34 @@ def test_nothing_counts_more_than_certain_and_what_was_seen_stays_open():
     windows[0, 0, 0] = 8 * 4
     sure, likely = torch.full((2, 1, WINDOW, WINDOW), 30.0)
     likely = (likely * 0).flatten(1).log_softmax(1).view_as(sure)
-    given = foresight.given(Prediction(sure, likely, sure[:, None]), windows)
+    given = foresight.given(Prediction(sure, sure, likely, sure[:, None]), windows)
     assert (given == CERTAIN | PATH).all()
     some = likely.clone()
     some[0, 40:42, 40:42] += 8.0  # some blocks are far likelier: they are certain, and no more
-    given = foresight.given(Prediction(sure, some, sure[:, None]), windows)
+    given = foresight.given(Prediction(sure, sure, some, sure[:, None]), windows)
     assert (given[0, 40:42, 40:42] == CERTAIN | PATH).all()
-    # What the others count is less than 1, so that some of them count it, as many as is right.
+    # What the others count is less than 1: no floor counts less. Where it is between whole numbers some of
+    # them count one more, as many as is right.
     others = (given & COUNT).astype(float)[0, 48:]
-    assert set(np.unique(others)) == {0, 1}
-    assert others.mean() == pytest.approx(CERTAIN * np.exp(-8.0), abs=1 / 16)
+    assert (others == 1).all()
+    fewer = likely.clone()
+    fewer[0, 40:42, 40:42] += 3.5
+    others = (foresight.given(Prediction(sure, sure, fewer, sure[:, None]), windows) & COUNT)[0, 48:]
+    dense = np.exp(3.5 * np.array([2, 1])) * 4 + WINDOW**2 - 4
+    mean = CERTAIN * dense[1] / dense[0]
+    assert set(np.unique(others)) == {int(mean), int(mean) + 1}
+    assert others.mean() == pytest.approx(mean, abs=1 / 16)
     # Where these were looked at since the last pick-up, the others are what is left.
     windows[0, 40:42, 40:42] |= LOOKED
-    assert (foresight.given(Prediction(sure, some, sure[:, None]), windows) & COUNT == CERTAIN).all()
-    none = foresight.given(Prediction(-sure, likely - 50, sure[:, None]), windows)
-    assert none[0, 0, 0] & PATH  # it was seen: a path may lead there, and a view go on
-    assert none[0, 0, 0] >> WALL == 0
+    assert (foresight.given(Prediction(sure, sure, some, sure[:, None]), windows) & COUNT == CERTAIN).all()
+    none = foresight.given(Prediction(-sure, -sure, likely - 50, sure[:, None]), windows)
+    assert none[0, 0, 0] == PATH | 1  # it was seen: a path may lead there, a view go on, a target lie there
     assert (none[0, 1:] == BLOCKED << WALL).all()
-    half = foresight.given(Prediction(0 * sure, likely, sure[:, None]), windows)
+    half = foresight.given(Prediction(sure, 0 * sure, likely, sure[:, None]), windows)
     assert half[0, 0, 0] == CERTAIN | PATH
     assert (half[0, 1:] >> WALL == BLOCKED // 2 + 1).all()
+    door = foresight.given(Prediction(-sure, sure, likely, sure[:, None]), windows)
+    assert (door[0, 1:] == 0).all()  # sight passes, but nothing lies there, nor is it where a body stands
 
 
 def test_where_nothing_is_likely_it_still_looks_at_all_before_it_looks_again():
@@ -331,6 +439,7 @@ def test_where_nothing_is_likely_it_still_looks_at_all_before_it_looks_again():
     observation = torch.as_tensor(envs.reset(seed=0, options={"house": EVERYONE})[0])
     blocked, seen = torch.zeros(len(HOUSES), dtype=torch.bool), []
     planner = policy.tracker.planner
+    planner.arrays["prior"].view()[:] = PATH | 1  # the least that floor counts
     for step in range(STEPS):
         observation, _, _, _, info = envs.step_torch(policy(observation, blocked))
         blocked = info["blocked"]

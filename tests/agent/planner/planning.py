@@ -62,13 +62,13 @@ def hides(memory: Any, since: int) -> np.ndarray:
 
 def foreseen(memory: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """What a prior says of blocks (128, 128): what they count, whether bodies can stand there, and how likely
-    they are floor; None without a prior.
+    sight passes them; None without a prior.
     """
     prior = getattr(memory, "prior", None)
     if prior is None:
         return None
-    floor = 1 - (prior >> 8) / 255
-    return np.where(floor == 0, 0, np.maximum(prior & 127, 1)), prior & 128 > 0, floor
+    passes = 1 - (prior >> 8) / 255
+    return prior & 127, prior & 128 > 0, passes
 
 
 def likelihood(memory: Any) -> np.ndarray:
@@ -116,24 +116,24 @@ LOOK = look_table()
 def looked(memory: Any, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What looks from nodes (n,) meet: rows and columns of blocks (n, 8, 5, 27), and which are in sight."""
     column, row = np.reshape(x, (-1, 1, 1, 1)) + LOOK[..., 0], np.reshape(y, (-1, 1, 1, 1)) + LOOK[..., 1]
-    barred = (memory.occupied | memory.solid | (floor(memory) == 0))[row % SIDE, column % SIDE]
+    barred = (memory.occupied | memory.solid | (sight(memory) == 0))[row % SIDE, column % SIDE]
     return row % SIDE // 2, column % SIDE // 2, ~np.logical_or.accumulate(barred, axis=-1)
 
 
-def floor(memory: Any) -> np.ndarray:
-    """How likely each cell (256, 256) is floor: a prior tells it of cells that were never seen."""
+def sight(memory: Any) -> np.ndarray:
+    """How likely sight passes each cell (256, 256): a prior tells it of cells that were never seen."""
     if prior := foreseen(memory):
         return np.where(memory.seen_at > 0, 1.0, prior[2].repeat(2, 0).repeat(2, 1))
     return np.ones((SIDE, SIDE))
 
 
 def passed(memory: Any, x: Any, y: Any) -> np.ndarray:
-    """How likely looks from nodes (n,) come as far as each place (n, 8, 5, 27), if that is floor."""
-    here = floor(memory)[np.reshape(y, (-1, 1, 1, 1)) % SIDE, np.reshape(x, (-1, 1, 1, 1)) % SIDE]
+    """How likely looks from nodes (n,) come as far as each place (n, 8, 5, 27), and on."""
+    here = sight(memory)[np.reshape(y, (-1, 1, 1, 1)) % SIDE, np.reshape(x, (-1, 1, 1, 1)) % SIDE]
     column, row = np.reshape(x, (-1, 1, 1, 1)) + LOOK[..., 0], np.reshape(y, (-1, 1, 1, 1)) + LOOK[..., 1]
-    there = floor(memory)[row % SIDE, column % SIDE]
-    before = np.concatenate([np.broadcast_to(here, (*there.shape[:-1], 1)), there[..., :-1]], -1)
-    return np.minimum(1, np.minimum.accumulate(before, -1) / there.clip(1e-9))
+    there = sight(memory)[row % SIDE, column % SIDE]
+    comes = np.cumprod(np.concatenate([np.broadcast_to(here, (*there.shape[:-1], 1)), there], -1), -1)
+    return np.where(comes[..., 1:] < 0.02, 0, comes[..., :-1])
 
 
 def gains(memory: Any, counts: np.ndarray, x: Any, y: Any) -> np.ndarray:
