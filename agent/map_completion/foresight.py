@@ -28,7 +28,7 @@ TOGETHER = 4
 batches, which take less time each."""
 
 LEAST = 0.05
-"""How likely a block must be floor for paths to lead over it unseen, and targets to be looked for there."""
+"""How likely a block must be floor for paths to lead over it unseen, and for targets to be sought there."""
 
 DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
 """What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
@@ -88,7 +88,7 @@ class Foresight(Tracker):
 
     def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
         """What is believed by a prediction, as the planner's ``prior`` has it (n, W, W) uint16: what blocks
-        count, ``PATH`` where paths lead, and how likely views end there.
+        count, ``PATH`` where paths may lead, and the probability that sight ends there.
         """
         floor, sight = (logits.sigmoid().numpy() for logits in (prediction.floor, prediction.sight))
         target, known = prediction.target.exp().numpy(), seen(windows)

@@ -15,7 +15,7 @@ from agent.learner import Learner, Progress, Tally, linear
 from agent.map_completion.config import CompletionConfig
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import CompletionNetwork, Prediction
-from agent.map_completion.sight import cast
+from agent.map_completion.sight import cast_rays
 from agent.map_completion.truth import UNKNOWN, Truth
 from agent.map_completion.windows import Windows, seen
 from agent.policies import Explorer
@@ -56,7 +56,7 @@ class Batch(NamedTuple):
     """(n, W, W) uint8."""
 
     rays: Tensor
-    """(n, W, W) float32; this and what passed as ``sight.Sight``."""
+    """(n, W, W) float32; this and ``passed`` as ``sight.Sight``."""
 
     passed: Tensor
     """(n, W, W) float32."""
@@ -145,7 +145,7 @@ class MapCompletion(Learner):
         windows, corners = self.windows.read(everyone)
         given = windows, self.marks.read(everyone, corners), -corners.astype(np.float32)
         truth = self.truth.read(everyone, corners)
-        sight = cast(windows, truth.solid, self.random)
+        sight = cast_rays(windows, truth.solid, self.random)
         return Batch(*map(torch.from_numpy, (*given, truth.floor, truth.target, truth.kinds, *sight)))
 
     def update(self, batch: Batch) -> Tensor:
@@ -188,8 +188,8 @@ LAST = ("observation", "blocked", "ended")
 
 def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
     """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
-    was not seen but is near to what was; of the next target's block; and of whether a ray that comes to a
-    block goes on.
+    was not seen but is near to what was; of the next target's block; and of whether a ray that reaches a
+    block passes it.
     """
     known = seen(batch.windows)
     # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.

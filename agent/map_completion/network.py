@@ -41,8 +41,8 @@ class Prediction(NamedTuple):
     """(n, W, W) logits: whether a body can stand in a block, so that a target may lie there in some task."""
 
     sight: Tensor
-    """(n, W, W) logits: whether a ray from seen ground that comes to an unseen block goes on, as neither a
-    wall nor furniture stands there. Products along a ray are how likely it comes so far."""
+    """(n, W, W) logits: whether a ray from seen ground that reaches an unseen block passes it, as neither a
+    wall nor furniture stands there. The product of these probabilities is that of a ray getting so far."""
 
     target: Tensor
     """(n, W, W): the logarithm of the probability that the next target lies in a block, were all places of

@@ -16,8 +16,8 @@ PATH = 128
 """Bit of ``prior``: a body is believed to be able to stand there, so that it may be a viewpoint."""
 
 WALL, BLOCKED = 8, 255
-"""Of ``prior``: from this bit on, how likely sight ends in a block that it comes to; and what that is
-where it certainly does."""
+"""Of ``prior``: from this bit on, the probability that sight which reaches a block ends there, from 0 to
+``BLOCKED``, which is 1."""
 
 
 @ti.data_oriented
@@ -49,7 +49,7 @@ class Belief:
 
     @ti.func
     def sight(self, memory: ti.template(), base, node):
-        """How likely sight that comes to a node is believed to pass it, where that was never seen: 0 to 1
+        """The probability that sight which reaches a node passes it, where the node was never seen: 0 to 1
         (f32).
         """
         wall = ti.cast(memory.prior[self.block(base, node)], ti.i32) >> WALL

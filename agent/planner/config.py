@@ -121,6 +121,9 @@ class PlannerConfig:
     view_reach: int = 54
     """Cells from a viewpoint to the last place on a ray: 7.7 m, just under the range of the rays."""
 
+    view_least: float = 0.02
+    """The probability of getting so far, by a prior, below which a ray is not followed."""
+
     gain_most: int = 600
     """Candidates beyond which more information gain counts for nothing."""
 
@@ -186,6 +189,8 @@ class PlannerConfig:
             raise ValueError(f"floor_odds needs 17 whole numbers, 0 to {CERTAIN}, not {self.floor_odds}")
         if not 0 < self.view_stride <= self.view_reach <= 127:
             raise ValueError("view_stride must be at least 1, view_reach at least that and at most 127")
+        if not 0 <= self.view_least < 1:
+            raise ValueError(f"view_least must be a probability below 1, not {self.view_least}")
         if min(self.sweep_interval, self.sweep_interval_known) < 2:
             raise ValueError("sweep_interval and sweep_interval_known must be 2 at least")
 

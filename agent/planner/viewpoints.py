@@ -15,9 +15,6 @@ from sim.runtime import ti
 TRIED = 128
 """Bit of a candidate that a view should have shown by the map's cells, but did not: it counts for none."""
 
-LEAST_LIKELY = 0.02
-"""How likely a ray must come so far to be followed."""
-
 
 def views(config: PlannerConfig) -> np.ndarray:
     """The places on a view's rays, octant by octant: ways (n,) int32 from a node to each, as
@@ -155,25 +152,25 @@ class Viewpoints:
         for the ground about it, as far as the next. With ``try_`` 1 these are tried now: what they counted.
         With 2, how much of the gain is by what was never seen, in the unit of neither.
 
-        With a prior, sight may end wherever a ray passes what may be a wall: a candidate counts by how likely
-        the ray comes to it.
+        With a prior, sight may end wherever there may be a wall: a candidate counts by the probability that
+        the ray reaches it.
         """
         prior = ti.static(self.candidates.belief.prior)
         gain, count = ti.static(0.0 if prior else 0), 0
         rays = ti.static(self.config.viewpoint_rays)
         places = ti.static(self.places)
         for ray in range(rays):
-            j, k, clear, comes = places * (rays * octant + ray), 0, 1, 1.0
-            if ti.static(prior):  # where it stands must be floor too
-                comes = self.candidates.belief.sight(memory, base, node)
+            j, k, clear, reaches = places * (rays * octant + ray), 0, 1, 1.0
+            if ti.static(prior):  # the viewpoint itself may be on unseen ground
+                reaches = self.candidates.belief.sight(memory, base, node)
             while clear & (k < places):
                 there = self.occupancy.beside(node, tables.views[j + k])
                 k += 1
                 stops = ti.cast(memory.cells[base + there], ti.i32) & (OCCUPIED | SOLID)
-                share = comes
+                share = reaches
                 if ti.static(prior):
-                    comes *= self.candidates.belief.sight(memory, base, there)
-                if (stops != 0) | (comes < LEAST_LIKELY):
+                    reaches *= self.candidates.belief.sight(memory, base, there)
+                if (stops != 0) | (reaches < self.config.view_least):
                     clear = 0
                 else:
                     i = self.candidates.first(base) + self.candidates.at(there)

@@ -12,7 +12,7 @@ from agent.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresi
 from agent.map_completion.learner import TARGETS, Batch, completion_loss, turned
 from agent.map_completion.marks import Marks
 from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.map_completion.sight import RAYS, REACH, cast
+from agent.map_completion.sight import RAYS, REACH, cast_rays
 from agent.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.map_completion.windows import LOOKED, SEEN, Windows
 from agent.planner.belief import BLOCKED, COUNT, PATH, WALL
@@ -259,7 +259,7 @@ def corridor():
 
 def test_rays_go_from_seen_ground_as_far_as_the_first_wall():
     windows, solid = corridor()
-    sight = cast(windows, solid, np.random.default_rng(0))
+    sight = cast_rays(windows, solid, np.random.default_rng(0))
     assert sight.rays.shape == sight.passed.shape == windows.shape
     assert not sight.rays[:, :, :4].any()  # what was seen need not be foreseen
     assert not sight.rays[:, :, 21:].any()  # nothing comes there
@@ -277,7 +277,7 @@ def test_the_product_of_what_passes_is_about_how_far_rays_come():
     windows[:, :, :3] = 8 * 4
     at = random.integers(10, 20, 400)
     solid[np.arange(400), :, at] = 1
-    rays, passed = cast(windows, solid, random)
+    rays, passed = cast_rays(windows, solid, random)
     shares = (rays * passed).sum((0, 1)) / rays.sum((0, 1)).clip(1)
     survives = np.cumprod(shares[3:21])
     true = [(at > column).mean() for column in range(3, 21)]
@@ -291,9 +291,9 @@ def test_no_ray_is_cast_where_nothing_was_seen_or_all_of_it_is_occupied():
     windows, solid = corridor()
     windows[0] = 0
     windows[1, :, :4] |= 4
-    assert not any(each.any() for each in cast(windows, solid, np.random.default_rng(0)))
+    assert not any(each.any() for each in cast_rays(windows, solid, np.random.default_rng(0)))
     windows[1] = 8 * 4
-    assert not any(each.any() for each in cast(windows, solid, np.random.default_rng(0)))
+    assert not any(each.any() for each in cast_rays(windows, solid, np.random.default_rng(0)))
 
 
 def batch_of(windows, floor, kinds, starts=None):

@@ -116,7 +116,7 @@ LOOK = look_table()
 def looked(memory: Any, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What looks from nodes (n,) meet: rows and columns of blocks (n, 8, 5, 27), and which are in sight."""
     column, row = np.reshape(x, (-1, 1, 1, 1)) + LOOK[..., 0], np.reshape(y, (-1, 1, 1, 1)) + LOOK[..., 1]
-    barred = (memory.occupied | memory.solid | (sight(memory) == 0))[row % SIDE, column % SIDE]
+    barred = (memory.occupied | memory.solid)[row % SIDE, column % SIDE] | (passed(memory, x, y) == 0)
     return row % SIDE // 2, column % SIDE // 2, ~np.logical_or.accumulate(barred, axis=-1)
 
 
@@ -128,7 +128,7 @@ def sight(memory: Any) -> np.ndarray:
 
 
 def passed(memory: Any, x: Any, y: Any) -> np.ndarray:
-    """How likely looks from nodes (n,) come as far as each place (n, 8, 5, 27), and on."""
+    """The probability that looks from nodes (n,) reach each place (n, 8, 5, 27); 0 where few go on."""
     here = sight(memory)[np.reshape(y, (-1, 1, 1, 1)) % SIDE, np.reshape(x, (-1, 1, 1, 1)) % SIDE]
     column, row = np.reshape(x, (-1, 1, 1, 1)) + LOOK[..., 0], np.reshape(y, (-1, 1, 1, 1)) + LOOK[..., 1]
     there = sight(memory)[row % SIDE, column % SIDE]

@@ -74,11 +74,11 @@ def test_the_viewpoint_is_the_best_wherever_targets_may_be(continuous: Walk) -> 
 
 
 def fields(random: np.random.Generator) -> np.ndarray:
-    """Priors (E, 128, 128) uint16 that change slowly, as those of houses do: rooms that sight likely crosses,
+    """Priors (E, 128, 128) uint16 that change slowly, as those of houses do: rooms that sight mostly passes,
     and bands between them that it does not, some of them certain to end it.
     """
     low = random.random((E, 16, 16)).repeat(8, 1).repeat(8, 2)
-    wall = np.where(low < 0.6, 30 * low, 300 * low) + random.normal(0, 5, (E, 128, 128))
+    wall = np.where(low < 0.3, 100 * low, 300 * low) + random.normal(0, 20, (E, 128, 128))
     count = random.integers(0, 101, (E, 16, 16)).repeat(8, 1).repeat(8, 2)
     wall = np.rint(wall.clip(0, BLOCKED)).astype(np.uint16)
     return wall << WALL | PATH * (wall < BLOCKED).astype(np.uint16) | count.astype(np.uint16)
