@@ -1,10 +1,12 @@
 """House files: JSON Lines, a house a line, plain or gzipped; also one house in a ``.json`` file."""
 
 import gzip
+import io
 import json
 import os
 import secrets
 import stat
+import sys
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -15,6 +17,7 @@ import msgspec
 
 from logic.errors import HouseFileError, RequestError
 from logic.gallery import Houses
+from logic.grammar import shipped
 from logic.house import House
 from logic.spelling import closest
 
@@ -27,13 +30,19 @@ FILES = (
 )
 """How names end that are no folder's."""
 
+STANDARD = Path("-")
+"""The standard input where a file is read, the standard output where one is written."""
+
+PACKED = b"\x1f\x8b"
+"""How gzip's files begin."""
+
 MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 """What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
 
 
 def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
     """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file, as a list that notebooks show as
-    plans.
+    plans; ``-`` is the standard input, plain or gzipped.
 
     ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
     did. Other files have none, and are refused.
@@ -42,16 +51,28 @@ def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
     """
     path = Path(path)
     try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+        with opened(path) as file:
             houses = Houses(_houses(file, path, whole_pixels))
     except FileNotFoundError:
-        raise HouseFileError(f"{path}: there is no such file{_beside(path)}") from None
+        raise HouseFileError(f"{path}: {_absent(path)}") from None
+    except IsADirectoryError:
+        raise HouseFileError(f"{path}: {_folder(path)}") from None
     except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
     if not houses:
         raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
     return houses
+
+
+def opened(path: Path) -> BinaryIO | gzip.GzipFile:
+    """A file, or the standard input, unpacked if it is packed, whatever its name."""
+    if path == STANDARD:
+        file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
+    else:
+        file = path.open("rb")
+    packed = path.suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED)
+    return gzip.GzipFile(fileobj=file) if packed else file
 
 
 def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
@@ -160,14 +181,30 @@ def write_whole(path: str | Path, content: bytes) -> None:
         raise
 
 
-def _beside(path: Path) -> str:
+def _folder(path: Path) -> str:
+    """What a folder is in place of a house file, and which house file there is in it."""
+    if any(path.glob("*.lp")):
+        return _grammar(path)
+    there = sorted(file.name for file in path.glob("*") if file.name.endswith(HOUSE_FILES))
+    return "is a folder, and no house file" + (f": did you mean {path / there[0]}?" if there else "")
+
+
+def _grammar(name: Path) -> str:
+    made = f"vitruvius generate --grammar {name} --rooms 6 --out houses.jsonl"
+    return f"is a grammar, and no house file. Make houses of it with: {made}"
+
+
+def _absent(path: Path) -> str:
     """Which house file there is in place of an absent one, or how to make one."""
+    if str(path) in shipped():
+        return _grammar(path)
     there = sorted(file.name for file in path.parent.glob("*") if file.name.endswith(HOUSE_FILES))
     if close := closest(path.name, there):
-        return f": did you mean {path.parent / close}?"
+        return f"there is no such file: did you mean {path.parent / close}?"
     if there:
-        return f": {path.parent} has {', '.join(there[:5])}"
-    return f". Make it with: vitruvius generate --rooms 4 --count 100 --out {path}"
+        folder = "this folder" if path.parent == Path() else path.parent
+        return f"there is no such file: {folder} has {', '.join(there[:5])}"
+    return f"there is no such file. Make it with: vitruvius generate --rooms 4 --count 100 --out {path}"
 
 
 def _ends(line: bytes) -> bool:

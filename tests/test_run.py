@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TOOLS = "bash cat chmod cksum cp dirname env flock grep id ln mkdir mv rm sed sh sleep true xargs"
+TOOLS = "bash cat chmod cksum cp dirname env flock grep id ln mkdir mv readlink rm sed sh sleep true xargs"
 SWIPL = "exit 0"
 APT = "echo 'E: no network' >&2; exit 100"
 UV = """
@@ -84,6 +84,25 @@ def test_a_command_sets_up_once_and_keeps_its_arguments_folder_output_and_exit_c
         code, out, _ = machine.run("generate", "--out", "my houses.jsonl")
         assert (code, out) == (3, f"vitruvius generate --out my houses.jsonl in {machine.stubs}\n")
     assert machine.set_ups() == 1
+
+
+@pytest.mark.parametrize("relative", [False, True])
+def test_a_link_to_it_runs_in_the_checkout_that_it_leads_to(
+    machine: Machine, relative: bool, tmp_path: Path
+) -> None:
+    first, second = machine.stubs / "vitruvius", tmp_path / "elsewhere"
+    first.symlink_to(Path("..") / machine.checkout.name / "run" if relative else machine.checkout / "run")
+    second.symlink_to(Path(machine.stubs.name) / first.name if relative else first)
+    made = subprocess.run(
+        [second, "check"],
+        env=os.environ | dict.fromkeys(("PATH", "HOME", "STUBS"), str(machine.stubs)),
+        cwd=machine.stubs,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (made.returncode, made.stdout) == (3, f"vitruvius check in {machine.stubs}\n"), made.stderr
+    assert (machine.checkout / ".venv").is_dir()
 
 
 def test_help_sets_nothing_up(machine: Machine) -> None:

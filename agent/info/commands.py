@@ -51,7 +51,7 @@ class Info:
     """
 
     thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]
-    """A path, or the name of a bank, a grammar, an agent or a preset."""
+    """A path, the name of a bank, a grammar, an agent or a preset, or - for the standard input."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md)."""

@@ -1,6 +1,8 @@
 """What a path or a name is: by how a file begins. ``reading`` then says what is in it; nothing of it runs."""
 
-import gzip
+import shutil
+import sys
+import tempfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,7 +30,7 @@ from agent.info.reading import (
 from agent.presets import PRESETS
 from agent.released import located, released
 from logic import HouseFileError, load
-from logic.files import HOUSE_FILES
+from logic.files import HOUSE_FILES, PACKED, STANDARD, opened
 from logic.geojson import GEOJSON
 from logic.grammar import shipped
 from logic.spelling import closest, unknown
@@ -36,8 +38,8 @@ from logic.spelling import closest, unknown
 MOST_BYTES = 1 << 28
 """What is read of a JSON file that holds no houses, unpacked."""
 
-HDF5, GZIP = b"\x89HDF\r\n\x1a\n", b"\x1f\x8b"
-"""How these files begin."""
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How such a file begins."""
 
 PAPER_HOUSE = "paper-house"
 """``sim.arguments.PAPER_HOUSE``, without Taichi."""
@@ -48,6 +50,11 @@ def recognised(name: str) -> list[Kind]:
 
     Raises ``UnknownFileError`` for what is nothing we know, and each kind's own error for what is damaged.
     """
+    if Path(name) == STANDARD:
+        with tempfile.NamedTemporaryFile() as copy:
+            shutil.copyfileobj(sys.stdin.buffer, copy)
+            copy.flush()
+            return [_file(name, Path(copy.name))]
     path = Path(name)
     if path.is_dir():
         return [_folder(name, path)]
@@ -110,7 +117,7 @@ def _file(name: str, path: Path) -> Kind:
         return read_settings(name, preset, config)
     if path.suffix in (".lp", ".pl"):
         raise UnknownFileError(f"{name}: a rule file: look at its grammar, vitruvius info {path.parent}")
-    if start.startswith(GZIP) or start.lstrip()[:1] == b"{":
+    if start.startswith(PACKED) or start.lstrip()[:1] == b"{":
         return _json(name, path)
     raise _unknown(name)
 
@@ -155,7 +162,7 @@ def _unknown(name: str) -> UnknownFileError:
 
 def _unpacked(path: Path) -> bytes:
     try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+        with opened(path) as file:
             content = file.read(MOST_BYTES + 1)
     except (OSError, EOFError, zlib.error) as error:
         raise HouseFileError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None

@@ -81,7 +81,11 @@ class Generate:
     """Make no houses, but count the layouts from which they are sampled."""
 
     out: Path | None = None
-    """House file (.jsonl, .jsonl.gz, or .json for one house); without it, to the standard output."""
+    """House file (.jsonl, .jsonl.gz, or .json for one house); without it, or with -, to the standard
+    output."""
+
+    replace: bool = False
+    """Lose the other houses that the house file holds, if any."""
 
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): what was made."""
@@ -89,12 +93,16 @@ class Generate:
     def run(self) -> int:
         """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
         from logic import generate
+        from logic.files import STANDARD
+        from logic.replacing import require_same_series
 
         say_warnings()
         if self.count_layouts:
             return self._count()
-        _require_writable(self.out, self.count)
+        out = None if self.out == STANDARD else self.out
+        _require_writable(out, self.count)
         houses: list[House] = []
+        held = 0
         began = time.monotonic()
         request = generate(
             rooms=self.rooms,
@@ -113,26 +121,29 @@ class Generate:
         )
         try:
             for house in progress(request, self.count, "houses"):
+                if out and not houses and not self.replace:
+                    held = require_same_series(out, house, self.start + self.count - 1)
                 houses.append(house)
-                if self.out is None and not self.json:
+                if out is None and not self.json:
                     print(json.dumps(house.to_dict()), flush=True)
         except (VitruviusError, KeyboardInterrupt) as end:
-            if houses and self.out:
-                self._save(houses, self.out, str(end) or "interrupted")
+            if out and len(houses) > held:
+                self._save(houses, out, str(end) or "interrupted")
             raise
-        if self.out:
-            self._save(houses, self.out)
-            say(f"{self.out}: {len(houses)} made. Next: vitruvius draw {self.out}")
+        if out:
+            self._save(houses, out)
+            say(f"{out}: {len(houses)} made. Next: vitruvius draw {out}")
         if self.json:
-            shown = [] if self.out else [house.to_dict() for house in houses]
+            shown = [] if out else [house.to_dict() for house in houses]
             self._answer(time.monotonic() - began, made=len(houses), houses=shown)
         return 0
 
     def _answer(self, seconds: float, made: int = 0, **found: Any) -> None:
         """Print what was made or counted as JSON."""
         from logic.answers import Generated
+        from logic.files import STANDARD
 
-        out = str(self.out) if self.out else None
+        out = str(self.out) if self.out and self.out != STANDARD else None
         of = Generated(out, made, round(seconds, 3), self.grammar, self.seed, self.start, **found)
         print_answer("generate", of, 0 if all(each.exact for each in of.counted) else 4)
 

@@ -21,7 +21,7 @@ class Check:
     """Check houses by plain geometry, apart from the rules that made them. Houses count from 0."""
 
     file: tyro.conf.Positional[Path]
-    """House file."""
+    """House file, or - for the standard input."""
 
     clear_front: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="PIECE")] = ()
     """A piece type that is used from its front: 0.42 m must be free there."""
@@ -73,7 +73,7 @@ class Draw:
     }
 
     file: tyro.conf.Positional[Path]
-    """House file."""
+    """House file, or - for the standard input."""
 
     out: Path = Path("plans")
     """Folder for the pictures."""
@@ -127,9 +127,10 @@ class Draw:
         return 0
 
     def _answer(self, files: "Sequence[Path]", differences: "Sequence[Differences]" = ()) -> None:
-        """Print what was drawn, if it is asked for."""
+        """Remove what an earlier run drew beside it, and print what was drawn, if it is asked for."""
         from logic.answers import Drawn
 
+        _remove_others(self.out, files)
         if self.json:
             print_answer("draw", Drawn([str(file) for file in files], list(differences)))
 
@@ -197,7 +198,7 @@ class Convert:
     """Write houses of any format as a house file of today, or in the format of another tool."""
 
     file: tyro.conf.Positional[Path]
-    """House file."""
+    """House file, or - for the standard input."""
 
     out: Path
     """The new house file (.jsonl, .jsonl.gz, or .json for one house); for other formats a folder."""
@@ -209,6 +210,9 @@ class Convert:
     geojson: in metres; gltf, usd: walls 2.5 m high; mjcf: MuJoCo's XML, with a robot and its range finders;
     ros: an occupancy map for map_server."""
 
+    replace: bool = False
+    """Lose the other houses that the new house file holds, if any."""
+
     json: bool = False
     """Print one answer as JSON: the names of the files."""
 
@@ -216,12 +220,15 @@ class Convert:
         """Read the houses and write them."""
         from logic import load, save
         from logic.answers import Written
-        from logic.exports import export
+        from logic.exports import FORMATS, export
         from logic.files import HOUSE_FILES, require_ending, require_folder
+        from logic.replacing import require_same_houses
 
         if self.to == "vitruvius-2":
             require_ending(self.out, HOUSE_FILES)
             houses = [house.converted() for house in load(self.file)]
+            if not self.replace:
+                require_same_houses(self.out, houses)
             save(houses, self.out)
             if self.json:
                 print_answer("convert", Written([str(self.out)]))
@@ -229,7 +236,17 @@ class Convert:
             return 0
         require_folder(self.out)
         written = export(load(self.file), self.out, self.to)
+        endings = FORMATS[self.to].endings
+        _remove_others(self.out, [path.with_suffix(ending) for path in written for ending in endings])
         if self.json:
             print_answer("convert", Written([str(each) for each in written]))
         say(f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}: {len(written)} converted")
         return 0
+
+
+def _remove_others(folder: Path, written: "Sequence[Path]") -> None:
+    """Remove the pictures or files of an earlier run with more houses, and say so."""
+    from logic.replacing import remove_others
+
+    if number := remove_others(folder, written):
+        say(f"{folder}: {number} of an earlier run removed")

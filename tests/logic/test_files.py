@@ -215,7 +215,7 @@ def test_a_small_file_that_unpacks_to_more_than_is_read_is_refused(
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(HouseFileError, match="there is no such file"):
         load(tmp_path / "absent.jsonl")
-    with pytest.raises(HouseFileError, match="directory"):
+    with pytest.raises(HouseFileError, match="is a folder, and no house file"):
         load(tmp_path)
 
 

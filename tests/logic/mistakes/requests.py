@@ -24,7 +24,7 @@ MISTAKES = (
     Command("train --learning_rat 1", ("no option --learning-rat", "did you mean --learning-rate?")),
     Command("train --no-resum", ("no option --no-resum", "did you mean --no-resume?")),
     Command("bench generator --round 5", ("no option --round", "did you mean --rounds?")),
-    Command("check", ("vitruvius check: give FILE: House file.",)),
+    Command("check", ("vitruvius check: give FILE: House file, or - for the standard input.",)),
     Command("check houses.jsonl b", ("b is one word too many", "see vitruvius check --help")),
     Command("convert houses.jsonl", ("give --out PATH: The new house file",)),
     Command("generate --rooms", ("--rooms: give a value, as in --rooms N",)),
@@ -64,7 +64,7 @@ MISTAKES = (
         ("no room type hal", "did you mean hall?"),
     ),
     Command("check housse.jsonl", ("there is no such file", "did you mean houses.jsonl?"), 5),
-    Command("check flats.json", ("there is no such file", ". has houses.jsonl"), 5),
+    Command("check flats.json", ("there is no such file", "this folder has houses.jsonl"), 5),
     Command("check none/flats.json", ("no such file", "vitruvius generate --rooms 4"), 5),
     Command("evaluate --targets scondary", ("there is no task scondary", "did you mean secondary?")),
     # values
