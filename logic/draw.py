@@ -13,7 +13,7 @@ from logic.canvas import DENSITY, Drawing, Point, Text, png, svg
 from logic.door_leaves import door_leaves
 from logic.files import write_whole
 from logic.house import House
-from logic.labels import SWATCH, abbreviations, key, key_rows, legend, room_names, title
+from logic.labels import SWATCH, abbreviations, key, key_rows, legend, room_names, title, unnamed
 from logic.palettes import Style, style
 from logic.plan import Frame, drawn_extent, house_shapes
 
@@ -164,16 +164,17 @@ def plan(
     their names have abbreviations, and a key below.
     """
     look = look or style([house])
-    short: dict[str, str] = {}
-    frame, tall = _frame(house, width, height, scale, 0)
     leaves = door_leaves(house)
-    names = room_names(house, frame, look, short, leaves=leaves)
-    if () in names[: len(house.counted)]:
-        short = abbreviations(room.type for room in house.counted)
-    rows = key_rows(short, width - 2 * MARGIN)
-    if rows:
+    every = abbreviations(room.type for room in house.counted)
+    keyed: set[str] = set()
+    while True:  # A key takes space, in which a further name may have stood.
+        short = {kind: every[kind] for kind in every if kind in keyed}
+        rows = key_rows(short, width - 2 * MARGIN)
         frame, tall = _frame(house, width, height, scale, len(rows))
         names = room_names(house, frame, look, short, leaves=leaves)
+        if unnamed(house, names) <= keyed:
+            break
+        keyed |= unnamed(house, names)
     foot = tall - FOOT / 2 - SWATCH * len(rows)
     shapes = [
         *house_shapes(house, frame, look, leaves),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 
 import numpy as np
@@ -32,10 +32,11 @@ def room_names(
     leaves: Sequence[Leaf] = (),
 ) -> list[tuple[Text, ...]]:
     """The name of each room, then that of a star's main room, in letters of ``least`` CSS pixels or more;
-    where it fits, the room's area below it. Both keep clear of furniture and of the swings of doors, as far
+    where it fits, the room's area below it. Names keep clear of furniture, and of the swings of doors as far
     as they can.
 
-    Where a name does not fit between the walls: what is ``short`` for it, else nothing.
+    Where a name does not fit so between the walls: what is ``short`` for it, on furniture if need be; without
+    that nothing.
     """
     size = min(max(0.3 * frame.scale, 8.5, least), 15.0)
     swings = [frame.place(leaf.swing) for leaf in leaves]
@@ -43,16 +44,16 @@ def room_names(
     names = []
     for room in house.counted:
         fill, box = style.fill(room.type), frame.box(room)
-        taken = [frame.box(piece) for piece in room.pieces]
-        taken += [swing for swing in swings if overlap(swing, box) > 0]
-        texts = [room.type, short.get(room.type, room.type)]
+        pieces = [frame.box(piece) for piece in room.pieces]
+        taken = pieces, [swing for swing in swings if overlap(swing, box) > 0]
+        texts = list(filter(None, [room.type, short.get(room.type)]))
         names.append(
             _name(texts, _area(room.area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
         )
     if not house.is_star:
         return names
     main, rooms = house.main.box, [room.box for room in house.counted]
-    taken = [frame.place(room) for room in rooms] + swings
+    taken = [frame.place(room) for room in rooms], swings
     free = house.main.area - sum(_shared(main, room) for room in rooms)
     colours = style.inks.edge, style.inks.paper
     return [*names, _name(["main room"], _area(free), frame.place(main), taken, sizes, colours, False)]
@@ -73,6 +74,12 @@ def _shared(one: Box, other: Box) -> float:
     """The area that two boxes have in common."""
     across, along = (min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in range(2))
     return max(0.0, across) * max(0.0, along)
+
+
+def unnamed(house: House, names: Sequence[Sequence[Text]]) -> set[str]:
+    """The types of rooms whose names are not written in full, by ``room_names`` of a house."""
+    pairs = zip(house.counted, names, strict=False)
+    return {room.type for room, words in pairs if not words or words[0].text != room.type}
 
 
 def abbreviations(types: Iterable[str]) -> dict[str, str]:
@@ -162,7 +169,7 @@ def _name(
     texts: Sequence[str],
     area: str,
     room: Box,
-    taken: Sequence[Box],
+    taken: tuple[Sequence[Box], Sequence[Box]],
     sizes: tuple[float, float],
     colours: tuple[str, str],
     halo: bool,
@@ -170,37 +177,37 @@ def _name(
     """The first of these texts that fits into a room, with the area below it if that stands clear of what is
     there.
 
-    ``sizes``: the best of its letters, and the least. ``colours``: of the words, and of the floor. ``halo``:
-    whether the words have a rim in the floor's colour wherever they stand, and not only where they lie on
-    something.
+    ``taken``: by furniture, which only a last text may hide, and by swings of doors, which any may.
+    ``sizes``: the best of its letters, and the least. ``colours``: of the words, and of the floor.
+    ``halo``: whether the words have a rim in the floor's colour wherever they stand, and not only where they
+    lie on something.
     """
     ink, floor_colour = colours
     rim = floor_colour if halo else ""
     size, least = sizes
-    boxes = np.array(taken, dtype=float).reshape(-1, 4)
+    pieces, both = (np.array([*boxes], dtype=float).reshape(-1, 4) for boxes in (taken[0], chain(*taken)))
     if 0.8 * size >= least:
         wide = max(text_width(texts[0], size), text_width(area, 0.8 * size))
-        if place := _spot(wide, 1.15 * size, room, boxes, size):
+        if place := _spot(wide, 1.15 * size, room, both, size):
             (x, y), hidden = place
             if not hidden:
                 return (
                     Text((x, y - 0.5 * size), texts[0], round(size, 1), ink, halo=rim),
                     Text((x, y + 0.62 * size), area, round(0.8 * size, 1), ink, halo=rim),
                 )
-    for text in texts:
-        found: tuple[float, Text] | None = None
+    found: tuple[float, Text] | None = None
+    for text, boxes in product(texts, (both, pieces)):
         for letter in (size, max(least, 0.85 * size), max(least, 0.7 * size), least):
             place = _spot(text_width(text, letter), 0.75 * letter, room, boxes, letter)
             if place is None:
                 continue
             (x, y), hidden = place
             if not hidden:
-                return (Text((x, y), text, round(letter, 1), ink, halo=rim),)
-            if found is None or hidden < found[0]:
+                edge = rim if boxes is both else floor_colour
+                return (Text((x, y), text, round(letter, 1), ink, halo=edge),)
+            if boxes is pieces and text != texts[0] and (found is None or hidden < found[0]):
                 found = hidden, Text((x, y), text, round(letter, 1), ink, halo=floor_colour)
-        if found is not None:
-            return (found[1],)
-    return ()
+    return (found[1],) if found else ()
 
 
 def _spot(

@@ -5,11 +5,9 @@ It is no rule file: to change a colour changes neither houses nor the hash that 
 
 from __future__ import annotations
 
-import colorsys
 import json
 import re
 import stat
-import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -49,7 +47,7 @@ Where = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Looks:
-    """How types look. A type that is not there is drawn by its name, in a colour that its name gives."""
+    """How types look. A type that is not there is drawn by its name, in a colour of ``palettes.json``."""
 
     rooms: dict[str, str] = field(default_factory=dict)
     """Colours of the floors, ``#rrggbb``."""
@@ -58,15 +56,6 @@ class Looks:
     heights: dict[str, float] = field(default_factory=dict)
     """Heights of pieces in metres, for files of solids; plans do not show them."""
     symbols: dict[str, tuple[Form, ...]] = field(default_factory=dict)
-
-    def colour(self, kind: str) -> str:
-        """The floor's colour of a room type: always the same for the same name."""
-        if kind in self.rooms:
-            return self.rooms[kind]
-        # Not hash(), which differs from process to process.
-        hue = zlib.crc32(kind.encode()) / 2**32
-        red, green, blue = colorsys.hls_to_rgb(hue, 0.89, 0.45)
-        return f"#{round(255 * red):02x}{round(255 * green):02x}{round(255 * blue):02x}"
 
     def symbol(self, kind: str) -> tuple[Form, ...] | None:
         """The symbol of a piece type, if it has one."""

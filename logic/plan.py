@@ -11,13 +11,16 @@ from logic.house import House
 from logic.palettes import Fill, Inks, Style
 from logic.parts import ORIGINAL, OUTSIDE, Door, Piece, Rect, Window
 from logic.targets import doors_by_name, part_names, windows_by_name
-from logic.walls import TOLERANCE, crossing, remaining
+from logic.walls import crossing
 
 OUTER, INNER = 0.2, 0.1
-"""Metres: how thick walls are drawn. In our houses they have no thickness: an outer wall is drawn outside of
-the rooms, so that the floor within it has its size, and half of an inner wall lies on each side of where it
-stands.
+"""Metres: how thick walls are drawn. In our houses they have no thickness: half of an inner wall lies on each
+side of where it stands, and as much of an outer one within, so that both have one face where they go on in
+each other.
 """
+
+BEYOND = OUTER - INNER / 2
+"""Metres: how much of an outer wall lies outside of the rooms."""
 
 BEND = 0.5523
 """Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii."""
@@ -60,17 +63,17 @@ def extent(house: House) -> Box:
 
 def drawn_extent(house: House) -> Box:
     """The same with the outer walls."""
-    return grown(extent(house), OUTER)
+    return grown(extent(house), BEYOND)
 
 
 def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf] = ()) -> list[Shape]:
-    """Draw all of a house but words about it: outer walls lie under the floors, inner ones over the
-    furniture.
+    """Draw all of a house but words about it: what is outside of the rooms lies under the floors, walls over
+    the furniture.
 
     ``leaves``: of all doors, or none, as in films, whose bodies and rays pass.
     """
-    inks, thick = style.inks, max(OUTER * frame.scale, 2.0)
-    shapes: list[Shape] = [Block(grown(frame.box(room), thick), inks.wall) for room in house.rooms]
+    inks, beyond = style.inks, max(BEYOND * frame.scale, 2.0)
+    shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.rooms]
     if house.is_star:
         shapes.append(Part(house.hub, (Block(frame.box(house.main), inks.paper),)))
     for room in house.counted:
@@ -82,7 +85,7 @@ def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf
             if has_mark(house, piece, style):
                 drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, inks))
             shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
-    shapes += [Block(frame.place(box), inks.wall) for box in inner_walls(house)]
+    shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
     for (name, door), leaf in zip_longest(doors_by_name(house).items(), leaves):
         shapes.append(Part(name, tuple(_door(house, door, leaf, frame, inks))))
     for name, window in windows_by_name(house).items():
@@ -102,48 +105,32 @@ def grown(box: Box, by: float) -> Box:
     return box[0] - by, box[1] - by, box[2] + by, box[3] + by
 
 
-def inner_walls(house: House) -> Iterator[Box]:
-    """The walls between floors, with their thickness and without the doorways: metres."""
-    boxes, half, walls = [room.box for room in house.rooms], INNER / 2, house.walls
+def wall_boxes(house: House) -> Iterator[Box]:
+    """The walls as thick as inner ones, without the doorways between rooms: metres."""
+    half, walls = INNER / 2, house.walls
     for axis, lines in enumerate(walls):
         for at, low, high in lines:
-            spans = [(low, high)]
-            for side in (at - 2 * TOLERANCE, at + 2 * TOLERANCE):
-                floors = [(box[1 - axis], box[3 - axis]) for box in boxes if box[axis] < side < box[axis + 2]]
-                spans = [
-                    part
-                    for span in spans
-                    for gap in [remaining(span, floors)]
-                    for part in remaining(span, gap)
-                ]
-            for start, end in spans:
-                first = start - half * crossing(at, start, walls[1 - axis])
-                last = end + half * crossing(at, end, walls[1 - axis])
-                yield (
-                    (at - half, first, at + half, last) if axis == 0 else (first, at - half, last, at + half)
-                )
+            first = low - half * crossing(at, low, walls[1 - axis])
+            last = high + half * crossing(at, high, walls[1 - axis])
+            yield (at - half, first, at + half, last) if axis == 0 else (first, at - half, last, at + half)
 
 
 def opening(house: House, segment: Door | Window) -> Box:
     """The place in its wall of a door or a window, as wide as it is: metres."""
     across = int(segment.height == 0)
     x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
-    reach = []
+    depths = []
     for way in (-1, 1):
-        at = (x, y + 0.01 * way) if across else (x + 0.01 * way, y)
+        near = (x, y + 0.01 * way) if across else (x + 0.01 * way, y)
         indoors = any(
-            box[0] < at[0] < box[2] and box[1] < at[1] < box[3] for box in (room.box for room in house.rooms)
+            box[0] < near[0] < box[2] and box[1] < near[1] < box[3]
+            for box in (room.box for room in house.rooms)
         )
-        reach.append((indoors, way))
-    walls = [
-        OUTER if not indoors else INNER / 2 if reach[0][0] == reach[1][0] else 0.0 for indoors, _ in reach
-    ]
+        depths.append(INNER / 2 if indoors else BEYOND)
     west, north, east, south = segment.box
-    return (
-        (west, north - walls[0], east, south + walls[1])
-        if across
-        else (west - walls[0], north, east + walls[1], south)
-    )
+    if across:
+        return west, north - depths[0], east, south + depths[1]
+    return west - depths[0], north, east + depths[1], south
 
 
 def floor(box: Box, fill: Fill, inks: Inks) -> Iterator[Shape]:

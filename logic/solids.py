@@ -12,7 +12,7 @@ from typing import NamedTuple
 from logic.boxes import TOLERANCE, Box
 from logic.house import House
 from logic.looks import looks_of
-from logic.palettes import Inks
+from logic.palettes import Inks, style
 from logic.walls import Interval, Line, crossing, remaining
 
 WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
@@ -65,9 +65,9 @@ def solids(house: House, thickness: float = 0.1) -> list[Solid]:
 
 
 def _floors(house: House) -> Iterator[Solid]:
-    looks = looks_of(house)
+    look = style([house])
     for room in house.rooms:
-        colour = INKS.paper if house.is_star and room is house.main else looks.colour(room.type)
+        colour = INKS.paper if house.is_star and room is house.main else look.fill(room.type).colour
         # A floor that lies over the main room's, as the original's do, is seen above it.
         top = 0.001 if house.is_star and room is not house.main else 0.0
         yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)

@@ -18,7 +18,7 @@ from logic.canvas import DENSITY, Drawing, png
 from logic.files import write_whole
 from logic.labels import background
 from logic.palettes import Inks
-from logic.plan import OUTER, Frame, grown
+from logic.plan import BEYOND, Frame, grown
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -233,7 +233,7 @@ class View:
 
     def __init__(self, shape: Geometry, size: int) -> None:
         """A picture whose longer side is ``size`` pixels, drawn ``SHARP`` times larger."""
-        west, north, east, south = grown(shape.bounds, OUTER)
+        west, north, east, south = grown(shape.bounds, BEYOND)
         width, height = east - west, south - north
         scale = min((size - 2 * MARGIN) / width, (size - 2 * MARGIN - CAPTION) / height)
         self.frame = Frame(scale, MARGIN - scale * west, MARGIN - scale * north)

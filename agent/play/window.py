@@ -17,10 +17,13 @@ from sim.film import Scene as Picture
 from sim.geometry import geometry
 
 SIZE = 720
-"""Pixels of the longer side of a plan."""
+"""Pixels of the longer side of a plan, at most."""
 
 HEAD, GAP, EDGE = 64, 12, 16
 """Pixels above the plans for words, between two plans, and left of words."""
+
+FRAME = 80
+"""Pixels of the height of a display that a window's title and bars of the desktop may take."""
 
 START = "arrow keys or W, A, D: drive to the yellow square. The first key starts the clock"
 
@@ -105,6 +108,12 @@ class Panel:
         return metres * self._view.frame.scale
 
 
+def size_of(display: tuple[int, int], panels: int) -> int:
+    """Pixels of the longer side of each plan, so that a window with so many side by side fits a display."""
+    width, height = display
+    return max(1, min(SIZE, (width - GAP * (panels - 1)) // panels, height - HEAD - FRAME))
+
+
 class Trace:
     """An episode that has been played, shown up to a step."""
 
@@ -172,7 +181,8 @@ class Window:
         self.clock = pygame.time.Clock()
         self.words = pygame.font.Font(None, 26)
         self.large = pygame.font.Font(None, 40)
-        self.surface = pygame.display.set_mode((SIZE, SIZE))
+        size = self._size(1)
+        self.surface = pygame.display.set_mode((size, size))
         self.tick: Callable[[], float] = lambda: self.clock.tick(FRAMES) / 1000
         """Waits for the next frame: the seconds since the last one."""
 
@@ -184,9 +194,9 @@ class Window:
         The clock starts at the first key. An agent's scenes run beside it at the game's speed, ``steps`` of
         the episode in so many seconds.
         """
-        house = game.scene.house
-        ghost = Trace(Panel(house, view), *race) if race else None
-        panels = [Panel(house, view), *([ghost.panel] if ghost else [])]
+        house, size = game.scene.house, self._size(2 if race else 1)
+        ghost = Trace(Panel(house, view, size), *race) if race else None
+        panels = [Panel(house, view, size), *([ghost.panel] if ghost else [])]
         across = sum(panel.size[0] for panel in panels) + GAP * (len(panels) - 1)
         self.surface = pygame.display.set_mode((across, panels[0].size[1] + HEAD))
         speed, keys = game.scene.config.steps / seconds, Keys()
@@ -227,7 +237,7 @@ class Window:
         if played.index >= len(houses):
             raise ResultsError(f"{where}: played in house {played.index}, here are {len(houses)}")
         game, scenes = replayed(played, houses[played.index], where)
-        trace = Trace(Panel(scenes[0].house, played.view), played.player, scenes)
+        trace = Trace(Panel(scenes[0].house, played.view, self._size(1)), played.player, scenes)
         self.surface = pygame.display.set_mode((trace.panel.size[0], trace.panel.size[1] + HEAD))
         speed, now = game.scene.config.steps / played.seconds, 0.0
         while trace.step < len(scenes) - 1:
@@ -263,6 +273,10 @@ class Window:
     def close(self) -> None:
         """Close the display."""
         pygame.quit()
+
+    @staticmethod
+    def _size(panels: int) -> int:
+        return size_of(pygame.display.get_desktop_sizes()[0], panels)
 
     def _draw(self, panels: Sequence[Panel], scenes: Sequence[tuple[str, Picture]], words: str) -> None:
         """Draw panels side by side, with the name and the score of each, and words over the first."""

@@ -85,7 +85,7 @@ class Draw:
     """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
 
     palette: Literal["colour", "distinct", "grey"] = "colour"
-    """colour: each room type has its own, always the same; distinct: colours that the colour-blind tell
+    """colour: each room type has its own; distinct: colours that the colour-blind tell
     apart; grey: for print, types differ in their grey or their pattern."""
 
     grammar: str | None = None

@@ -16,6 +16,7 @@ from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.grammar import RULES, SHIPPED, find, shipped
 from logic.looks import folder_looks
 from logic.messages import SYNTAX
+from logic.palettes import PALETTES
 from logic.vocabulary import LENGTHS
 
 HERE = Path(__file__).parent
@@ -89,6 +90,7 @@ def _rules() -> dict[str, object]:
         "lengths": LENGTHS,
         "hints": list(SYNTAX.items()),
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
+        "colours": PALETTES["colour"].new,
     }
 
 

@@ -137,6 +137,21 @@ def test_fog_lies_where_no_ray_has_been_and_is_lifted_where_one_goes(window: Win
     assert panel.fog.get_at((round(behind[0]), round(behind[1])))[3] == 255
 
 
+@pytest.mark.parametrize("display", [(1280, 720), (1280, 800), (1366, 768), (1920, 1080), (1024, 600)])
+@pytest.mark.parametrize("racing", [False, True])
+def test_a_window_fits_its_display_alone_and_in_a_race(
+    window: Window, display: tuple[int, int], racing: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pygame.display, "get_desktop_sizes", lambda: [display])
+    pygame.event.post(pygame.event.Event(pygame.QUIT))
+    game = Game(HOUSES[0], "main", 0)
+    assert not window.play(game, 15.0, "plan", ("agent", [game.scene]) if racing else None)
+    width, height = window.surface.get_size()
+    assert width <= display[0]
+    assert height <= display[1] - 60
+    assert width * height > 0.2 * display[0] * display[1]
+
+
 def test_a_game_is_the_episode_that_an_evaluation_plays_and_comes_out_again() -> None:
     game = drive(2, "FFFFLFFFRRFFF" * 20)
     again, scenes = replayed(played(game, 2), HOUSES[2], "games.jsonl:1")

@@ -16,8 +16,8 @@ from agent.play.results import load
 from logic import House, save
 from sim.film import SHARP, plan
 
-HEAD, SIZE = 64, 720
-"""Pixels above a plan, and of its longer side: ``agent.play.window``."""
+HEAD, SIZE = 64, 656
+"""Pixels above a plan, and of its longer side on a display 800 pixels high: ``agent.play.window``."""
 
 HOUSES = benchmark()[:2]
 Display = dict[str, str]

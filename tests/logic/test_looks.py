@@ -60,7 +60,7 @@ def test_houses_of_a_shipped_grammar_have_its_looks_whatever_folder_is_here(
     monkeypatch.chdir(tmp_path)
     (folder(tmp_path, {"rooms": {"ward": "#ffeecc"}})).rename(tmp_path / "clinic")
     made = replace(PLANS["flat"], provenance=Provenance("clinic", "", {}, 0, 0, {}))
-    assert looks_of(made).colour("ward") == folder_looks(SHIPPED / "clinic").colour("ward") != "#ffeecc"
+    assert looks_of(made).rooms["ward"] == folder_looks(SHIPPED / "clinic").rooms["ward"] != "#ffeecc"
     assert looks_of(replace(made, provenance=Provenance("../clinic", "", {}, 0, 0, {}))) is DEFAULT
 
 
@@ -190,6 +190,26 @@ def test_greys_differ_in_lightness_and_words_are_readable_on_every_floor() -> No
 def many_types(count: int) -> House:
     """A row of rooms, each of another type."""
     return House(tuple(Room(4.0 * k, 0, 4, 4, f"R{k}", f"t{k}") for k in range(count)))
+
+
+TOLD_APART = 9
+"""The least difference between the colour of a new type and any other's in a drawing of up to 8 of them."""
+
+
+@pytest.mark.parametrize("known", [(), ("bedroom", "bathroom", "kitchen", "living", "corridor")])
+def test_colours_of_new_types_differ_from_all_others_of_a_drawing_and_are_readable(
+    known: tuple[str, ...],
+) -> None:
+    words = ["office", "lobby", "lab", "foyer", "patio", "atelier", "cellar", "library", "gym", "sauna"]
+    for names in list(combinations(words, 8))[::3]:
+        types = [*known, *names]
+        house = House(tuple(Room(4.0 * k, 0, 4, 4, f"R{k}", kind) for k, kind in enumerate(types)))
+        look = style([house])
+        for new in names:
+            colour = look.fill(new).colour
+            assert contrast(colour, PALETTES["colour"].ink) >= READABLE
+            for other in {*types} - {new}:
+                assert np.linalg.norm(lab(colour) - lab(look.fill(other).colour)) >= TOLD_APART
 
 
 @pytest.mark.parametrize("name", ["distinct", "grey"])

@@ -45,7 +45,7 @@ def test_rooms_have_the_millimetres_of_the_scale_and_the_plan_keeps_clear_of_the
 def test_a_page_that_is_too_small_is_refused_with_what_fits() -> None:
     with pytest.raises(
         RequestError,
-        match=r"house 3 is 212 x 176 mm at 1:50, too large for A4: a larger --paper, or --scale 1:100",
+        match=r"house 3 is 210 x 174 mm at 1:50, too large for A4: a larger --paper, or --scale 1:100",
     ):
         page(FLAT, LOOK, 50, "A4", "house 3")
     page(FLAT, LOOK, 100, "A4")  # as it says

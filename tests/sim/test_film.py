@@ -45,7 +45,7 @@ def test_a_picture_shows_body_target_walls_and_floor_in_their_places(envs):
 def test_rooms_and_doors_have_the_colours_of_plans(envs):
     image = Camera(envs, 0, width=600).shoot()
     (room,) = HOUSE.star.rooms
-    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(LOOKS.colour(room.type))
+    assert colour_at(image, room.x + 0.3, room.y + 0.3) == ImageColor.getrgb(LOOKS.rooms[room.type])
     door = room.door.x + room.door.width / 2, room.door.y + room.door.height / 2
     assert colour_at(image, *door) == ImageColor.getrgb(INKS.paper)
 

@@ -9,22 +9,25 @@ const STEPS = [-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1];
 const SPOTS = STEPS.flatMap((u) => STEPS.map((v) => [u, v])).sort(([a, b], [c, d]) => Math.hypot(a, b) - Math.hypot(c, d));
 const SIDE = 360, MARGIN = 14, FOOT = 24;
 
-/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/looks.py has them. */
-export function planSvg(house, looks) {
+/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/looks.py has them; `fresh`:
+ * colours of types that have none there, as logic/palettes.json has them.
+ */
+export function planSvg(house, looks, fresh) {
   const boxes = house.rooms.map(box);
   const west = Math.min(...boxes.map(([x]) => x)), north = Math.min(...boxes.map(([, y]) => y));
   const wide = Math.max(...boxes.map(([, , x]) => x)) - west, tall = Math.max(...boxes.map(([, , , y]) => y)) - north;
   const scale = (SIDE - 2 * MARGIN) / Math.max(wide, tall);
   const at = (x, y) => [MARGIN + (x - west) * scale + ((SIDE - 2 * MARGIN) - wide * scale) / 2, MARGIN + (y - north) * scale];
   const height = 2 * MARGIN + tall * scale + FOOT;
-  const pen = new Pen(at, scale, looks);
+  const colours = coloursOf(house.rooms, looks, fresh);
+  const pen = new Pen(at, scale, looks, colours);
   const wall = Math.min(4, Math.max(1.5, 0.09 * scale));
   const isStar = house.topology === "star";
   const counted = isStar ? house.rooms.filter(({ name }) => name !== house.hub) : house.rooms;
   const hub = isStar ? house.rooms.find(({ name }) => name === house.hub) : null;
 
   const shapes = hub ? [part(hub.name, pen.rect(hub, PAPER, WALL, wall))] : [];
-  shapes.push(...counted.map((room) => part(room.name, pen.rect(room, colour(room.type, looks)))));
+  shapes.push(...counted.map((room) => part(room.name, pen.rect(room, colours.get(room.type)))));
   for (const room of counted)
     for (const [name, piece] of named(room.children)) shapes.push(part(`${room.name}.${name}`, pen.piece(piece)));
   shapes.push(...counted.map((room) => pen.rect(room, "none", WALL, wall)));
@@ -40,8 +43,8 @@ export function planSvg(house, looks) {
 
 /** Draws in the house's metres. */
 class Pen {
-  constructor(at, scale, looks) {
-    Object.assign(this, { at, scale, looks });
+  constructor(at, scale, looks, colours) {
+    Object.assign(this, { at, scale, looks, colours });
   }
 
   rect(rect, fill, stroke = "none", width = 0, grow = 0) {
@@ -79,19 +82,25 @@ class Pen {
     return `${paper}<polyline points="${path}" fill="none" stroke="${MARK}" stroke-width="2"/>`;
   }
 
-  /** A room's name, as near to its middle as it hides no furniture. */
+  /** A room's name, as large and as near to its middle as it hides no furniture. */
   name(room, words) {
-    const size = Math.min(12, (1.6 * room.width * this.scale) / words.length);
-    if (size < 6) return "";
-    const half = (0.3 * size * words.length) / this.scale, high = (0.6 * size) / this.scale;
-    const [wide, tall] = [room.width / 2 - half, room.height / 2 - high].map((each) => Math.max(0, each - 0.1));
-    const middle = [room.x + room.width / 2, room.y + room.height / 2];
-    const places = SPOTS.map(([u, v]) => [middle[0] + u * wide, middle[1] + v * tall]);
-    const hidden = ([x, y]) => room.children.flatMap((piece) => [piece, ...piece.children]).reduce((sum, piece) => sum
-      + Math.max(0, Math.min(x + half, piece.x + piece.width) - Math.max(x - half, piece.x))
-      * Math.max(0, Math.min(y + high, piece.y + piece.height) - Math.max(y - high, piece.y)), 0);
-    const best = places.reduce((one, other) => (hidden(other) < hidden(one) - 1e-6 ? other : one));
-    return text(...this.at(...best), words, size, INK, "middle", colour(room.type, this.looks));
+    const largest = Math.min(12, (1.6 * room.width * this.scale) / words.length);
+    if (largest < 6) return "";
+    const pieces = room.children.flatMap((piece) => [piece, ...piece.children]);
+    let best = null;
+    for (const size of [largest, Math.max(6, 0.8 * largest), 6]) {
+      const half = (0.3 * size * words.length) / this.scale, high = (0.6 * size) / this.scale;
+      const [wide, tall] = [room.width / 2 - half, room.height / 2 - high].map((each) => Math.max(0, each - 0.1));
+      for (const [u, v] of SPOTS) {
+        const [x, y] = [room.x + room.width / 2 + u * wide, room.y + room.height / 2 + v * tall];
+        const hidden = pieces.reduce((sum, piece) => sum
+          + Math.max(0, Math.min(x + half, piece.x + piece.width) - Math.max(x - half, piece.x))
+          * Math.max(0, Math.min(y + high, piece.y + piece.height) - Math.max(y - high, piece.y)), 0);
+        if (!best || hidden < best.hidden - 1e-6) best = { x, y, size, hidden };
+      }
+      if (best.hidden < 1e-6) break;
+    }
+    return text(...this.at(best.x, best.y), words, best.size, INK, "middle", this.colours.get(room.type));
   }
 
   /** The word for the main room, where the rooms around it leave most free. */
@@ -155,10 +164,24 @@ function windowsByName({ windows = [] }) {
   return numbered(windows.map(({ room }) => `${room}.window`)).map((name, place) => [name, windows[place]]);
 }
 
-/** The colour of a floor: of a type that has none one by its name. */
-function colour(type, looks) {
-  const hash = [...type].reduce((sum, letter) => (sum * 31 + letter.codePointAt(0)) % 360, 0);
-  return looks.rooms[type] ?? `hsl(${hash} 45% 89%)`;
+/** The colours of floors by type; a type that has none takes one that no other type here has, from a place by its name. */
+function coloursOf(rooms, looks, fresh) {
+  const types = [...new Set(rooms.map(({ type }) => type))].sort();
+  const chosen = new Map(types.filter((type) => looks.rooms[type]).map((type) => [type, looks.rooms[type]]));
+  for (const type of types.filter((each) => !looks.rooms[each])) {
+    const place = [...type].reduce((sum, letter) => (sum * 31 + letter.codePointAt(0)) % fresh.length, 0);
+    const order = [...fresh.slice(place), ...fresh.slice(0, place)];
+    const taken = [...chosen.values()];
+    chosen.set(type, order.find((colour) => taken.every((other) => differ(colour, other))) ?? order[0]);
+  }
+  return chosen;
+}
+
+/** Whether two colours are told apart: by the sum of their red, green and blue. */
+function differ(one, other) {
+  const parts = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
+  const others = parts(other);
+  return parts(one).reduce((sum, value, at) => sum + Math.abs(value - others[at]), 0) > 24;
 }
 
 const box = ({ x, y, width, height }) => [x, y, x + width, y + height];
