@@ -14,11 +14,13 @@ from weakref import finalize
 from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
-from logic.grammar import RULES
+from logic.grammar import ADJACENT, RULES
 
 DIFFERENCES, HOUSE = RULES / "plans" / "differences.lp", "house"
 """The file that states differences, and its part that does so."""
 
+STATING = DIFFERENCES, ADJACENT
+"""All that state some."""
 
 _spent = list[object]()
 """Theories whose controls are gone, or are about to go: freed with the next program."""
@@ -39,7 +41,7 @@ class Differences:
         """
         self._control, self._remark = control, remark
         walls = any(name == HOUSE for name, _ in parts)
-        self.files = [file for file in files if walls or file != DIFFERENCES]
+        self.files = [file for file in files if walls or file not in STATING]
         self._theory = None
         if DIFFERENCES in self.files:
             from clingodl import ClingoDLTheory

@@ -20,7 +20,10 @@ TOPOLOGIES = RULES / "topologies"
 STAR = TOPOLOGIES / "star.lp"
 """The topology of a grammar that names none."""
 
-PLANS = tuple(sorted((RULES / "plans").glob("*.lp")))
+ADJACENT = RULES / "plans" / "adjacent.lp"
+"""Which rooms share a wall: read where a rule names ``adjacent``, since it takes choices of its own."""
+
+PLANS = tuple(file for file in sorted((RULES / "plans").glob("*.lp")) if file != ADJACENT)
 """What all other topologies share: rooms that share walls, and doors in them."""
 
 ACCESS, OWN = RULES / "plans" / "access.lp", RULES / "own.lp"
@@ -108,8 +111,11 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
     own = {file.stem for file in files}
     known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
     named: list[str] = []
+    plans = PLANS
     for file in files:
         text = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), file.read_text("utf-8", "replace"))
+        if re.search(r"\badjacent\s*\(", text):
+            plans = (*PLANS, ADJACENT)
         for found in re.finditer(r"\btopology\s*\(\s*(\w+)\s*\)\s*\.", text):
             before = text[: found.start()].split("\n")
             place, name = (file, len(before), len(before[-1]) + 1), found[1]
@@ -121,7 +127,7 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
             named.append(name)
     if not named:
         return (STAR,), STAR.stem
-    return PLANS if named[0] in own else (*PLANS, known[named[0]]), named[0]
+    return plans if named[0] in own else (*plans, known[named[0]]), named[0]
 
 
 def _hash(files: tuple[Path, ...]) -> str:

@@ -164,7 +164,9 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """How much wall a door takes, and the extremes of each room type's size, metres: ``plans.pl``."""
+        """How much wall a door takes, how much rooms share that share one, and the extremes of each room
+        type's size, metres: ``plans.pl``.
+        """
         return self._ask("plan_lengths", types)
 
     def walls(

@@ -14,7 +14,7 @@ from typing import Any
 
 from clingo.ast import ASTType, parse_files
 
-from logic.grammar import PLANS, RULES, STAR, TOPOLOGIES
+from logic.grammar import ADJACENT, PLANS, RULES, STAR, TOPOLOGIES
 from logic.layout import CORE
 
 PAGE = Path(__file__).with_name("reference.md")
@@ -89,7 +89,7 @@ def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
                 entries[part].append(entry)
 
     named = [file for file in sorted(TOPOLOGIES.glob("*.lp")) if file.stem in topologies or not topologies]
-    for file in (CORE, *(PLANS if named != [STAR] else ()), *named):
+    for file in (CORE, *((*PLANS, ADJACENT) if named != [STAR] else ()), *named):
         parse_files([str(file)], take)
     entries["base"] = [each for each in entries["base"] if (each.name, len(each.arguments)) in stated]
     return entries

@@ -108,15 +108,18 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
     return facts
 
 
-def wall_facts(extremes: Iterable[Sequence[Any]], doorway: float) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+def wall_facts(
+    extremes: Iterable[Sequence[Any]], doorway: float, contact: float
+) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
 
-    ``extremes``: see ``logic.placement.Placer.wall_lengths``; ``doorway``: metres. Clauses
+    ``extremes``: see ``logic.placement.Placer.wall_lengths``; ``doorway``, ``contact``: metres. Clauses
     that only stage 2 knows have a fact too.
     """
     door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
     clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))
-    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses)]
+    share = Function("length", [Function("contact"), Number(floor(1000 * contact))])
+    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses), (share, ())]
     only = [Function("house_size")]
     for type_, reach, bends, brims in extremes:
         kind = Function(type_)

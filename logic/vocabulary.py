@@ -12,7 +12,7 @@ from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.audit import STAGES, UNITS
 from logic.errors import GrammarError
-from logic.grammar import STAR
+from logic.grammar import ADJACENT, PLANS, STAR
 from logic.inexpressible import inexpressible
 from logic.layout import CORE
 from logic.spelling import closest
@@ -72,8 +72,9 @@ def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
 
 @cache
 def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
-    """The words of the core with these files of a topology."""
-    return words(read([CORE, *topology]))
+    """The words of the core with these files of a topology, and what is read where a rule names it."""
+    named = [ADJACENT] if set(PLANS) <= set(topology) and ADJACENT not in topology else []
+    return words(read([CORE, *topology, *named]))
 
 
 def stages(core: Words) -> tuple[str, ...]:

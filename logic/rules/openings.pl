@@ -1,4 +1,4 @@
-:- module(openings, [all_openings//2, plan_openings//3, least_wall/2, window_range/4, segment/5, side_axis/2]).
+:- module(openings, [all_openings//2, plan_openings//3, least_wall/2, window_range/4, segment/5, side_axis/2, span/6]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 

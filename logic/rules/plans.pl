@@ -11,6 +11,7 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module(library(lists)).
 :- use_module(answers).
 :- use_module(areas).
+:- use_module(contacts).
 :- use_module(exact).
 :- use_module(grammar_files).
 :- use_module(grid).
@@ -59,13 +60,14 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, -Json) is det.
 %
-%   Json is [Doorway,Extremes]: the wall that a door takes with its margins, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
+%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
 %   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
 
 plan_lengths(Types, Json) :-
     length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
     maplist(type_extremes, Types, Records),
-    as_json([Doorway,Records], Json).
+    least_contact(Contact),
+    as_json([Doorway,Contact,Records], Json).
 
 type_extremes(Type, [Type,Reach,Bends,Brims]) :-
     room_system(Type, W, D, System),

@@ -20,6 +20,7 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
 :- use_module(areas).
+:- use_module(contacts).
 :- use_module(exact).
 :- use_module(grid).
 :- use_module(lengths).
@@ -64,7 +65,7 @@ wall_system(Atoms, Given, plan(Lines,All), System) :-
     findall(unit-B, member(unit(B,_), Atoms), Units0), placed_rooms(Units0, Atoms, Places, Units),
     append(Rooms, Units, All),
     ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
-    phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms) ), Each),
+    phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms) ), Each),
     append(Whole, Each, Constraints),
     fewest_unknowns_first(Constraints, System).
 

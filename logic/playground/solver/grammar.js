@@ -5,6 +5,7 @@ import { closest, derivedNames, objection, statements, usedNames } from "./state
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
+const ADJACENT = "plans/adjacent.lp"; // read where a rule names adjacent
 const DIFFERENCES = "rules/plans/differences.lp";
 const NOTHING = { rooms: 1, types: {}, furniture: {} };
 /** clingo's greatest number: no bound. */
@@ -28,8 +29,10 @@ function withIncludes(rules, path) {
 /** The topology that a fact names: its name, and the shared files that come with it. */
 function topologyOf(own, rules) {
   const named = [];
+  let adjacent = false;
   for (const { name, text } of own) {
     const bare = text.replace(/%\*[^]*?\*%|%[^\n]*/g, (comment) => comment.replace(/[^\n]/g, " "));
+    adjacent ||= /\badjacent\s*\(/.test(bare);
     for (const found of bare.matchAll(/\btopology\s*\(\s*(\w+)\s*\)\s*\./g)) {
       const before = bare.slice(0, found.index).split("\n");
       named.push({ topology: found[1], file: name, line: before.length, column: before.at(-1).length + 1 });
@@ -41,7 +44,7 @@ function topologyOf(own, rules) {
   }
   if (!named.length) return { name: "star", files: withIncludes(rules, "topologies/star.lp") };
   const [{ topology, file, line, column }] = named;
-  const plans = Object.keys(rules).filter((path) => /^plans\/.*\.lp$/.test(path)).sort().flatMap((path) => withIncludes(rules, path));
+  const plans = Object.keys(rules).filter((path) => /^plans\/.*\.lp$/.test(path) && (adjacent || path !== ADJACENT)).sort().flatMap((path) => withIncludes(rules, path));
   if (own.some(({ name }) => name === `${topology}.lp`)) return { name: topology, files: plans };
   if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
   if (!rules[`topologies/${topology}.lp`]) {
@@ -140,8 +143,9 @@ export class Grammar {
 
   /** What stage 1 knows of walls that rooms share: facts of plans/differences.lp, each with its clauses. */
   wallFacts() {
-    const [doorway, extremes] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
+    const [doorway, contact, extremes] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
+    facts.push([`length(contact,${Math.floor(1000 * contact)})`, []]);
     const only = ["house_size"];
     for (const [type, reach, bends, brims] of extremes) {
       const clauses = [`size(${type})`, `room_area(${type})`];
