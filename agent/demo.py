@@ -35,10 +35,16 @@ from logic.draw import contact_sheet
 from logic.files import write_whole
 from sim.furniture_tasks import pieces_in
 
-ROOMS = (2, 3, 4, 5)
+SEARCH = "home"
+"""The grammar of the houses in which a piece is sought: flats and small houses."""
+
+STAR = "family"
+"""The grammar of the houses in which targets lie in the main room: the paper's."""
+
+ROOMS = {SEARCH: (4, 5, 6, 7), STAR: (2, 3, 4, 5)}
 """Rooms of the houses, in equal shares."""
 
-TRAINING, HELD_OUT = 512, 64
+TRAINING, HELD_OUT = {SEARCH: 256, STAR: 512}, {SEARCH: 64, STAR: 64}
 """Houses to learn in, and houses to be measured in."""
 
 STEPS, SECONDS = 2_000_000, 60.0
@@ -66,20 +72,21 @@ BASELINES = ("random + avoidance", "script", "explorer", "oracle")
 """What is measured with them."""
 
 FILES = (
-    "houses.jsonl",
-    "houses-held-out.jsonl",
-    "plans.png",
+    "homes.jsonl",
+    "homes-held-out.jsonl",
+    "stars.jsonl",
+    "stars-held-out.jsonl",
+    "homes.png",
     "learning-curve.png",
     "episode.gif",
     "episode-object.gif",
     "episode.trace.json",
     "episode-object.trace.json",
-    "evaluation.json",
     "about.json",
     "report.html",
     "report.md",
 )
-"""What the demo writes, beside the folders of its ``RUNS``."""
+"""What the demo writes, beside the folders of its ``RUNS``, in which are also the scores of their agents."""
 
 RUNS = "training", "foresight"
 """Folders of the two trainings: see ``agent.runs``."""
@@ -88,18 +95,19 @@ TITLE = "# An agent in houses that it has never seen"
 """How the report begins."""
 
 MAIN_ROOM = (
-    f"**Main room: learning.** The network of `{AGENT}` began this run with random weights. It has learnt to "
-    "go to targets that its rays show; it keeps no map. The script and the explorer are written by hand and "
-    "learn nothing."
+    "**Main room: learning.** In the paper's houses, rooms around a main room, the network of "
+    f"`{AGENT}` began this run with random weights. It has learnt to go to targets that its rays show; it "
+    "keeps no map. The script and the explorer are written by hand and learn nothing."
 )
 
 
 def object_goal(piece: str) -> str:
     """What the second part shows, in words, for the kind of piece that is sought."""
     return (
-        f"**Find a {piece}: a planner, and a network that foresees.** `explorer` is a next-best-view planner "
-        "over an occupancy map, written by hand; it learns nothing. `foresight` is the same planner with a "
-        "map completion network that began this run with random weights. It has learnt from houses what lies "
+        f"**Find a {piece} in homes: a planner, and a network that foresees.** `explorer` is a "
+        "next-best-view planner over an occupancy map, written by hand; it learns nothing. `foresight` is "
+        "the same planner with a map completion network that began this run with random weights. It has "
+        "learnt from houses what lies "
         f"where the map shows nothing yet, and where a {piece} stands, by the kinds of pieces that its rays "
         "have met. What it adds is the paired difference."
     )
@@ -114,14 +122,16 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     start = perf_counter()
     _clear(out)
     with progress("houses", LINES) as report:
-        houses, held_out = banks(seed, report)
-    save(houses, out / "houses.jsonl")
-    save(held_out, out / "houses-held-out.jsonl")
+        made = banks(seed, report)
+    (homes, homes_held_out), (stars, stars_held_out) = made[SEARCH], made[STAR]
+    for name, houses in zip(FILES, (homes, homes_held_out, stars, stars_held_out), strict=False):
+        save(houses, out / name)
+    write_whole(out / "homes.png", _plans(homes_held_out))
 
     config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
-    agent, history = run(houses, config, out / "training", name="pqn", every=LINES)
+    agent, history = run(stars, config, out / "training", name="pqn", every=LINES)
 
-    piece, kinds = sought(houses)
+    piece, kinds = sought(homes)
     goal = json.dumps({"task": "object", "piece": piece})
     config = replace(
         PRESETS["map-completion"],
@@ -130,16 +140,15 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
         seconds=COMPLETION_SECONDS,
         seed=seed,
     )
-    suited = playable(houses, goal)
-    foresight, learnt = run(suited, config, out / "foresight", name=FORESIGHT, every=LINES)
+    foresight, learnt = run(playable(homes, goal), config, out / "foresight", name=FORESIGHT, every=LINES)
 
-    main = _measured("main", AGENT, agent, held_out, out / "episode.gif", seed)
+    main = _measured("main", AGENT, agent, stars_held_out, out / "episode.gif", seed)
     film = out / "episode-object.gif"
-    found = _measured(goal, FORESIGHT, foresight, playable(held_out, goal), film, seed, EPISODES)
-    bank = Bank(bank_hash(held_out), "houses-held-out.jsonl", len(held_out))
-    measured = ScoreFile(bank, seed, modes_of([main.result, found.result]))
-    write_whole(out / "evaluation.json", measured.json())
-    write_whole(out / "plans.png", _plans(held_out))
+    found = _measured(goal, FORESIGHT, foresight, playable(homes_held_out, goal), film, seed, EPISODES)
+    for part, folder, name in ((main, "training", "stars"), (found, "foresight", "homes")):
+        bank = Bank(bank_hash(part.houses), f"{name}-held-out.jsonl", len(part.houses))
+        measured = ScoreFile(bank, seed, modes_of([part.result]), episodes=part.result.episodes)
+        write_whole(out / folder / "evaluation.json", measured.json())
     write_whole(out / "learning-curve.png", learning_curve(history, main.result))
     last = history[-1], learnt[-1]
     words, added = object_goal(piece), f"{gain(found.result)}."
@@ -148,16 +157,16 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     describe(
         out,
         TITLE.removeprefix("# "),
-        MAIN_ROOM,
         words,
         added,
+        MAIN_ROOM,
         _made(*last),
         f"Made by `vitruvius demo --seed {seed}`.",
     )
     write_report(out)
 
     console = Console()
-    for part, what in ((main, MAIN_ROOM), (found, words)):
+    for part, what in ((found, words), (main, MAIN_ROOM)):
         console.print("", Markdown(what), score_table(part.result).terminal())
     console.print("", gain(found.result), "", SCORE_NOTE, "", sep="\n")
     print(*(out / name for name in (*FILES, *RUNS)), sep="\n")
@@ -176,19 +185,27 @@ def _clear(out: Path) -> None:
     write_whole(report, f"{TITLE}\n\nThe demo is at work: this page is written at its end.\n".encode())
 
 
-def banks(seed: int, report: Report) -> tuple[list[House], list[House]]:
-    """Houses to learn in and houses to be measured in, by different seeds, checked, no two the same."""
-    made: list[House] = []
-    for half, number in enumerate((TRAINING, HELD_OUT)):
-        for rooms in ROOMS:
-            for house in generate(rooms, seed=2 * seed + half, count=number // len(ROOMS), workers=2):
-                if faults := check(house):
-                    raise VitruviusError(f"a house of {rooms} rooms, seed {2 * seed + half}: {faults[0]}")
-                made.append(house)
-                report(len(made) / (TRAINING + HELD_OUT), f"{len(made)} made and checked")
+def banks(seed: int, report: Report) -> dict[str, tuple[list[House], list[House]]]:
+    """Of each grammar houses to learn in and houses to be measured in, by different seeds, checked, no two
+    the same.
+    """
+    whole, made = sum(TRAINING.values()) + sum(HELD_OUT.values()), list[House]()
+    found: dict[str, tuple[list[House], list[House]]] = {}
+    for grammar, sizes in ROOMS.items():
+        halves: tuple[list[House], list[House]] = [], []
+        for half, number in enumerate((TRAINING[grammar], HELD_OUT[grammar])):
+            for rooms in sizes:
+                request = {"grammar": grammar, "seed": 2 * seed + half, "count": number // len(sizes)}
+                for house in generate(rooms, **request, workers=2):
+                    if faults := check(house):
+                        raise VitruviusError(f"a house of {grammar}, {rooms} rooms, {request}: {faults[0]}")
+                    halves[half].append(house)
+                    made.append(house)
+                    report(len(made) / whole, f"{len(made)} made and checked")
+        found[grammar] = halves
     if len({geometry_hash(house) for house in made}) < len(made):
         raise VitruviusError(f"seed {seed} gave the same house twice. Try another --seed")
-    return made[:TRAINING], made[TRAINING:]
+    return found
 
 
 def sought(houses: list[House]) -> tuple[str, list[str]]:
@@ -202,6 +219,7 @@ class Part:
     """What an agent and the baselines did where targets lay in one kind of room."""
 
     result: Result
+    houses: list[House]
     agent: str
     filmed: int
     """The house of the film."""
@@ -250,7 +268,7 @@ def _measured(
         how = {"targets": mode, "seed": seed + filmed, "watchers": [recorder]}
         record(agent, houses[filmed % len(houses)], film, report=report, **how)
     trace.save(recorder.trace, film.with_suffix(trace.ENDING))
-    return Part(result, name, filmed)
+    return Part(result, houses, name, filmed)
 
 
 def _typical(result: Result, agent: str) -> int:
@@ -289,8 +307,9 @@ def _verdict(result: Result) -> int:
 def _made(last: Progress, learnt: Progress) -> str:
     """From what the agent learnt, in words."""
     return (
-        f"From the rules of `family`, {TRAINING} houses of {ROOMS[0]} to {ROOMS[-1]} rooms were made to "
-        f"learn in, and {HELD_OUT} by another seed to be measured in. "
+        f"From rules, {TRAINING[SEARCH]} homes (grammar `{SEARCH}`) and {TRAINING[STAR]} of the paper's "
+        f"houses (`{STAR}`) were made to learn in, and {HELD_OUT[SEARCH]} and {HELD_OUT[STAR]} by another "
+        "seed to be measured in. "
         "All passed the independent check; no two are the same. "
         f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
         f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
@@ -305,23 +324,23 @@ def _page(
     """The report, in Markdown."""
     paragraphs = (
         TITLE,
-        MAIN_ROOM,
+        "Some of the homes that no agent learnt in:",
+        "![Plans of homes](homes.png)",
         words,
         f"{gain(found.result)}.",
-        f"{_made(*last)} All of it took {seconds:.0f} s.",
-        score_table(main.result).markdown(),
-        "![Learning curve](learning-curve.png)",
-        main.film(),
-        "![An episode](episode.gif)",
         score_table(found.result).markdown(),
         found.film(),
         "Right: what it has seen, and how likely it thinks the target to lie where; red: how the house is.",
         "![An episode of the search](episode-object.gif)",
+        MAIN_ROOM,
+        score_table(main.result).markdown(),
+        "![Learning curve](learning-curve.png)",
+        main.film(),
+        "![An episode](episode.gif)",
+        f"{_made(*last)} All of it took {seconds:.0f} s.",
         SCORE_NOTE,
-        "Some of the held-out houses:",
-        "![Plans](plans.png)",
-        "Files: [houses](houses.jsonl), [held-out houses](houses-held-out.jsonl), "
-        "[agent](training/agent.safetensors), [foresight](foresight/agent.safetensors). "
-        f"Made by `vitruvius demo --seed {seed}`.",
+        "Files: [homes](homes.jsonl), [held-out homes](homes-held-out.jsonl), [the paper's "
+        "houses](stars.jsonl), [held-out ones](stars-held-out.jsonl), [agent](training/agent.safetensors), "
+        f"[foresight](foresight/agent.safetensors). Made by `vitruvius demo --seed {seed}`.",
     )
     return "\n\n".join(paragraphs) + "\n"

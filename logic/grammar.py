@@ -88,7 +88,7 @@ def find(grammar: str | Path) -> Grammar:
     for found, kind in ((asp, ".lp"), (prolog, ".pl")):
         if not found:
             raise GrammarError(
-                f"the grammar has no {kind} file. Copy {SHIPPED / 'family'} and edit it", directory
+                f"the grammar has no {kind} file. Copy {SHIPPED / 'home'} and edit it", directory
             )
     digest = _hash(asp + prolog)  # Refuses what is not to be read.
     return Grammar(directory.name, directory, asp, *_topology(asp), prolog, digest)

@@ -88,7 +88,7 @@ def _by_rooms(mode: ModeScores, where: str, labels: dict[str, str], colours: dic
     if not found:
         return ""
     ticks = sorted({rooms for each in found for rooms in each.x})
-    x = Axis("secondary rooms of the house", ticks=ticks)
+    x = Axis("rooms of the house", ticks=ticks)
     y = Axis("ratio to the oracle", least=0.0, most=1.0)
     return line_plot(f"Ratio by number of rooms, targets in {where}", x, y, found)
 

@@ -2,6 +2,7 @@
 
 import { element } from "./dom.js";
 
+const FIRST = "home"; // the grammar where the address names none
 const TYPING = 300; // milliseconds without a key, after which the rules are read
 const GRACE = 3000; // milliseconds that the solvers have to leave an older question
 const LIMIT = 30_000; // milliseconds for a house, or for a proof that there is none
@@ -37,7 +38,7 @@ export const engine = {
     }
     controls();
     tell("Loading the solvers, 7 MB.");
-    take(new URLSearchParams(location.search).get("grammar") ?? "family");
+    take(new URLSearchParams(location.search).get("grammar") ?? FIRST);
   },
 
   write(name, text) {
@@ -64,7 +65,7 @@ export const engine = {
 /** Begin with the rules of a shipped grammar, as they were last changed in this browser. */
 function take(name) {
   clearTimeout(typing);
-  grammar = bundle.grammars[name] ? name : "family";
+  grammar = bundle.grammars[name] ? name : FIRST;
   files = { ...bundle.grammars[grammar], ...JSON.parse(localStorage.getItem(kept()) ?? "{}") };
   document.getElementById("shipped").value = grammar;
   changed(Date.now());

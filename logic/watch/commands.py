@@ -15,7 +15,7 @@ class Watch:
     The page is served to this machine alone, at an address with a random token.
     """
 
-    grammar: tyro.conf.Positional[str] = "family"
+    grammar: tyro.conf.Positional[str] = "home"
     """A shipped grammar's name, or a directory of rules."""
 
     port: int = 0

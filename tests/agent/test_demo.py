@@ -22,13 +22,15 @@ from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A demo of 8 houses of two rooms, of 2,000 steps, of short episodes: its folder, its exit code, what a
+    """A demo of 8 homes and 8 stars, of 2,000 steps, of short episodes: its folder, its exit code, what a
     terminal shows.
     """
     out = tmp_path_factory.mktemp("demo") / "runs"
     console = Console(width=80, file=io.StringIO())
     with short_episodes(), pytest.MonkeyPatch.context() as patch:
-        for name, value in {"ROOMS": (2,), "TRAINING": 6, "HELD_OUT": 2, "STEPS": 2000, "LINES": 0.0}.items():
+        sizes = {"home": (4,), "family": (2,)}
+        few = {name: dict.fromkeys(sizes, number) for name, number in {"TRAINING": 6, "HELD_OUT": 2}.items()}
+        for name, value in {**few, "ROOMS": sizes, "STEPS": 2000, "LINES": 0.0}.items():
             patch.setattr(module, name, value)
         patch.setattr(module, "COMPLETION_SECONDS", 0.1)
         patch.setattr(module, "Console", lambda: console)
@@ -53,8 +55,10 @@ def test_a_folder_that_holds_something_else_than_a_demo_is_refused_and_left_as_i
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["houses.jsonl", "notes.txt", "training"]
 
 
-def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
-    houses, held_out = load(made[0] / "houses.jsonl"), load(made[0] / "houses-held-out.jsonl")
+@pytest.mark.parametrize(("name", "grammar"), [("homes", "home"), ("stars", "family")])
+def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made, name, grammar):
+    houses, held_out = load(made[0] / f"{name}.jsonl"), load(made[0] / f"{name}-held-out.jsonl")
+    assert {house.provenance.grammar for house in [*houses, *held_out]} == {grammar}
     assert (len(houses), len(held_out)) == (6, 2)
     assert not any(check(house) for house in houses + held_out)
     assert {geometry_hash(house) for house in houses}.isdisjoint(map(geometry_hash, held_out))
@@ -62,12 +66,13 @@ def test_the_demos_houses_are_sound_and_the_two_banks_share_none(made):
 
 def test_the_report_shows_both_agents_their_baselines_and_every_picture(made):
     page = (made[0] / "report.md").read_text()
-    main, found = page.split("**One target in ")
+    found, main = page.split("**Main room: learning.**")
     for agent, part in (("agent", main), ("foresight", found)):
         for name in (agent, "random + avoidance", "script", "explorer", "oracle"):
             assert f"| {name} |" in part
     assert "| human, another house |" in main
-    for picture in ("plans.png", "learning-curve.png", "episode.gif", "episode-object.gif"):
+    assert page.index("homes.png") < page.index("**Find a")
+    for picture in ("homes.png", "learning-curve.png", "episode.gif", "episode-object.gif"):
         assert f"]({picture})" in page
         with Image.open(made[0] / picture) as image:
             image.verify()
@@ -99,7 +104,7 @@ def test_the_film_shows_the_whole_episode(made):
 
 
 def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
-    agent, houses = made[0] / "training/agent.safetensors", made[0] / "houses-held-out.jsonl"
+    agent, houses = made[0] / "training/agent.safetensors", made[0] / "stars-held-out.jsonl"
     assert load_checkpoint(agent).steps >= 2000
     Record(agent, houses, house=1, out=tmp_path / "film.gif", steps=8).run()
     with Image.open(tmp_path / "film.gif") as image:
@@ -113,7 +118,7 @@ def test_a_checkpoint_of_the_demo_can_be_filmed_again(made, tmp_path):
 
 
 def test_a_mosaic_films_many_environments_side_by_side_each_in_its_house(made, tmp_path):
-    agent, houses = made[0] / "training/agent.safetensors", made[0] / "houses-held-out.jsonl"
+    agent, houses = made[0] / "training/agent.safetensors", made[0] / "stars-held-out.jsonl"
     Record(agent, houses, house=1, mosaic="3x1", out=tmp_path / "film.mp4", steps=8, width=120).run()
     frames, _ = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "film.mp4"))
     assert frames == 3 + 24  # steps 0, 4 and 8; the last one stays for a second

@@ -99,6 +99,12 @@ def test_the_browser_makes_the_same_houses_as_python_number_for_number(page, at)
         assert found == expected, grammar
 
 
+def test_the_first_houses_that_one_sees_are_homes_with_an_entrance(page, at):
+    drawn(page, f"{at}#count=1")
+    expect(page.locator("#command")).to_contain_text("--grammar home")
+    expect(page.locator("[data-part=entrance]")).to_have_count(1)
+
+
 def test_random_numbers_are_those_of_numpy(page, at):
     page.goto(at)
     seeds = [[0, 0], [2**31 - 1, 127], [12345678901234, 5]]
@@ -121,7 +127,7 @@ def test_random_numbers_are_those_of_numpy(page, at):
 
 
 def test_a_mistake_stands_at_its_line_and_a_changed_rule_makes_other_houses(page, at):
-    drawn(page, f"{at}#rooms=2&count=1")
+    drawn(page, f"{at}?grammar=family#rooms=2&count=1")
     first = page.locator("[data-part=R0]")
     kind = str(first.get_attribute("aria-label")).removeprefix("R0, ")
     edit(page, "rooms.lp", "type(bedroom;", "type(bedroom")
@@ -143,7 +149,7 @@ def test_a_mistake_stands_at_its_line_and_a_changed_rule_makes_other_houses(page
 
 
 def test_a_proof_names_the_rules_that_conflict(page, at):
-    drawn(page, f"{at}#rooms=3&count=1")
+    drawn(page, f"{at}?grammar=family#rooms=3&count=1")
     page.locator("[name='type.bathroom']").fill("2")
     answer = page.locator("#answer")
     expect(answer).to_contain_text(":- rooms >= 3, basic(T), not room(_,T).", timeout=SECONDS)
@@ -165,7 +171,7 @@ def test_a_proof_names_the_rules_that_conflict(page, at):
 
 
 def test_rules_without_end_are_stopped_and_the_page_goes_on(page, at):
-    drawn(page, f"{at}#rooms=2&count=1")
+    drawn(page, f"{at}?grammar=family#rooms=2&count=1")
     edit(page, "rooms.lp", "#program house.", "number(0). number(N+1) :- number(N).\n#program house.")
     expect(page.locator("#status")).to_have_text("Drawing.")
     page.get_by_role("button", name="Stop").click()
