@@ -120,17 +120,19 @@ class LoadedGrammar:
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
         self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
         yield from errors
+        lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
+        sizes = self._extremes["rooms"].items()
+        usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
+        yield from self.placer.disagreements(usable, units=whole is not probe)
         yield from {str(error): error for error in map(self._absent, absent)}.values()
         if not errors and not absent:
             yield from impossible(self._extremes, self.placer.origins)
-        names = {
-            "room_size": set(self.furniture),
-            "piece_size": {p for ps in self.furniture.values() for p in ps},
-        }
+        pieces = {piece for each in self.furniture.values() for piece in each}
         for predicate, name, file, line, column in sized:
-            if name not in names[predicate]:
-                kind = "room type: see type/1" if predicate == "room_size" else "piece in any room: see may/4"
-                meant = closest(name, names[predicate])
+            known = pieces if predicate == "piece_size" else set(self.furniture)
+            if name not in known:
+                kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
+                meant = closest(name, known)
                 hint = f". Did you mean {meant}?" if meant else ""
                 yield unknown(name, f"{predicate}: {name} is no {kind}{hint}", file, line, column)
 
@@ -146,7 +148,7 @@ class LoadedGrammar:
         if not known:
             name = self._grammar.topology_name
             yield self._at(stated, f"{stated}: the topology {name} has no units, as building has")
-        elif self.depths is None:
+        elif self.depths is None and not self.placer.origins([Function("unit_depth")]):
             clause = "unit_depth(D) :- { D >= 7.0, D =< 9.0 }."
             why = f"unit_depth/1 has no clause: add one, as {clause}"
             yield GrammarError(why, self._grammar.prolog[-1], 1, 1)

@@ -88,8 +88,8 @@ class Placer:
         self._directory = grammar.directory
         prolog.load(RULES / "core.pl")
         files = [str(file) for file in grammar.prolog]
-        walls = "shared" if grammar.shares_walls else "apart"
-        self.problems = [_problem(*row) for row in self._ask("grammar_problems", files, walls, cell)]
+        self._walls = "shared" if grammar.shares_walls else "apart"
+        self.problems = [_problem(*row) for row in self._ask("grammar_problems", files, self._walls, cell)]
 
     def lengths(
         self, furniture: Mapping[str, Iterable[str]], turned: Container[str] = ()
@@ -106,14 +106,14 @@ class Placer:
             for type_, pieces in furniture.items()
         ]
         report = self._ask("grammar_lengths", wanted, LENGTHS)
-        wrong: dict[tuple[Any, ...], None] = {}  # A piece's clause may be wrong in the same way in each room.
+        wrong: list[Any] = []
         absent: list[Symbol] = []
 
         def used(kind: str, names: Iterable[str], value: Any) -> Any:
             if value is None:
                 absent.append(Function(kind, [Function(name) for name in names]))
             elif isinstance(value, dict):
-                wrong[tuple(value["wrong"])] = None
+                wrong.append(value["wrong"])
             return value
 
         named = {name: used("length", [name], value) for name, value in report["lengths"]}
@@ -121,8 +121,16 @@ class Placer:
         for type_, room, each in report["types"]:
             rooms[type_] = used("size", [type_], room)
             extents[type_] = {piece: used("size", [type_, piece], extent) for piece, extent in each}
-        errors = [GrammarError(text, file, line, column) for file, line, column, text in wrong]
-        return {"lengths": named, "rooms": rooms, "pieces": extents}, errors, absent
+        return {"lengths": named, "rooms": rooms, "pieces": extents}, _first_at_each_place(wrong), absent
+
+    def disagreements(self, types: Mapping[str, bool], units: bool) -> list[GrammarError]:
+        """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
+
+        ``types`` have a size, each with whether such rooms have windows; houses are with or without units.
+        """
+        topology = Term("topology", self._walls, "true" if units else "false")
+        rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
+        return _first_at_each_place(self._ask("grammar_disagreements", topology, rooms))
 
     def sized(self) -> list[tuple[str, str, str, int, int]]:
         """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
@@ -318,6 +326,14 @@ def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarE
         text = f"{name} belongs in a .lp file: see docs/rules.md"
     # A misspelt name is that before it is a word that asks for too much: door_widht is door_width.
     return GrammarError(text if ": did you mean" in text else inexpressible(name) or text, file, line, column)
+
+
+def _first_at_each_place(wrong: Iterable[Sequence[Any]]) -> list[GrammarError]:
+    """Errors of ``[file, line, column, text]``: one clause may be wrong in each of several types of room."""
+    errors = {}
+    for file, line, column, text in wrong:
+        errors.setdefault((file, line, column), GrammarError(text, file, line, column))
+    return list(errors.values())
 
 
 def _problem(file: str, line: int, column: int, text: str, name: str) -> GrammarError:

@@ -36,6 +36,8 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
     end = begin + len(read)
     opened = _unclosed(code, begin, end)
 
+    if what == "float_overflow":
+        yield offset, "no length is so large"
     if "quoted" in what and (quote := re.search("['\"`]", code[begin:])):
         yield begin + quote.start(), "a quote begins here and does not end"
     if what == "end_of_file" and opened:

@@ -13,11 +13,13 @@ R = TypeVar("R")
 def closest(name: str, names: Iterable[str]) -> str | None:
     """The most similar name, of equally similar ones the one nearest in length; None if none is.
 
-    ``difflib.get_close_matches`` would take *beside* for *bde* rather than *bed*.
+    ``difflib.get_close_matches`` would take *beside* for *bde* rather than *bed*. Upper and lower case are
+    as good as alike.
     """
 
-    def likeness(other: str) -> tuple[float, int]:
-        return difflib.SequenceMatcher(None, name, other).ratio(), -abs(len(other) - len(name))
+    def likeness(other: str) -> tuple[float, float, int]:
+        ratio = difflib.SequenceMatcher(None, name.casefold(), other.casefold()).ratio()
+        return ratio, difflib.SequenceMatcher(None, name, other).ratio(), -abs(len(other) - len(name))
 
     best = max(sorted(names), key=likeness, default=None)
     return best if best is not None and likeness(best)[0] >= 0.65 else None

@@ -12,7 +12,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     origins.pl         where their clauses stand
     grid.pl            metres, or cells of a grid
     lengths.pl         the grammar's lengths, and the extremes of its sizes
-    reports.pl         whether they can be used
+    reports.pl         whether they can be used; agreement.pl: together
     faults.pl          why not, in the words of their author: paths.pl: a clause step by step; nonlinear.pl
     laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
 
@@ -33,7 +33,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     plan.pl            from the rooms' frames to the house's plan
 
     plans.pl           plans where rooms share walls: what Python asks for them; plan_bounds.pl: why their lengths are so
-    walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them; contacts.pl
+    walls.pl           where the walls are; areas.pl (regions.pl), openings.pl: doors and windows in them; contacts.pl
     own_plan.pl        doors and windows in rooms that a user gives
     given_rooms.pl     furniture for rooms whose sizes and doors are given
 
@@ -45,6 +45,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
+:- reexport(agreement).
 :- use_module(answers).
 :- use_module(bounds).
 :- use_module(exact).

@@ -1,4 +1,4 @@
-:- module(faults, [fault_report/3]).
+:- module(faults, [fault_report/3, explained_fault/3, clash/4, clause_line/3]).
 
 /** <module> Why a clause of the grammar's cannot be used: its place, and its author's own words */
 
@@ -20,17 +20,27 @@
 %       several     there is more than one solution    nonlinear     CLP(R) cannot decide a constraint
 %       unbounded   a size has no bound on a side      not_positive  a size can be 0 or less
 %       endless     the clause calls itself            not_metres    a length is not a number, 0 or more
+%       no_areas    two numbers are no least and greatest area
+%       no_width    a length is 0
 
-fault_report(Kind, Given-Head, wrong(File,Line,Column,Text)) :-
+fault_report(Kind, Call, Wrong) :- explained_fault(Kind, Call, Wrong), !.
+fault_report(Kind, _-Head, Wrong) :-
+    general(Kind, What),
+    grammar_terms(Terms), first_clause(Terms, Head, First), head(First, At),
+    spoken("~w ~w", [At,What], Text), wrong_at(At, Text, Wrong).
+
+%!  explained_fault(+Kind, +Call, -Wrong) is semidet.
+%
+%   As fault_report/3, where it is known why.
+
+explained_fault(Kind, Given-Head, Wrong) :-
     grammar_terms(Terms),
-    include(for(Head), Terms, [First|Clauses]),
-    (   call_with_inference_limit(once(fault(Kind, Terms, [First|Clauses], Given-Head, At0, Text0)), 300 000, Result),
-        Result \== inference_limit_exceeded
-    ->  At = At0, Text = Text0
-    ;   general(Kind, What),
-        head(First, At), spoken("~w ~w", [At,What], Text) ),
-    At = Source-Position, Source = source(File,_),
-    place(Source, Position, Line, Column).
+    include(for(Head), Terms, Clauses), Clauses = [_|_],
+    call_with_inference_limit(once(fault(Kind, Terms, Clauses, Given-Head, At, Text)), 300 000, Result),
+    Result \== inference_limit_exceeded,
+    wrong_at(At, Text, Wrong).
+
+wrong_at(Source-Position, Text, wrong(File,Line,Column,Text)) :- Source = source(File,_), place(Source, Position, Line, Column).
 
 for(Head, term(_,_,clause(H,_,_,_,_,_))) :- \+ H \= Head.
 
@@ -42,6 +52,36 @@ general(unbounded,    "is not bounded on both sides").
 general(not_positive, "allows a size that is not positive").
 general(endless,      "recurs without end").
 general(not_metres,   "is not a number of metres, 0 or more").
+general(no_width,     "is not a number of metres more than 0").
+general(no_areas,     "is not a least and a greatest number of square metres, in this order, 0 or more").
+
+%!  clause_line(+Head, +Other, -Words) is det.
+%
+%   In which line the first clause for the Other head stands, as said at that for Head.
+
+clause_line(Head, Other, Words) :-
+    grammar_terms(Terms),
+    first_clause(Terms, Head, Clause), head(Clause, At),
+    first_clause(Terms, Other, Said), line(At, Said, Words).
+
+first_clause(Terms, Head, Clause) :- member(Clause, Terms), for(Head, Clause), !.
+
+%!  clash(+Head, +Format, +Arguments, -Wrong) is det.
+%
+%   Wrong is at the clause for this Head, which it names before what is said. An argument may be clause(Head), another one that is
+%   part of it, or metres(Number).
+
+clash(Head, Format, Arguments, Wrong) :-
+    grammar_terms(Terms),
+    first_clause(Terms, Head, Clause), head(Clause, At),
+    maplist(clash_words(Terms, At), Arguments, Words), format(string(Said), Format, Words),
+    spoken("~w: ~w", [At,Said], Text), wrong_at(At, Text, Wrong).
+
+clash_words(_, _, metres(Number), Words) :- !, Rounded is round(Number*1000)/1000.0, format(string(Words), "~w", [Rounded]).
+clash_words(Terms, At, clause(Head), Words) :- !,
+    first_clause(Terms, Head, Clause), head(Clause, Other), line(At, Clause, Line),
+    spoken("~w in ~w", [Other,Line], Words).
+clash_words(_, _, Words, Words).
 
 %   fault(+Kind, +Terms, +Clauses, +Call, -At, -Text) is nondet: the Clauses are those of the Terms that are called.
 
@@ -90,7 +130,8 @@ path(Terms, Clauses, Call, Clause, Live, Steps, End) :-
     clause_path(Terms, Clause, Call, Live, path(Steps,End)).
 
 several(Clauses, At, Text) :-
-    Clauses = [_,_|_], member(Clause, Clauses), Clause = term(_,_,clause(Head,_,_,_,_,_)), arg(1, Head, Type), var(Type), !,
+    Clauses = [_,_|_], member(Clause, Clauses), Clause = term(_,_,clause(Head,_,_,_,_,_)),
+    functor(Head, Name, _), arguments(Name, ["Type"|_]), arg(1, Head, Type), var(Type), !,
     head(Clause, At),
     spoken("~w is for every type, and some have a clause of their own: name the types that this is for", [At], Text).
 several([First,Second|_], At, Text) :- !,
@@ -106,7 +147,19 @@ error_text(Error, At, Text) :- spoken("~w raises an error: ~p", [At,Error], Text
 
 %   size(+Clause, +Live, -X, -Words) is nondet: X is a size of a solved head, which its clause calls Words.
 
-size(Clause, Live, X, Words) :- member(N, [2,3]), arg(N, Live, X), argument_words(Clause, N, Words).
+size(Clause, Live, X, Words) :-
+    functor(Live, Name, _), arguments(Name, Kinds),
+    nth1(N, Kinds, Kind), memberchk(Kind, ["Length","Width","Depth"]),
+    arg(N, Live, X), argument_words(Clause, N, Words).
+
+%   arguments(+Name, -Kinds): what the arguments of a clause's head are.
+
+arguments(room_size,   ["Type","Width","Depth"]).
+arguments(piece_size,  ["Type","Length","Depth","Wall"]).
+arguments(window_size, ["Type","Length","Wall"]).
+arguments(house_size,  ["Width","Depth"]).
+arguments(unit_depth,  ["Depth"]).
+arguments(room_area,   ["Type","Least","Most"]).
 
 lacking(X, Words, Lack) :-
     \+ extremes(X, _),
@@ -158,9 +211,9 @@ step_words(Clause, step(_,_,Source-P), Words) :-
 
 %   argument_words(+Clause, +N, -Words): what the clause's head calls its Nth argument.
 
-argument_words(term(Source,_,clause(_,_,term_position(_,_,_,_,Positions),_,_,_)), N, Words) :-
+argument_words(term(Source,_,clause(Head,_,term_position(_,_,_,_,Positions),_,_,_)), N, Words) :-
     nth1(N, Positions, P), wording(Source, P, Said),
-    ( Said == "_" -> nth1(N, ["Type","Length","Depth","Wall"], Words) ; Words = Said ).
+    ( Said == "_", functor(Head, Name, _), arguments(Name, Kinds) -> nth1(N, Kinds, Words) ; Words = Said ).
 
 excluding([One], Text) :- !, format(string(Text), "~w never holds", [One]).
 excluding(Words, Text) :-

@@ -1,4 +1,4 @@
-:- module(lengths, [stated_length/2, length_of/2, sized/1, piece_sized/4, given_walls/3, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+:- module(lengths, [stated_length/2, length_of/2, stated_for/1, sized/1, piece_sized/4, given_walls/3, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
 
 /** <module> A grammar's lengths and the extremes of its sizes
 
@@ -7,6 +7,7 @@ Low-High: a `range` is in metres, an `extent` is the same in the house's own uni
 */
 
 :- use_module(library(clpr)).
+:- use_module(library(lists)).
 :- use_module(grammar_files).
 :- use_module(grid).
 
@@ -20,14 +21,29 @@ stated_length(door_width,     M) :- grammar:door_width(M).
 stated_length(door_clearance, M) :- grammar:door_clearance(M).
 stated_length(passage,        M) :- grammar:passage(M).
 stated_length(room_gap,       M) :- grammar:room_gap(M).
-stated_length(door_margin,    M) :- ( grammar:door_margin(_) -> grammar:door_margin(M) ; M = 0.0 ).
-stated_length(window_margin,  M) :- ( grammar:window_margin(_) -> grammar:window_margin(M) ; M = 0.0 ).
+stated_length(door_margin,    M) :- ( clause(grammar:door_margin(_), _) -> grammar:door_margin(M) ; M = 0.0 ).
+stated_length(window_margin,  M) :- ( clause(grammar:window_margin(_), _) -> grammar:window_margin(M) ; M = 0.0 ).
 
 %!  length_of(+Name, -Length) is det.
 %
 %   Length is that of the grammar, in the house's unit.
 
 length_of(Name, Length) :- stated_length(Name, M), rounded_up(M, Length).
+
+%!  stated_for(+Head) is semidet.
+%
+%   The grammar has a clause for the type that is the first argument of this Head: that names it, or is for every type, or for those
+%   that its body gives.
+
+stated_for(Head) :-
+    functor(Head, Name, Arity), functor(Any, Name, Arity),
+    arg(1, Head, Type),
+    clause(grammar:Any, Body), arg(1, Any, For),
+    (   nonvar(For)
+    ->  For == Type
+    ;   \+ ( term_variables(Body, Variables), member(V, Variables), V == For )
+    ->  true
+    ;   \+ \+ sized(Head) ), !.
 
 %!  sized(?Head) is semidet.
 %

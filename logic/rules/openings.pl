@@ -1,4 +1,4 @@
-:- module(openings, [all_openings//2, plan_openings//3, least_wall/2, window_range/4, segment/5, side_axis/2, span/6]).
+:- module(openings, [all_openings//2, plan_openings//3, window_walls/3, window_range/4, segment/5, side_axis/2, span/6]).
 
 /** <module> Doors, windows and the entrance of a plan: room for them in its walls, and then their places
 
@@ -14,7 +14,7 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 :- use_module(lengths).
 :- use_module(sample).
 
-:- table least_wall/2.
+:- table window_walls/3.
 
 % - room for them ------------------------------------------------------------------------------------------------
 
@@ -42,8 +42,10 @@ opening_constraints(entrance(R,Side), Rooms, W) -->
     { wall(R, Side, Rooms, _, A1, A2, Why) },
     [(A1+W =< A2)-[entrance(R,Side),length(door_width),length(door_margin)|Why]].
 opening_constraints(window(R,Side), Rooms, _) -->
-    { wall(R, Side, Rooms, Type, A1, A2, Why), least_wall(Type, W) },
-    [(A1+W =< A2)-[window(R,Side),room(R,Type),window_size(Type),length(window_margin)|Why]].
+    { wall(R, Side, Rooms, Type, A1, A2, Why0), window_walls(Type, Least, Most),
+      append([window(R,Side),room(R,Type),window_size(Type),length(window_margin)], Why0, Why) },
+    [(A1+Least =< A2)-Why],
+    ( { Most == any } -> [] ; [(A2 =< A1+Most)-Why] ).
 
 %   line_axis(+Line, +Edges, -Axis): along which a wall on this line of the room runs.
 
@@ -59,22 +61,30 @@ wall(R, Side, Rooms, Type, A1, A2, Why) :-
 
 side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west, y).
 
-%   least_wall(+Type, -Length): the shortest outer wall that has a window of a room of this type.
+%!  window_walls(+Type, -Least, -Most) is det.
+%
+%   How long an outer wall is that has a window of a room of this type, at least and at most; Most is `any` where there is none. Without a clause,
+%   its margins fit in it.
 
-least_wall(Type, Least) :-
+window_walls(Type, Least, Most) :-
     length_of(window_margin, Margin),
     metres(Margin, M),
-    findall(L, ( once(grammar:window_size(Type, Length, Wall)), {Length + 2*M =< Wall}, inf(Wall, L) ), Found),
-    (   Found = [Metres]
-    ->  rounded_up(Metres, First), least_wall(Type, Margin, First, Least)
-    ;   Least = 0 ).
+    (   \+ stated_for(window_size(Type,_,_))
+    ->  Least is 2*Margin, Most = any
+    ;   findall(L-H, ( grammar:window_size(Type, Length, Wall), {Length + 2*M =< Wall}, inf(Wall, L), most(Wall, H) ), [Low-High])
+    ->  rounded_up(Low, First), least_wall(Type, Margin, First, Least),
+        ( High == any -> Most = any ; in_unit(High, H1), inner_range(0-H1, _-Most) )
+    ;   Least = 1, Most = 0 ).                      % no wall
+
+most(X, High) :- ( sup(X, Sup) -> High = Sup ; High = any ).
 
 %   On a grid no window may be of whole cells in the shortest wall.
 
 least_wall(Type, Margin, Wall, Least) :-
     on_grid,
     Most is Wall - 2*Margin,
-    \+ ( window_lengths(Type, Wall, Most, Low-High), Low =< High ), !,
+    \+ ( window_lengths(Type, Wall, Most, Low-High), Low =< High ),
+    room_extent(Type, _-W, _-D), Wall =< max(W, D), !,
     Longer is Wall + 1,
     least_wall(Type, Margin, Longer, Least).
 least_wall(_, _, Least, Least).

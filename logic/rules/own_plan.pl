@@ -40,7 +40,8 @@ fault(_, _, Walls, _, narrow(at(R),at(Q)), [length(door_width),length(door_margi
 fault(_, _, Walls, _, shut(at(R),S), [length(door_width),length(door_margin)]) :-
     outer_side(Walls, R, S, A-B), doorway(Least), \+ reaches(A-B, Least).
 fault(_, _, Walls, Types, dark(at(R),S,T), [window_size(T),length(window_margin)]) :-
-    outer_side(Walls, R, S, A-B), member(T, Types), least_wall(T, Least), \+ reaches(A-B, Least).
+    outer_side(Walls, R, S, A-B), member(T, Types), window_walls(T, Least, Most),
+    \+ ( reaches(A-B, Least), ( Most == any -> true ; B - A =< Most + 1.0e-6 ) ).
 
 thin(Doors, thin(at(R),Q), [length(door_width)]) :- member(door(R,Q,L), Doors), length_of(door_width, W), L < W - 1.0e-6.
 

@@ -1,4 +1,4 @@
-:- module(reports, [length_report/2, room_report/2, piece_report/4]).
+:- module(reports, [length_report/2, room_report/2, piece_report/4, judged/4, sizes_found/4, suspended/1]).
 
 /** <module> Whether the grammar's clauses give lengths that can be used, and the extremes of those that do
 
@@ -15,6 +15,8 @@ used; or null where the grammar has no clause.
 :- use_module(lengths).
 :- use_module(nonlinear).
 
+:- meta_predicate judged(0, ?, +, -).
+
 %!  length_report(+Name, -Report) is det.
 %
 %   Report is the named length, or is wrong or null.
@@ -25,13 +27,13 @@ length_report(Name, Report) :-
 
 length_found(Name, Found) :-
     once(findnsols(2, M, stated_length(Name, M), Stated)),
-    stated(Stated, Found).
+    stated(Stated, Name, Found).
 
-stated([],    fault(empty)).
-stated([_,_], fault(several)) :- !.
-stated([M], Found) :-
+stated([],    _, fault(empty)).
+stated([_,_], _, fault(several)) :- !.
+stated([M], Name, Found) :-
     (   number(M), M >= 0
-    ->  rounded_up(M, Length), metres(Length, Found)
+    ->  ( Name == door_width, M =:= 0 -> Found = fault(no_width) ; rounded_up(M, Length), metres(Length, Found) )
     ;   Found = fault(not_metres) ).
 
 %!  room_report(+Type, -Report) is det.
@@ -50,23 +52,30 @@ room_found(Type, Found) :- sizes_found(room_size(Type,W,D), [W,D], [], Found).
 %   Turns says whether the piece may stand with its side to the wall.
 
 piece_report(Type, Piece, Turns, Report) :-
+    \+ \+ clause(grammar:piece_size(Piece,_,_,_), _), !,
     room_range(Type, W1-W2, D1-D2),
     Least is min(W1, D1), Most is max(W2, D2),
     Head = piece_size(Piece,L,D,Called), given_walls(Piece, Wall-Across, Called),
     (   Called == Wall
     ->  Name = "~w", At = [4], Others = []
     ;   Name = "its wall", At = [], Others = [ (Across >= Least)-said("",[]), (Across =< Most)-said("",[]) ] ),
-    format(string(Short), "~s >= ~3g (in ~w)", [Name,Least,Type]),
-    format(string(Long), "~s =< ~3g (in ~w)", [Name,Most,Type]),
+    clause_line(piece_size(Piece,_,_,_), room_size(Type,_,_), Line), format(string(In), "in ~w, ~w", [Type,Line]),
+    format(string(Short), "~s >= ~3g (~s)", [Name,Least,In]),
+    format(string(Long), "~s =< ~3g (~s)", [Name,Most,In]),
     format(string(Within), "~~w =< ~s", [Name]),
-    format(string(Deep), "~~w =< ~3g (in ~w)", [Most,Type]),
+    format(string(Deep), "~~w =< ~3g (~s)", [Most,In]),
     Walls = [ (Wall >= Least)-said(Short,At), (Wall =< Most)-said(Long,At), (Wall > 0)-said("",[])|Others ],
     Inside = [ (D =< Most)-said(Deep,[3]), (L =< Wall)-said(Within,[2|At]) ],
     judged(piece_found(Piece, Least-Most, Found), Found, Walls-Head, Report0),
     (   is_list(Report0), \+ fits(Type, Piece, Turns)
-    ->  append(Inside, Walls, Given), fault_report(empty, Given-Head, Report)
+    ->  append(Inside, Walls, Given),
+        (   explained_fault(empty, Given-Head, Report)
+        ->  true
+        ;   clash(piece_size(Piece,_,_,_), "it fits in no room of ~w", [clause(room_size(Type,_,_))], Report) )
     ;   Report = Report0 ),
     ( is_list(Report) -> piece_extent(Type, Piece, _, _) ; true ).
+
+piece_report(_, _, _, null).
 
 piece_found(Piece, Least-Most, Found) :-
     { Wall >= Least, Wall =< Most, Across >= Least, Across =< Most },
@@ -82,7 +91,9 @@ fits(Type, Piece, Turns) :-
     ( Along-Out = Length-Depth ; Turns == true, Along-Out = Depth-Length ),
     \+ \+ {Along =< Wall, Out =< Other}, !.
 
-%   judged(:Goal, ?Found, +Call, -Report): Report of what Goal has Found for the Call (see faults.pl).
+%!  judged(:Goal, ?Found, +Call, -Report) is det.
+%
+%   Report of what Goal has Found for the Call (see faults.pl).
 
 judged(_, _, _-Head, null) :- \+ clause(grammar:Head, _), !.
 judged(Goal, Found, Call, Report) :-
@@ -96,7 +107,9 @@ judged(Goal, Found, Call, Report) :-
 found_error(resource_error(_), fault(endless)) :- !.
 found_error(_, fault(raised)).
 
-%   sizes_found(:Clause, +Sizes, +Given, -Found): of Sizes under the one solution of Clause, which may use the Given.
+%!  sizes_found(:Clause, +Sizes, +Given, -Found) is det.
+%
+%   Found are the least and the greatest of each of the Sizes, or a fault, under the one solution of Clause, which may use the Given.
 
 sizes_found(Clause, _, _, fault(empty)) :- \+ grammar:Clause, !.
 sizes_found(Clause, _, _, fault(several)) :- findnsols(2, x, grammar:Clause, [_,_]), !.
@@ -105,17 +118,23 @@ sizes_found(Clause, Sizes, Given, Found) :-
     append(Sizes, Given, All),
     once(size_found(Sizes, All, Found)).
 
-size_found(_, All, fault(nonlinear)) :-
-    copy_term(All, _, Goals),
-    member({Conjunction}, Goals),
-    conjunct(Constraint, Conjunction),
-    nonlinear(Constraint, _).
+size_found(_, All, fault(nonlinear)) :- suspended(All).
 size_found(Sizes, _, fault(unbounded))    :- \+ maplist(extremes, Sizes, _).
 size_found(Sizes, _, fault(not_positive)) :- member(X, Sizes), extremes(X, Low-_), Low =< 0.
 size_found(Sizes, _, Found) :-
     maplist(extremes, Sizes, Ranges),
-    maplist(rounded_range, Ranges, [L-LL,D-DD]),
-    maplist(metres, [L,LL,D,DD], Found).
+    maplist(rounded_range, Ranges, Rounded),
+    findall(M, ( member(L-H, Rounded), member(X, [L,H]), metres(X, M) ), Found).
+
+%!  suspended(+Sizes) is semidet.
+%
+%   CLP(R) waits with a constraint of these, since it is not linear.
+
+suspended(Sizes) :-
+    copy_term(Sizes, _, Goals),
+    member({Conjunction}, Goals),
+    conjunct(Constraint, Conjunction),
+    nonlinear(Constraint, _), !.
 
 conjunct(G, (A,B)) :- !, ( conjunct(G, A) ; conjunct(G, B) ).
 conjunct(G, G).

@@ -113,7 +113,7 @@ place(source(_,Text), Position, Line, Column) :-
 
 %!  wording(+Source, +Position, -Text) is det.
 %
-%   Text is the part at this Position as written, on one line.
+%   Text is the part at this Position as written, on one line, or how it begins.
 
 wording(source(_,Text), Position, Words) :-
     arg(1, Position, From), arg(2, Position, To),
@@ -122,4 +122,4 @@ wording(source(_,Text), Position, Words) :-
     split_string(Written, " \n\t\r", " \n\t\r", Parts),
     exclude(==(""), Parts, Said),
     atomic_list_concat(Said, ' ', Atom),
-    atom_string(Atom, Words).
+    ( sub_atom(Atom, 0, 120, After, Begin), After > 3 -> string_concat(Begin, "...", Words) ; atom_string(Atom, Words) ).

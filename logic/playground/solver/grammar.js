@@ -96,7 +96,7 @@ export class Grammar {
 
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
-    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["most_rooms", 1]];
+    const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["most_rooms", 1]];
     this.house = new Program(this.clingo, this.asp, { rooms: 1 }, ["house"]);
     const facts = this.house.atoms(...signatures).map(parseTerm);
     const of = (name) => facts.filter((fact) => fact.name === name).map((fact) => fact.args);
@@ -111,6 +111,7 @@ export class Grammar {
     for (const [piece, companion] of [...of("beside"), ...of("around")])
       for (const pieces of Object.values(this.furniture))
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
+    this.lit = new Set(of("lit").map(([type]) => type.name));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
   }
 
@@ -135,6 +136,10 @@ export class Grammar {
         this.lengths[type].push([`extent(${fact})`, `size(${type},${piece})`]);
       }
     }
+    const topology = compound("topology", this.sharesWalls ? "shared" : "apart", false);
+    const rooms = this.types.map((type) => compound("room", atom(type), this.lit.has(type)));
+    const disagreements = this.prolog.ask("grammar_disagreements", topology, list(rooms));
+    if (disagreements.length) throw wrong(disagreements[0]);
   }
 
   get prologFile() {

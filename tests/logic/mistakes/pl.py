@@ -23,6 +23,33 @@ def bounds(title: str, bounds: str, says: str, at: str = "") -> Mistake:
     return bathroom(title, new=f"room_size(bathroom, W, D) :- {{ {bounds} }}.", says=says, at=at)
 
 
+def plan(title: str, old: str, new: str, says: str, at: str = "") -> Mistake:
+    """An edit of the lengths of the home grammar, where rooms share walls."""
+    return Mistake(title, "sizes.pl", old=old, new=new, says=says, at=at, grammar="home")
+
+
+def appended(title: str, new: str, says: str) -> Mistake:
+    """A clause more in the lengths of the home grammar."""
+    return plan(title, "", new, says)
+
+
+def kitchen(title: str, new: str, says: str, at: str = "") -> Mistake:
+    """Another area of its kitchens."""
+    return plan(title, "room_area(kitchen,   6.0, 16.0).", new, says, at)
+
+
+def window(title: str, bounds: str, says: str, at: str = "") -> Mistake:
+    """Other bounds of its windows."""
+    clause = "window_size(_, L, Wall) :- {{ {} }}."
+    return plan(title, clause.format("L >= 0.6, L =< 0.6*Wall, L =< 2.4"), clause.format(bounds), says, at)
+
+
+def house(title: str, bounds: str, says: str, at: str = "") -> Mistake:
+    """Other bounds of its houses."""
+    clause = "house_size(W, D) :- {{ {} }}."
+    return plan(title, clause.format("W =< 2.2*D, D =< 2.2*W"), clause.format(bounds), says, at)
+
+
 MISTAKES = (
     # - sizes that are empty
     bounds(
@@ -70,14 +97,14 @@ MISTAKES = (
     bed(
         "a piece that is longer than the walls of its room",
         new="piece_size(bed, L, D, _) :- { L >= 5.3, L =< 5.6, D >= 5.3, D =< 5.6 }.",
-        says="L >= 5.3, L =< Wall and Wall =< 5.2 (in bedroom) exclude each other",
+        says="L >= 5.3, L =< Wall and Wall =< 5.2 (in bedroom, line 13) exclude each other",
     ),
     Mistake(
         "a piece that is longer than the walls of one type of room",
         "sizes.pl",
         old="piece_size(cupboard,  L, D, _) :- { L >= 0.9,  L =< 2.0, D >= 0.4,  D =< 0.5 }.",
         new="piece_size(cupboard, L, D, _) :- { L >= 6.2, L =< 7.0, D >= 0.4, D =< 0.5 }.",
-        says="L >= 6.2, L =< Wall and Wall =< 6.1 (in hall) exclude each other",
+        says="L >= 6.2, L =< Wall and Wall =< 6.1 (in hall, line 16) exclude each other",
     ),
     # - what is no linear constraint
     bounds(
@@ -489,5 +516,192 @@ door_width(0.762).          % the paper's 2.5 feet
         old="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7",
         new="room_size(bathroom, W, D) :- { W >= 2.4, W =< 3.7e9",
         says="bathroom: 3.7e+09 m, more than the 1000 m of a house",
+    ),
+    # - lengths of plans: names, numbers, and what contradicts another clause
+    kitchen(
+        "an area above the size",
+        "room_area(kitchen,30.0,40.0).",
+        "30.0 m2 at least, and room_size(kitchen, W, D) in line 23 allows 17.64 m2 at most",
+    ),
+    kitchen(
+        "an area below the size",
+        "room_area(kitchen, 0.5, 3.0).",
+        "3.0 m2 at most, and room_size(kitchen, W, D) in line 23 allows 4.0 m2 at least",
+    ),
+    kitchen(
+        "an area of an oblong size",
+        "room_area(kitchen, 6.0, 16.0).\nroom_area(corridor, 15.0, 20.0).",
+        "room_size(corridor, W, D) in line 19 allows 14.4 m2 at most",
+        at="room_area(corridor",
+    ),
+    kitchen(
+        "a least area above the greatest",
+        "room_area(kitchen,12.0,10.0).",
+        "is not a least and a greatest number of square metres",
+    ),
+    kitchen(
+        "an area below zero",
+        "room_area(kitchen,-1.0,10.0).",
+        "is not a least and a greatest number of square metres",
+    ),
+    kitchen(
+        "an area without end",
+        "room_area(kitchen,1.0,inf).",
+        "is not a least and a greatest number of square metres",
+    ),
+    kitchen(
+        "an area by bounds",
+        "room_area(kitchen,L,M) :- { L >= 6, M =< 16 }.",
+        "is not a least and a greatest number of square metres",
+    ),
+    appended(
+        "an area of a misspelt type",
+        "room_area(corridr,3.0,5.0).",
+        "room_area: corridr is no room type: see type/1. Did you mean corridor?",
+    ),
+    appended(
+        "an area of a type in upper case",
+        "room_area('KITCHEN',3.0,5.0).",
+        "KITCHEN is no room type: see type/1. Did you mean kitchen?",
+    ),
+    appended("an area of two types", "room_area((wc;living),3.0,5.0).", "wc;living is no room type"),
+    appended(
+        "an area of misspelt types by a body",
+        "room_area(T,3.0,5.0) :- member(T, [corridr]).",
+        "corridr is no room type: see type/1. Did you mean corridor?",
+    ),
+    appended(
+        "a second area",
+        "room_area(kitchen,3.0,5.0).",
+        "room_area(kitchen,3.0,5.0) is a second clause: the first stands in line 35. State one",
+    ),
+    appended(
+        "an area for all types beside others",
+        "room_area(_,3.0,5.0).",
+        "room_area(_,3.0,5.0) is for every type, and some have a clause of their own",
+    ),
+    appended(
+        "a window of a misspelt type",
+        "window_size(livng, L, _) :- { L = 1.2 }.",
+        "window_size: livng is no room type: see type/1. Did you mean living?",
+    ),
+    window(
+        "a window without size",
+        "L >= 0.6*Wall, L =< 0.4*Wall",
+        "allows no size: L >= 0.6*Wall, L =< 0.4*Wall and Wall >= ",
+    ),
+    window(
+        "a window longer than any wall",
+        "L >= 5.0, L =< Wall",
+        "with window_margin(0.65) in line 6 on both sides no such window fits in room_size(",
+    ),
+    window("a window without a least length", "L =< 0.6*Wall", "L has no lower bound"),
+    window(
+        "a window of a product",
+        "L >= 0.6, L =< 2.4, L*Wall =< 4",
+        "L*Wall =< 4 is nonlinear, and CLP(R) decides linear constraints alone",
+        at="L*Wall",
+    ),
+    house(
+        "a house without size",
+        "W >= 10, W =< 9, D =< W",
+        "house_size(W, D) allows no size: W >= 10 and W =< 9 exclude each other",
+    ),
+    house(
+        "a house smaller than each room",
+        "W =< 0.7, D =< 8",
+        "house_size(W, D): no room fits in it, not even room_size(wc, W, D) in line 26",
+    ),
+    house(
+        "an area of the house by a product",
+        "W*D =< 60",
+        "W*D =< 60 is nonlinear, and CLP(R) decides linear constraints alone",
+        at="W*D",
+    ),
+    appended(
+        "a second size of the house",
+        "house_size(W, D) :- { W =< 20, D =< 20 }.",
+        "house_size(W, D) is a second clause: the first stands in line 13. State one",
+    ),
+    appended(
+        "a depth of units where there are none",
+        "unit_depth(D) :- { D >= 7.0, D =< 9.0 }.",
+        "unit_depth(D): the houses of this topology have no units",
+    ),
+    Mistake(
+        "a depth of units that is a square",
+        "sizes.pl",
+        old="D >= 7.0, D =< 8.8",
+        new="D >= 7.0, D =< 8.8, D*D =< 70",
+        says="D*D =< 70 is nonlinear",
+        at="D*D",
+        grammar="apartments",
+    ),
+    Mistake(
+        "a depth of units without size",
+        "sizes.pl",
+        old="unit_depth(D) :- { D >= 7.0, D =< 8.8 }.",
+        new="unit_depth(D) :- { D >= 9.0, D =< 8.8 }.",
+        says="unit_depth(D) allows no size: D >= 9.0 and D =< 8.8 exclude each other",
+        grammar="apartments",
+    ),
+    plan(
+        "a door wider than walls",
+        "door_width(0.8).",
+        "door_width(3.9).",
+        "with door_margin(0.1) in line 5, and room_size(wc, W, D) in line 26 allows 2.0 m at most",
+    ),
+    plan(
+        "a door of no width",
+        "door_width(0.8).",
+        "door_width(0).",
+        "door_width(0) is not a number of metres more than 0",
+    ),
+    plan(
+        "a room that no door fits",
+        "room_size(wc,       W, D) :- { W >= 0.9, W =< 2.0, D >= 0.9, D =< 2.0 }.",
+        "room_size(wc, W, D) :- { W = 0.9, D = 0.9 }.",
+        "door_width(0.8) in line 4 with door_margin(0.1) in line 5, and this allows 0.9 m at most",
+    ),
+    plan(
+        "a margin below zero",
+        "door_margin(0.1).",
+        "door_margin(-0.1).",
+        "door_margin(-0.1) is not a number of metres, 0 or more",
+    ),
+    plan(
+        "a word for a margin",
+        "door_margin(0.1).",
+        "door_margin(wide).",
+        "door_margin(wide) is not a number of metres, 0 or more",
+    ),
+    plan(
+        "a second margin",
+        "door_margin(0.1).",
+        "door_margin(0.1). door_margin(0.2).",
+        "door_margin(0.2) is a second clause",
+        at="door_margin(0.2)",
+    ),
+    plan(
+        "a margin as long as the walls",
+        "window_margin(0.65).",
+        "window_margin(20.0).",
+        "window_margin(20.0): no window has it on both sides in room_size(living, W, D) in line 21",
+    ),
+    plan(
+        "a gap between rooms that share walls",
+        "room_gap(0.0).",
+        "room_gap(0.6).",
+        "rooms share walls in this topology: state room_gap(0.0)",
+    ),
+    Mistake(
+        "a door wider than the rooms around a main room",
+        "sizes.pl",
+        old="door_width(0.762).",
+        new="door_width(5.0).",
+        says="a door takes 5.0 m of the width, and room_size(bathroom, W, D) in line 14 allows 3.7 m at most",
+    ),
+    passage(
+        "a number that no machine holds", new="passage(1.0e400).", says="no length is so large", at="1.0e400"
     ),
 )

@@ -1,0 +1,143 @@
+:- module(agreement, [grammar_disagreements/3]).
+
+/** <module> Whether a grammar's lengths agree with each other, as far as that is known before a house is made
+
+reports.pl judges the lengths that every grammar states. Here are those that only some state, and what two clauses say together:
+then the text names both.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(clpr)).
+:- use_module(library(lists)).
+:- use_module(answers).
+:- use_module(faults).
+:- use_module(grammar_files).
+:- use_module(lengths).
+:- use_module(regions).
+:- use_module(reports).
+:- use_module(sizes).
+
+%!  grammar_disagreements(+Topology, +Types, -Json) is det.
+%
+%   Json lists [File,Line,Column,Text]. Topology is topology(Walls,Units): shared or apart, and true where houses have units.
+%   Types are room(Type,Lit), Lit is true where such rooms have windows; each has a size.
+
+grammar_disagreements(Topology, Types, Json) :-
+    findall([File,Line,Column,Text], disagreement(Topology, Types, wrong(File,Line,Column,Text)), Found),
+    as_json(Found, Json).
+
+disagreement(topology(Walls,_), Types, Wrong) :- narrow_walls(Walls, Types, Wrong).
+disagreement(topology(shared,Units), Types, Wrong) :-
+    (   member(Name, [door_margin,window_margin]), length_report(Name, Wrong), Wrong = wrong(_,_,_,_)
+    ;   stated_length(room_gap, Gap), number(Gap), Gap > 0,
+        clash(room_gap(_), "rooms share walls in this topology: state room_gap(0.0)", [], Wrong)
+    ;   member(room(Type,_), Types), stated_for(room_area(Type,_,_)), area_wrong(Type, Wrong)
+    ;   member(room(Type,Lit), Types), window_wrong(Type, Lit, Wrong)
+    ;   stated(house_size(_,_)), house_wrong(Types, Wrong)
+    ;   stated(unit_depth(_)), unit_wrong(Units, Types, Wrong) ).
+
+stated(Head) :- \+ \+ clause(grammar:Head, _).
+
+%   narrow_walls(+Walls, +Types, -Wrong): a door takes more of a wall than some rooms have. Around a main room it stands in the
+%   width of its room.
+
+narrow_walls(Walls, Types, Wrong) :-
+    stated_length(door_width, Width), stated_length(door_margin, Margin), number(Width), number(Margin), Door is Width + 2*Margin,
+    findall(Long-Type, ( member(room(Type,_), Types), longest_wall(Walls, Type, Long), Long < Door - 1.0e-9 ), Found),
+    sort(Found, [Long-Type|Others]),
+    ( Margin > 0 -> Margins = [" with ",clause(door_margin(_))] ; Margins = ["",""] ),
+    ( Walls == apart -> Where = "the width" ; Where = "a wall" ),
+    (   Others == [], Types = [_,_|_]
+    ->  append([metres(Door),Where,clause(door_width(_))|Margins], [metres(Long)], Said),
+        clash(room_size(Type,_,_), "a door takes ~w m of ~w by ~w~w~w, and this allows ~w m at most", Said, Wrong)
+    ;   append([metres(Door),Where|Margins], [clause(room_size(Type,_,_)),metres(Long)], Said),
+        clash(door_width(_), "a door takes ~w m of ~w~w~w, and ~w allows ~w m at most", Said, Wrong) ).
+
+longest_wall(apart,  Type, Long) :- room_range(Type, _-Long, _).
+longest_wall(shared, Type, Long) :- room_range(Type, _-W, _-D), Long is max(W, D).
+
+shortest_wall(Type, Short) :- room_range(Type, W-_, D-_), Short is min(W, D).
+
+% - areas -------------------------------------------------------------------------------------------------------
+
+area_wrong(Type, Wrong) :-
+    Head = room_area(Type,Least,Most),
+    judged(areas_found(Head, Least, Most, Found), Found, []-room_area(Type,_,_), Report),
+    (   Report = L-M
+    ->  sized(room_size(Type, W0, D0)), size_system([W,D], [W0,D0], size(Type), System), corners(System, W, D, Corners),
+        least_and_greatest_area(Corners, Low-_, High-_),
+        (   L > High + 1.0e-9
+        ->  clash(room_area(Type,_,_), "~w m2 at least, and ~w allows ~w m2 at most", [metres(L),clause(room_size(Type,_,_)),metres(High)], Wrong)
+        ;   M < Low - 1.0e-9,
+            clash(room_area(Type,_,_), "~w m2 at most, and ~w allows ~w m2 at least", [metres(M),clause(room_size(Type,_,_)),metres(Low)], Wrong) )
+    ;   Wrong = Report ).
+
+areas_found(Head, Least, Most, Found) :-
+    findnsols(2, Least-Most, grammar:Head, Stated), !,
+    (   Stated = [] -> Found = fault(empty)
+    ;   Stated = [_,_] -> Found = fault(several)
+    ;   Stated = [L-M], number(L), number(M), L >= 0, M > 0, L =< M, M < 1.0e9 -> Found = L-M
+    ;   Found = fault(no_areas) ).
+
+% - windows -----------------------------------------------------------------------------------------------------
+
+%   window_wrong(+Type, +Lit, -Wrong): of a type without windows, where a clause names it.
+
+window_wrong(Type, Lit, Wrong) :-
+    stated_length(window_margin, Margin), number(Margin),
+    longest_wall(shared, Type, Long), shortest_wall(Type, Short),
+    Left is Long - 2*Margin,
+    (   Lit == true, Left < 1.0e-6
+    ->  clash(window_margin(_), "no window has it on both sides in ~w, whose walls are ~w m at most", [clause(room_size(Type,_,_)),metres(Long)], Wrong)
+    ;   stated_for(window_size(Type,_,_)), ( Lit == true -> true ; named(window_size(Type,_,_)) ),
+        format(string(Above), "~~w >= ~3g (in ~w)", [Short,Type]), format(string(Below), "~~w =< ~3g (in ~w)", [Long,Type]),
+        Given = [(Wall >= Short)-said(Above,[3]),(Wall =< Long)-said(Below,[3])],
+        judged(window_found(Type, Short-Long, Found), Found, Given-window_size(Type,_,Wall), Report),
+        (   Report = wrong(_,_,_,_)
+        ->  Wrong = Report
+        ;   \+ window_fits(Type, Margin, Long),
+            clash(window_size(Type,_,_), "with ~w on both sides no such window fits in ~w, whose walls are ~w m at most",
+                  [clause(window_margin(_)),clause(room_size(Type,_,_)),metres(Long)], Wrong) ) ).
+
+named(Head) :-
+    arg(1, Head, Type), functor(Head, Name, Arity), functor(Any, Name, Arity),
+    clause(grammar:Any, _), arg(1, Any, Named), Named == Type, !.
+
+window_found(Type, Short-Long, Found) :-
+    { Wall >= Short, Wall =< Long },
+    sizes_found(window_size(Type,Length,Wall), [Length], [Wall], Found).
+
+window_fits(Type, Margin, Long) :- \+ \+ ( grammar:window_size(Type, Length, Wall), {Wall =< Long, Length + 2*Margin =< Wall} ).
+
+% - the house, and its units --------------------------------------------------------------------------------------
+
+house_wrong(Types, Wrong) :-
+    Given = [(W > 0)-said("~w > 0",[1]),(D > 0)-said("~w > 0",[2])],
+    judged(house_found(Found), Found, Given-house_size(W,D), Report),
+    (   Report = wrong(_,_,_,_)
+    ->  Wrong = Report
+    ;   \+ ( member(room(Type,_), Types), in_house(Type) ),
+        smallest(Types, Least),
+        clash(house_size(_,_), "no room fits in it, not even ~w", [clause(room_size(Least,_,_))], Wrong) ).
+
+house_found(Found) :-
+    { W > 0, D > 0 },
+    (   \+ grammar:house_size(W, D) -> Found = fault(empty)
+    ;   findnsols(2, x, grammar:house_size(W, D), [_,_]) -> Found = fault(several)
+    ;   grammar:house_size(W, D), suspended([W,D]) -> Found = fault(nonlinear)
+    ;   Found = [] ).
+
+in_house(Type) :-
+    sized(room_size(Type, W, D)),
+    member(X-Y, [W-D,D-W]),
+    \+ \+ ( grammar:house_size(HW, HD), {X =< HW, Y =< HD} ), !.
+
+smallest(Types, Least) :- findall(Short-Type, ( member(room(Type,_), Types), shortest_wall(Type, Short) ), Found), sort(Found, [_-Least|_]).
+
+unit_wrong(false, _, Wrong) :- clash(unit_depth(_), "the houses of this topology have no units, as those of building have", [], Wrong).
+unit_wrong(true, Types, Wrong) :-
+    judged(sizes_found(unit_depth(D), [D], [], Found), Found, []-unit_depth(_), Report),
+    (   Report = wrong(_,_,_,_)
+    ->  Wrong = Report
+    ;   Report = [_,High], smallest(Types, Least), shortest_wall(Least, Short), High < Short,
+        clash(unit_depth(_), "~w m at most, and no room is less deep than ~w allows", [metres(High),clause(room_size(Least,_,_))], Wrong) ).
