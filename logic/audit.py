@@ -7,7 +7,9 @@ from typing import Any
 
 from clingo.ast import ASTType
 
+from logic.encoding import illegible, shown
 from logic.errors import GrammarError
+from logic.integers import too_large
 from logic.spelling import closest
 from logic.statements import Statement
 
@@ -30,6 +32,10 @@ OBJECTIONS = {
     ASTType.Edge: "a grammar holds rules: leave #edge out, and forbid cycles by a constraint",
     ASTType.TheoryDefinition: "a grammar holds rules without theories",
 }
+
+
+UNREAD = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|%[^\n]*', re.DOTALL)
+"""Strings and comments of clingo's language."""
 
 
 def audit(statements: Iterable[Statement], stages: Sequence[str] = STAGES) -> Iterator[GrammarError]:
@@ -57,17 +63,29 @@ def _objection(node: Any, stages: Sequence[str]) -> str:
 
 
 def unreadable(file: Path) -> Iterator[GrammarError]:
-    """What clingo would end at without a word, outside of comments and strings, or read from elsewhere."""
-    try:
-        text = file.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        yield GrammarError(f"not UTF-8: {error.reason}", file)
+    """What is no text, what clingo would end at without a word or read as another number, and what it would
+    read from elsewhere.
+    """
+    content = file.read_bytes()
+    if wrong := illegible(content):
+        line, column, why = wrong
+        yield GrammarError(why, file, line, column)
         return
-    for number, line in enumerate(text.split("\n"), start=1):
-        code = re.sub(r'"[^"]*"|%.*', lambda found: " " * len(found[0]), line)
-        for column, letter in enumerate(code, start=1):
+    if file.suffix != ".lp":
+        return
+    text = content.decode()
+    if text.startswith("\ufeff"):
+        yield GrammarError(
+            "a byte order mark, which clingo does not read: save as UTF-8 without it", file, 1, 1
+        )
+        return
+    code = UNREAD.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+    yield from too_large(code, file)
+    for number, line in enumerate(code.split("\n"), start=1):
+        for column, letter in enumerate(line, start=1):
             if not letter.isascii():
-                yield GrammarError(f"{letter}: names are of plain letters", file, number, column)
+                yield GrammarError(f"{shown(letter)}: names are of plain letters", file, number, column)
+    for number, line in enumerate(text.split("\n"), start=1):
         # In comments and strings too: a file cannot be read by another idea of where these end than clingo's.
         if include := re.search(r"#\s*include\b", line):
             why = "all .lp files of the grammar's directory are read: leave #include out, copy the file there"

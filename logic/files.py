@@ -1,5 +1,6 @@
 """House files: JSON Lines, a house a line, plain or gzipped; also one house in a ``.json`` file."""
 
+import codecs
 import gzip
 import io
 import json
@@ -15,6 +16,7 @@ from typing import Any, BinaryIO
 
 import msgspec
 
+from logic.encoding import MARKS
 from logic.errors import HouseFileError, RequestError
 from logic.gallery import Houses
 from logic.grammar import shipped
@@ -80,6 +82,8 @@ def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> I
     read = file.read if _holds_one(path) else file.readline
     number, left = 0, MOST_BYTES
     while line := read(MOST_LINE + 1):
+        if not number:
+            line = _without_mark(line, path)
         number, left = number + 1, left - len(line)
         if left < 0 or number > MOST_LINES:
             most = f"{MOST_BYTES >> 20} MiB or {MOST_LINES:,} lines"
@@ -88,6 +92,14 @@ def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> I
             raise HouseFileError(f"{path}:{number}: a house of more than {MOST_LINE >> 20} MiB")
         if line.strip() and not _ends(line):
             yield _parsed(line, f"{path}:{number}", whole_pixels)
+
+
+def _without_mark(line: bytes, path: Path) -> bytes:
+    """The first line of a file without UTF-8's byte order mark. Raises ``HouseFileError`` for another one."""
+    for mark, name in MARKS.items():
+        if line.startswith(mark):
+            raise HouseFileError(f"{path}: this file is {name}: save it as UTF-8")
+    return line.removeprefix(codecs.BOM_UTF8)
 
 
 def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from logic.errors import GrammarError
 from logic.explain import Relaxed, Source
 from logic.grammar import OWN, STAR, Grammar
 from logic.heads import closed_heads
+from logic.integers import overflowing
 from logic.layout import Endless, Program
 from logic.metres import impossible, unlikely
 from logic.placement import Placer, unknown
@@ -42,7 +44,9 @@ class LoadedGrammar:
         lengths that are no likely number of metres, and about variables that are likely to be constants.
         """
         self._grammar = grammar
-        self.placer = Placer(grammar, cell)
+        files = grammar.own + grammar.prolog
+        self._illegible = [error for file in files for error in unreadable(file)]
+        self.placer = Placer(replace(grammar, prolog=()) if self._illegible else grammar, cell)
         self.types: list[Symbol] = []
         self.furniture: dict[str, list[str]] = {}
         self._extremes: dict[str, Any] = {}
@@ -61,9 +65,11 @@ class LoadedGrammar:
 
     def _readable(self) -> Iterator[GrammarError]:
         """What is wrong with statements by themselves."""
-        illegible = [error for file in self._grammar.own for error in unreadable(file)]
+        if self._illegible:
+            yield from self._illegible
+            return
         try:
-            yield from illegible or self._misused(read(self._grammar.own))
+            yield from self._misused(read(self._grammar.own))
         except GrammarError as error:
             yield error
         yield from self.placer.problems
@@ -82,6 +88,7 @@ class LoadedGrammar:
         yield from audit((each for each in statements if id(each.node) not in refused), programs)
         yield from misplaced(self._words, refused)
         yield from unstratified(statements)
+        yield from overflowing(statements)
 
     def _other_topologies(self) -> Iterator[GrammarError]:
         """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""

@@ -15,6 +15,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeGuard
 
+from logic.encoding import illegible
 from logic.errors import GrammarError
 from logic.grammar import SHIPPED, shipped
 from logic.house import House
@@ -131,17 +132,18 @@ def _text(file: Path) -> str:
             content = opened.read(MOST_BYTES + 1)
         if len(content) > MOST_BYTES:
             raise GrammarError(f"holds more than {MOST_BYTES >> 20} MiB: it is not read", file)
-        return content.decode()
     except OSError as error:
         raise GrammarError(f"cannot be read: {error.strerror}", file) from None
-    except UnicodeDecodeError as error:
-        raise GrammarError(f"not UTF-8: {error.reason}", file) from None
+    if wrong := illegible(content):
+        line, column, why = wrong
+        raise GrammarError(why, file, line, column)
+    return content.decode("utf-8-sig")
 
 
 def unused(file: Path, rooms: Iterable[str], pieces: Iterable[str]) -> Iterator[GrammarError]:
     """Types that a grammar's file of looks names, and the grammar does not have; by line and column."""
     looks, _ = read_looks(file, DEFAULT)
-    at = _places(file.read_text("utf-8")) if looks != Looks() else {}
+    at = _places(file.read_text("utf-8-sig")) if looks != Looks() else {}
     for key, known in (("rooms", set(rooms)), ("pieces", set(pieces)), ("heights", set(pieces))):
         for name in getattr(looks, key):
             if name not in known:

@@ -324,3 +324,14 @@ def test_a_file_in_metres_has_no_pixels_to_cut(tmp_path):
     save([HOUSE], tmp_path / "house.json")
     with pytest.raises(HouseFileError, match="its lengths are in m, so there are no pixels to cut"):
         load(tmp_path / "house.json", whole_pixels=True)
+
+
+def test_a_house_file_may_begin_with_a_byte_order_mark_and_is_utf_8(tmp_path: Path) -> None:
+    path = tmp_path / "houses.jsonl"
+    save([HOUSE, HOUSE], path)
+    text = path.read_text()
+    path.write_bytes(text.encode("utf-8-sig"))
+    assert load(path) == [HOUSE, HOUSE]
+    path.write_bytes(text.encode("utf-16"))
+    with pytest.raises(HouseFileError, match="houses.jsonl: this file is UTF-16: save it as UTF-8"):
+        load(path)

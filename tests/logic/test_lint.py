@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,42 @@ def test_nothing_of_a_refused_grammar_is_run(tmp_path: Path) -> None:
         rules.write(f"\n:- open('{tmp_path}/trace', write, S), close(S).\n")
     assert [finding.severity for finding in lint(folder)] == ["error"]
     assert not (tmp_path / "trace").exists()
+
+
+@pytest.mark.parametrize("file", ["rooms.lp", "sizes.pl", "looks.json"])
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (lambda text: text.encode("utf-16"), "1:1: this file is UTF-16: save it as UTF-8"),
+        (lambda text: text.encode("utf-16-be"), "1:1: this file is UTF-16, or no text: save it as UTF-8"),
+        (lambda text: b"%\n% k" + "ü".encode("latin-1") + text.encode(), "2:4: not UTF-8: byte 0xfc, ü in"),
+        (lambda text: b"\n \0" + text.encode(), "2:2: a NUL character"),
+        (lambda text: f"% {text}".replace("\n", "\r").encode(), "a line ends by a carriage return alone"),
+    ],
+    ids=["utf-16", "utf-16 without its mark", "latin-1", "a NUL", "carriage returns"],
+)
+def test_a_file_in_another_encoding_is_one_error(
+    file: str, content: Callable[[str], bytes], says: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "clinic", folder)
+    (folder / file).write_bytes(content((folder / file).read_text()))
+    (found,) = lint(folder)
+    assert f"{found.file}:{found.line}:{found.column}: {found.text}".startswith(str(folder / file))
+    assert says in f"{found.line}:{found.column}: {found.text}"
+
+
+def test_what_changes_no_rule_changes_no_finding(tmp_path: Path) -> None:
+    """A byte order mark where it is read; line ends of two letters; the least and the greatest number."""
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "clinic", folder)
+    for file in folder.iterdir():
+        mark = b"" if file.suffix == ".lp" else b"\xef\xbb\xbf"
+        file.write_bytes(mark + file.read_bytes().replace(b"\n", b"\r\n"))
+    with (folder / "rooms.lp").open("a") as rules:
+        rules.write('odd(-2147483648;2147483647). odd("9999999999"). % 9999999999\n%*\nü 9999999999 *%\n')
+        rules.write("#program house.\n:- odd(X), X = -2147483648, { room(_,_) } < X+1000, room(0,ward).\n")
+    assert [finding for finding in findings(find(folder)) if finding.severity == "error"] == []
 
 
 def test_the_lint_command_prints_each_finding_on_a_line(

@@ -746,4 +746,53 @@ MISTAKES = (
         at="large",
         says="large/0 depends on its own negation through small/0",
     ),
+    # - numbers that clingo has none for
+    Mistake(
+        "a number past the greatest",
+        "rooms.lp",
+        old="",
+        new=":- { room(_,hall) } > 4294967298.",
+        at="4294967298",
+        says="4294967298: a whole number is 2147483647 at most",
+    ),
+    Mistake(
+        "a number below the least, in a range",
+        "rooms.lp",
+        old="",
+        new="n(-2147483649..3). :- n(X), { room(_,hall) } < X.",
+        at="2147483649",
+        says="2147483649: a whole number is 2147483647 at most",
+    ),
+    Mistake(
+        "a constant past the greatest number",
+        "rooms.lp",
+        old="",
+        new="#const most = 0x100000002. :- { room(_,hall) } > most.",
+        at="0x1",
+        says="0x100000002: a whole number is 2147483647 at most",
+    ),
+    Mistake(
+        "a product past the greatest number",
+        "rooms.lp",
+        old="",
+        new="#const most = 70000. :- { room(_,hall) } > most*most.",
+        at="most*most",
+        says="most*most is 4900000000: a whole number is 2147483647 at most",
+    ),
+    # - letters that cannot be seen
+    Mistake(
+        "a byte order mark",
+        "rooms.lp",
+        old="%# Which rooms",
+        new="\ufeff%# Which rooms",
+        says="a byte order mark, which clingo does not read: save as UTF-8 without it",
+    ),
+    Mistake(
+        "a blank that does not break",
+        "rooms.lp",
+        old="",
+        new=":- room(0,\u00a0hall).",
+        at="\u00a0",
+        says="U+00A0 (NO-BREAK SPACE): names are of plain letters",
+    ),
 )
