@@ -98,7 +98,7 @@ def _without_mark(line: bytes, path: Path) -> bytes:
     """The first line of a file without UTF-8's byte order mark. Raises ``HouseFileError`` for another one."""
     for mark, name in MARKS.items():
         if line.startswith(mark):
-            raise HouseFileError(f"{path}: this file is {name}: save it as UTF-8")
+            raise HouseFileError(f"{path}:1: not a house: this file is {name}: save it as UTF-8")
     return line.removeprefix(codecs.BOM_UTF8)
 
 

@@ -333,5 +333,5 @@ def test_a_house_file_may_begin_with_a_byte_order_mark_and_is_utf_8(tmp_path: Pa
     path.write_bytes(text.encode("utf-8-sig"))
     assert load(path) == [HOUSE, HOUSE]
     path.write_bytes(text.encode("utf-16"))
-    with pytest.raises(HouseFileError, match="houses.jsonl: this file is UTF-16: save it as UTF-8"):
+    with pytest.raises(HouseFileError, match=":1: not a house: this file is UTF-16: save it as UTF-8"):
         load(path)
