@@ -14,12 +14,12 @@ from weakref import finalize
 from clingo import Control, Symbol
 from clingo.ast import AST, ProgramBuilder, parse_files
 
-from logic.grammar import ADJACENT, RULES
+from logic.grammar import ADJACENT, GUARD, RULES
 
 DIFFERENCES, HOUSE = RULES / "plans" / "differences.lp", "house"
 """The file that states differences, and its part that does so."""
 
-STATING = DIFFERENCES, ADJACENT
+STATING = DIFFERENCES, ADJACENT, GUARD
 """All that state some."""
 
 _spent = list[object]()

@@ -23,8 +23,14 @@ STAR = TOPOLOGIES / "star.lp"
 ADJACENT = RULES / "plans" / "adjacent.lp"
 """Which rooms share a wall: read where a rule names ``adjacent``, since it takes choices of its own."""
 
-PLANS = tuple(file for file in sorted((RULES / "plans").glob("*.lp")) if file != ADJACENT)
+GUARD = RULES / "plans" / "topology.lp"
+"""What a topology of the user's own keeps, whatever it says."""
+
+PLANS = tuple(file for file in sorted((RULES / "plans").glob("*.lp")) if file not in (ADJACENT, GUARD))
 """What all other topologies share: rooms that share walls, and doors in them."""
+
+STATED = RULES / "plans" / "stated.lp"
+"""What a topology states, and no other file of a grammar."""
 
 ACCESS, OWN = RULES / "plans" / "access.lp", RULES / "own.lp"
 """What a plan of the user's has in the place of a topology."""
@@ -63,7 +69,7 @@ class Grammar:
     def for_own_plan(self) -> "Grammar":
         """The same rules without their topology: those of a plan of the user's (``own_plan.py``)."""
         own = tuple(file for file in self.own if file.stem != self.topology_name)
-        return replace(self, own=own, topology=(ACCESS, OWN), topology_name=OWN.stem)
+        return replace(self, own=own, topology=(ACCESS, STATED, OWN), topology_name=OWN.stem)
 
 
 def shipped() -> list[str]:
@@ -127,7 +133,7 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
             named.append(name)
     if not named:
         return (STAR,), STAR.stem
-    return plans if named[0] in own else (*plans, known[named[0]]), named[0]
+    return (*plans, GUARD if named[0] in own else known[named[0]]), named[0]
 
 
 def _hash(files: tuple[Path, ...]) -> str:

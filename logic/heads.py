@@ -9,8 +9,9 @@ from typing import Any
 from clingo.ast import ASTType
 
 from logic.audit import STAGES
+from logic.grammar import STATED, Grammar
 from logic.messages import written
-from logic.statements import Statement
+from logic.statements import Statement, place
 from logic.vocabulary import Signature, Use, Words, core_words
 
 CHOICES = {("option", 3), ("picks", 2)}
@@ -20,9 +21,10 @@ NAMES = {ASTType.Function, ASTType.SymbolicTerm}
 UNNAMED = "name the choice by a word, as in option(mine(X),..): what stands here may be a choice of the core"
 
 
-def closed_heads(own: Words) -> Iterator[tuple[Statement, str]]:
-    """Statements that derive or rename what is the core's, each with what to write instead."""
+def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
+    """Statements that derive or rename what is the core's or the topology's, each with what to write."""
     core = own.core or core_words()
+    yield from _of_topology(own, core, grammar)
     for signature, uses in own.derived.items():
         if signature in core.derived and signature not in core.opened:
             for use in uses:
@@ -43,6 +45,20 @@ def closed_heads(own: Words) -> Iterator[tuple[Statement, str]]:
                     use.statement,
                     f"the core picks {name} itself: state a constraint, or name another choice",
                 )
+
+
+def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
+    """What stands elsewhere than in the file of the topology, and is for that to state."""
+    name = grammar.topology_name
+    mine = [str(file) for file in grammar.own if file.stem == name]
+    for signature, opened in core.opened.items():
+        if place(opened.node)[0] != str(STATED):
+            continue
+        for use in own.derived.get(signature, ()):
+            if place(use.node)[0] not in mine:
+                said = f"the topology states {signature[0]}/{signature[1]}"
+                hint = f"here {name}: one of your own is a file NAME.lp that topology(NAME) names"
+                yield use.statement, f"{said}: move this to {name}.lp" if mine else f"{said}, {hint}"
 
 
 def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:

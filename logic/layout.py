@@ -166,7 +166,11 @@ class Program:
         ]
         counts = [len(values) for _, values in sorted(options.items())]
         several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
-        turns = {symbol.arguments[0]: symbol.arguments[1].number for symbol in self.atoms("turn", 2)}
+        turns = {
+            variable: turn.number
+            for variable, turn in (symbol.arguments for symbol in self.atoms("turn", 2))
+            if turn.type == clingo.SymbolType.Number
+        }
         return (
             np.array([turns.get(variable, 0) for variable in sorted(options)], int),
             np.array(counts, int),

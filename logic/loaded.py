@@ -82,7 +82,7 @@ class LoadedGrammar:
             yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
             return
         yield from self._other_topologies()
-        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words)}
+        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words, self._grammar)}
         yield from refused.values()
         programs = stages(core_words(self._grammar.topology))
         yield from audit((each for each in statements if id(each.node) not in refused), programs)
@@ -212,6 +212,11 @@ class LoadedGrammar:
             for fact in sorted(facts):
                 if not re.fullmatch(NAME, str(fact.arguments[place])):
                     yield self._at(fact, f"{fact.arguments[place]}: a {what}")
+
+    def topology_error(self, why: str) -> GrammarError:
+        """An error of the topology of the user's own, where it first says on which lines rooms lie."""
+        found = self._words.derived.get(("edge", 3))
+        return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
 
     def _at(self, fact: Symbol, why: str) -> GrammarError:
         """An error at the fact's place in the files."""

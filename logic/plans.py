@@ -13,7 +13,7 @@ from clingo import Symbol
 
 from logic.errors import LimitReached, RequestError
 from logic.given_rooms import Furnished, GivenRoom, Unfurnishable, furnished
-from logic.grammar import Grammar
+from logic.grammar import GUARD, Grammar
 from logic.house import House
 from logic.layout import Nogood, Program
 from logic.loaded import LoadedGrammar
@@ -22,6 +22,7 @@ from logic.placement import Infeasible
 from logic.proof import Prover
 from logic.request import Request
 from logic.terms import to_furnish
+from logic.tiling import require_tiling
 
 MOST_TRIES = 200
 """How often a house may have a room that cannot be furnished at its size, though it might at others."""
@@ -46,7 +47,11 @@ class Planner:
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
         """Know its rules."""
-        self._topology = grammar.topology_name
+        self._topology, self._unproved, self._loaded = (
+            grammar.topology_name,
+            GUARD in grammar.topology,
+            loaded,
+        )
         self._placer, self._programs, self._prover = loaded.placer, loaded.programs, prover
         self.making: Making | None = None
         """How the last house was made."""
@@ -108,9 +113,16 @@ class Planner:
                 inferences -= proof.inferences
                 nogoods.append(proof.conflicts[0].atoms)
             else:
+                self._require_plan(plan)
                 return plan, layout, inferences - plan["inferences"]
             if inferences <= 0:
                 raise LimitReached("the walls of a house reached their limit of inferences")
+
+    def _require_plan(self, plan: dict[str, Any]) -> None:
+        """Refuse a topology of the user's own whose rooms are no plan: see ``tiling.py``."""
+        if self._unproved:
+            bare: list[tuple[()]] = [()] * len(plan["rooms"])
+            require_tiling(_house({**plan, "hub": ""}, bare, self._topology), self._loaded)
 
     def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         """Why there is no house, where some types of room cannot have their furniture."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from clingo.ast import ASTType, parse_files
 
-from logic.grammar import ADJACENT, PLANS, RULES, STAR, TOPOLOGIES
+from logic.grammar import ADJACENT, PLANS, RULES, STAR, STATED, TOPOLOGIES
 from logic.layout import CORE
 
 PAGE = Path(__file__).with_name("reference.md")
@@ -68,18 +68,27 @@ def _about(recipe: Recipe) -> str:
 
 
 def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
-    """What the core's ``.lp`` files document, by ``#program``; in base only what a grammar states.
+    """What the core's ``.lp`` files document, by ``#program``; in base only what a grammar states, what a
+    topology states as ``topology``.
 
     Of these topologies alone, or of all.
     """
-    entries: dict[str, list[Entry]] = {"base": [], "units": [], "house": [], "room": [], "pick": []}
+    entries: dict[str, list[Entry]] = {
+        "base": [],
+        "topology": [],
+        "units": [],
+        "house": [],
+        "room": [],
+        "pick": [],
+    }
     stated: set[tuple[str, int]] = set()
     part = "base"
 
     def take(statement: Any) -> None:
         nonlocal part
         if statement.ast_type == ASTType.Program:
-            part = statement.name
+            stated_there = statement.location.begin.filename == str(STATED)
+            part = "topology" if stated_there else statement.name
         elif statement.ast_type == ASTType.Defined:
             stated.add((statement.name, statement.arity))
         elif statement.ast_type == ASTType.Comment and part in entries:

@@ -43,7 +43,7 @@ class Support:
         known = asp_entries()
         self._entries = {
             (entry.name, len(entry.arguments)): entry
-            for part in ("base", *(name for name, _ in program.parts), "pick")
+            for part in ("base", "topology", *(name for name, _ in program.parts), "pick")
             for entry in known.get(part, ())
         }
         constants = [f"-c{name}={value}" for name, value in program.constants.items()]

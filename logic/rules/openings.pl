@@ -9,6 +9,7 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
+:- use_module(library(pairs)).
 :- use_module(grammar_files).
 :- use_module(grid).
 :- use_module(lengths).
@@ -23,29 +24,45 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 all_openings(Atoms, Rooms) -->
     { length_of(door_width, Width), length_of(door_margin, Margin), Door is Width + 2*Margin,
       findall(A, ( member(A, Atoms), opening(A) ), Openings) },
-    openings(Openings, Rooms, Door).
+    openings(Openings, Atoms, Rooms, Door).
 
 opening(door(_,_,_)).
 opening(entrance(_,_)).
 opening(window(_,_)).
 
-openings([], _, _) --> [].
-openings([Atom|Atoms], Rooms, Door) --> opening_constraints(Atom, Rooms, Door), openings(Atoms, Rooms, Door).
+openings([], _, _, _) --> [].
+openings([Opening|Openings], Atoms, Rooms, Door) -->
+    opening_constraints(Opening, Atoms, Rooms, Door),
+    openings(Openings, Atoms, Rooms, Door).
 
-opening_constraints(door(R,Q,Line), Rooms, W) -->
+opening_constraints(door(R,Q,Line), _, Rooms, W) -->
     { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, WhyR), span(Axis, SidesQ, EdgesQ, B1, B2, WhyQ),
       append([[door(R,Q,Line),length(door_width),length(door_margin)],WhyR,WhyQ], Why) },
     [(A1+W =< A2)-Why, (B1+W =< B2)-Why, (A1+W =< B2)-Why, (B1+W =< A2)-Why].
-opening_constraints(entrance(R,Side), Rooms, W) -->
-    { wall(R, Side, Rooms, _, A1, A2, Why) },
-    [(A1+W =< A2)-[entrance(R,Side),length(door_width),length(door_margin)|Why]].
-opening_constraints(window(R,Side), Rooms, _) -->
-    { wall(R, Side, Rooms, Type, A1, A2, Why0), window_walls(Type, Least, Most),
-      append([window(R,Side),room(R,Type),window_size(Type),length(window_margin)], Why0, Why) },
-    [(A1+Least =< A2)-Why],
-    ( { Most == any } -> [] ; [(A2 =< A1+Most)-Why] ).
+opening_constraints(entrance(R,Side), Atoms, Rooms, W) -->
+    { outer_wall(R, Side, Atoms, Rooms, _, Starts, Ends) },
+    reaching(Starts, Ends, W, [entrance(R,Side),length(door_width),length(door_margin)]).
+opening_constraints(window(R,Side), Atoms, Rooms, _) -->
+    { outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends), window_walls(Type, Least, Most),
+      Why = [window(R,Side),room(R,Type),window_size(Type),length(window_margin)] },
+    reaching(Starts, Ends, Least, Why),
+    ( { Most == any }
+    ->  []
+    ;   { Starts = [A1-WhyA|_], Ends = [A2-_|_], append(Why, WhyA, All) },     % the whole side, so any part of it too
+        [(A2 =< A1+Most)-All] ).
+
+%   reaching(+Starts, +Ends, +W, +Why)//: between each of the Starts and each of the Ends is room for W.
+
+reaching([], _, _, _) --> [].
+reaching([Start|Starts], Ends, W, Why) --> reaching_from(Ends, Start, W, Why), reaching(Starts, Ends, W, Why).
+
+reaching_from([], _, _, _) --> [].
+reaching_from([B-WhyB|Ends], A-WhyA, W, Why) -->
+    { append([Why,WhyA,WhyB], All) },
+    [(A+W =< B)-All],
+    reaching_from(Ends, A-WhyA, W, Why).
 
 %   line_axis(+Line, +Edges, -Axis): along which a wall on this line of the room runs.
 
@@ -54,10 +71,28 @@ line_axis(Line, edges(edge(_,_,West),edge(_,_,East),_,_), Axis) :- ( ( Line == W
 span(x, sides(X1,X2,_,_), edges(West,East,_,_), X1, X2, [West,East]).
 span(y, sides(_,_,Y1,Y2), edges(_,_,North,South), Y1, Y2, [North,South]).
 
-wall(R, Side, Rooms, Type, A1, A2, Why) :-
+%   outer_wall(+Room, +Side, +Atoms, +Rooms, -Type, -Starts, -Ends): an opening in this side of the room comes after all
+%   Starts, Place-Why, and before all Ends: those of the side, and of rooms beyond it (plans/topology.lp).
+
+outer_wall(R, Side, Atoms, Rooms, Type, [A1-Why|Starts], [A2-Why|Ends]) :-
     memberchk(room(R,Type,Sides,Edges), Rooms),
     side_axis(Side, Axis),
-    span(Axis, Sides, Edges, A1, A2, Why).
+    span(Axis, Sides, Edges, A1, A2, Why),
+    findall(beyond(R,Side,Q,How), member(beyond(R,Side,Q,How), Atoms), Beyond),
+    foldl(room_beyond(Axis, Rooms), Beyond, []-[], Starts-Ends).
+
+room_beyond(Axis, Rooms, beyond(R,Side,Q,How), Starts-Ends, More) :-
+    memberchk(room(Q,_,Sides,Edges), Rooms),
+    span(Axis, Sides, Edges, B1, B2, Lines),
+    Why = [beyond(R,Side,Q,How)|Lines],
+    ( How == before -> More = [B2-Why|Starts]-Ends ; More = Starts-[B1-Why|Ends] ).
+
+%   outer_part(+Room, +Side, +Atoms, +Rooms, -Type, -Start, -End): the part of the side that is left for it, of known walls.
+
+outer_part(R, Side, Atoms, Rooms, Type, Start, End) :-
+    outer_wall(R, Side, Atoms, Rooms, Type, Starts, Ends),
+    pairs_keys(Starts, As), max_list(As, Start),
+    pairs_keys(Ends, Bs), min_list(Bs, End).
 
 side_axis(north, x).  side_axis(south, x).  side_axis(east, y).  side_axis(west, y).
 
@@ -101,15 +136,17 @@ plan_openings(Atoms, Rooms, plan(Boxes,Doors,Windows)) -->
       length_of(door_width, Width),
       findall(D, ( member(D, Atoms), ( D = door(_,_,_) ; D = entrance(_,_) ) ), Joins),
       findall(window(R,S), member(window(R,S), Atoms), Panes) },
-    doors_sample(Joins, Rooms, Width, Doors),
-    windows_sample(Panes, Rooms, Windows).
+    doors_sample(Joins, Atoms, Rooms, Width, Doors),
+    windows_sample(Panes, Atoms, Rooms, Windows).
 
 room_box(room(R,T,sides(X1,X2,Y1,Y2),_), room(R,T,box(X1,Y1,W,H))) :- W is X2-X1, H is Y2-Y1.
 
-doors_sample([], _, _, []) --> [].
-doors_sample([Join|Joins], Rooms, Width, [Door|Doors]) --> door_sample(Join, Rooms, Width, Door), doors_sample(Joins, Rooms, Width, Doors).
+doors_sample([], _, _, _, []) --> [].
+doors_sample([Join|Joins], Atoms, Rooms, Width, [Door|Doors]) -->
+    door_sample(Join, Atoms, Rooms, Width, Door),
+    doors_sample(Joins, Atoms, Rooms, Width, Doors).
 
-door_sample(door(R,Q,Line), Rooms, Width, door(Box,R,Q)) -->
+door_sample(door(R,Q,Line), _, Rooms, Width, door(Box,R,Q)) -->
     { memberchk(room(R,_,SidesR,EdgesR), Rooms), memberchk(room(Q,_,SidesQ,EdgesQ), Rooms),
       line_axis(Line, EdgesR, Axis),
       span(Axis, SidesR, EdgesR, A1, A2, _), span(Axis, SidesQ, EdgesQ, B1, B2, _),
@@ -118,9 +155,9 @@ door_sample(door(R,Q,Line), Rooms, Width, door(Box,R,Q)) -->
       line_side(Line, EdgesR, Side), side_place(Side, SidesR, At) },
     interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Width, Box) }.
-door_sample(entrance(R,Side), Rooms, Width, door(Box,R,outside)) -->
-    { length_of(door_margin, Margin) },
-    wall_sample(R, Side, Rooms, Width, Margin, Box).
+door_sample(entrance(R,Side), Atoms, Rooms, Width, door(Box,R,outside)) -->
+    { length_of(door_margin, Margin), outer_part(R, Side, Atoms, Rooms, _, Start, End) },
+    wall_sample(R, Side, Rooms, Start-End, Width, Margin, Box).
 
 line_side(Line, edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),_), Side) :-
     ( Line == W -> Side = west ; Line == E -> Side = east ; Line == N -> Side = north ; Side = south ).
@@ -133,24 +170,23 @@ side_place(south, sides(_,_,_,Y), Y).
 segment(x, Y, X, Length, box(X,Y,Length,0.0)).
 segment(y, X, Y, Length, box(X,Y,0.0,Length)).
 
-%   wall_sample(+Room, +Side, +Rooms, +Length, +Margin, -Box)//: somewhere along the whole wall, so far from its corners.
+%   wall_sample(+Room, +Side, +Rooms, +Part, +Length, +Margin, -Box)//: somewhere along this part, so far from its ends.
 
-wall_sample(R, Side, Rooms, Length, Margin, Box) -->
-    { wall(R, Side, Rooms, _, A1, A2, _),
-      memberchk(room(R,_,Sides,_), Rooms), side_place(Side, Sides, At), side_axis(Side, Axis),
+wall_sample(R, Side, Rooms, A1-A2, Length, Margin, Box) -->
+    { memberchk(room(R,_,Sides,_), Rooms), side_place(Side, Sides, At), side_axis(Side, Axis),
       Low is A1 + Margin, High is A2 - Length - Margin },
     interval_sample(Low, High, 1, Start),
     { segment(Axis, At, Start, Length, Box) }.
 
-windows_sample([], _, []) --> [].
-windows_sample([window(R,Side)|Panes], Rooms, [window(Box,R)|Windows]) -->
-    { wall(R, Side, Rooms, Type, A1, A2, _),
+windows_sample([], _, _, []) --> [].
+windows_sample([window(R,Side)|Panes], Atoms, Rooms, [window(Box,R)|Windows]) -->
+    { outer_part(R, Side, Atoms, Rooms, Type, A1, A2),
       length_of(window_margin, Margin),
       Most is A2 - A1 - 2*Margin,
       window_range(Type, A1-A2, Most, Low-High) },
     interval_sample(Low, High, 1, Length),
-    wall_sample(R, Side, Rooms, Length, Margin, Box),
-    windows_sample(Panes, Rooms, Windows).
+    wall_sample(R, Side, Rooms, A1-A2, Length, Margin, Box),
+    windows_sample(Panes, Atoms, Rooms, Windows).
 
 %   window_range(+Type, +Wall, +Most, -Range): the lengths of a window in this wall, Most at most; all of it without a clause.
 

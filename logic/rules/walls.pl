@@ -66,8 +66,23 @@ wall_system(Atoms, Given, plan(Lines,All), System) :-
     append(Rooms, Units, All),
     ( Units == [] -> house_system(East-West, South-North, Whole) ; unit_sizes(Given, Atoms, Units, Whole) ),
     phrase(( all_rooms(Rooms, Atoms), all_openings(Atoms, Rooms), all_contacts(Atoms, Rooms) ), Each),
-    append(Whole, Each, Constraints),
+    ( memberchk(bounded, Atoms) -> foldl(within(West-East, North-South), Rooms, Each, Within) ; Within = Each ),
+    findall(court(L,M), member(court(L,M), Atoms), Courts),
+    foldl(court_between(Places), Courts, Within, Inside),
+    append(Whole, Inside, Constraints),
     fewest_unknowns_first(Constraints, System).
+
+%   within(+Along, +Down, +Room, +Constraints, -More): the room lies between the lines of the outline.
+
+within(West-East, North-South, room(_,_,sides(X1,X2,Y1,Y2),edges(W,E,N,S)), Constraints,
+       [(West =< X1)-[bounded,W],(X2 =< East)-[bounded,E],(North =< Y1)-[bounded,N],(Y2 =< South)-[bounded,S]|Constraints]).
+
+%   court_between(+Places, +Court, +Constraints, -More): a narrower court is a slit.
+
+court_between(Places, court(L,M), Constraints, [(X+Least =< Y)-[court(L,M)]|Constraints]) :-
+    get_assoc(L, Places, X), get_assoc(M, Places, Y), !,
+    in_unit(0.5, Least).
+court_between(_, _, Constraints, Constraints).
 
 forall_given([], _).
 forall_given([at(Line,X)|Given], Places) :- !, get_assoc(Line, Places, X), forall_given(Given, Places).
@@ -218,7 +233,8 @@ sampling_order(Lines, Rooms, [1-Width,1-Depth|Order]) :-
     sort(1, @>=, Ranks0, Ranks),
     maplist(ranked(Lines), Ranks, Order).
 
-ranked(Lines, N-Line, N-Place) :- memberchk(Line-Place, Lines).
+% From a line that leads to no outline there is one gap.
+ranked(Lines, N-Line, Gaps-Place) :- memberchk(Line-Place, Lines), Gaps is max(1, N).
 
 farthest(Steps, Gaps0, Gaps) :-
     foldl(farther, Steps, Gaps0, Gaps1),

@@ -13,7 +13,7 @@ import pytest
 from logic.boxes import BACK, TOLERANCE, WALLS, is_on_wall, walls_touched
 from logic.builder import Builder
 from logic.errors import Finding
-from logic.grammar import SHIPPED, find
+from logic.grammar import SHIPPED, TOPOLOGIES, find
 from logic.house import House
 from logic.least_main_room import side_of
 from logic.linter import all_warnings, errors
@@ -279,6 +279,10 @@ def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) 
     }
     # Those of furniture speak of family's pieces.
     furniture = entries.pop("room") + entries.pop("pick")
+    stated = entries.pop("topology")
+    if topology == "cuts":  # As a topology of the user's own, which alone may state more of it.
+        text = (TOPOLOGIES / "cuts.lp").read_text()
+        (folder / "cuts.lp").write_text("\n".join([text, *stated, ""]))
     if topology == "star":
         entries["room"] = furniture
     for part, examples in entries.items():

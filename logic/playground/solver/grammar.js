@@ -6,6 +6,7 @@ import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
 const ADJACENT = "plans/adjacent.lp"; // read where a rule names adjacent
+const GUARD = "plans/topology.lp"; // read with a topology of the user's own
 const DIFFERENCES = "rules/plans/differences.lp";
 const NOTHING = { rooms: 1, types: {}, furniture: {} };
 /** clingo's greatest number: no bound. */
@@ -44,8 +45,9 @@ function topologyOf(own, rules) {
   }
   if (!named.length) return { name: "star", files: withIncludes(rules, "topologies/star.lp") };
   const [{ topology, file, line, column }] = named;
-  const plans = Object.keys(rules).filter((path) => /^plans\/.*\.lp$/.test(path) && (adjacent || path !== ADJACENT)).sort().flatMap((path) => withIncludes(rules, path));
-  if (own.some(({ name }) => name === `${topology}.lp`)) return { name: topology, files: plans };
+  const mine = own.some(({ name }) => name === `${topology}.lp`);
+  const plans = Object.keys(rules).filter((path) => /^plans\/.*\.lp$/.test(path) && (path !== ADJACENT || adjacent) && (path !== GUARD || mine)).sort().flatMap((path) => withIncludes(rules, path));
+  if (mine) return { name: topology, files: plans };
   if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
   if (!rules[`topologies/${topology}.lp`]) {
     const known = Object.keys(rules).flatMap((path) => /^topologies\/(\w+)\.lp$/.exec(path)?.[1] ?? []);
