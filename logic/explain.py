@@ -84,20 +84,19 @@ class Relaxed:
         more: bool = False,
         laws: bool = False,
         most: int | None = None,
-        counts: bool = False,
     ) -> None:
         """Ground these parts of the core and of the source's files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
         With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
-        With ``laws`` what the core requires can be left out too. Past ``most`` ground rules the rest is
-        left out. With ``most`` or ``counts`` instances are counted, which takes its time.
+        With ``laws`` what the core requires can be left out too. With ``most`` ground rules are counted,
+        which takes its time, and those past them are left out.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
         )
         self._instances = Instances(most)
-        if most or counts:
+        if most:
             self._control.register_observer(self._instances)
         parts = tuple(parts)
         self._differences = Differences(self._control, source.files, parts, lambda _: None)
@@ -158,6 +157,11 @@ class Relaxed:
                 ]
                 backend.add_rule([], [stated, *atoms])
         return Statement(reason, (stated,))
+
+    @property
+    def instances(self) -> int:
+        """How many ground rules there are, where these are counted."""
+        return self._instances.number
 
     def binds(self, statement: Statement) -> bool:
         """Whether a statement has any ground instance, where these are counted."""

@@ -1,5 +1,6 @@
 """Houses by request: solver processes at work, and their answers in order."""
 
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -8,14 +9,22 @@ from typing import Any
 
 import msgspec
 
-from logic.errors import Finding, GrammarError, GrammarWarning, LimitReached, RequestError, Unsatisfiable
+from logic.errors import (
+    Finding,
+    GrammarError,
+    GrammarWarning,
+    LimitReached,
+    RequestError,
+    Unsatisfiable,
+    VitruviusError,
+)
 from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import House
 from logic.own_plan import OwnPlan, keeping, read_plan
 from logic.parts import BODY
 from logic.request import MOST_ROOMS, Count, Request
-from logic.solver import START_UP, Idle, Solver
+from logic.solver import LOADING, START_UP, Idle, Solver
 from logic.spelling import keywords
 
 _idle = Idle()
@@ -163,14 +172,34 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
     ``generate`` refuses a grammar with an error. Raises ``GrammarError`` where there is no such grammar, and
     ``LimitReached`` past these seconds.
     """
-    opening = {"grammar": str(find(grammar).directory), "lint": True}
+    opening = {"grammar": str(find(grammar).directory), "cell": 0.0, "errors": "all"}
+    end = time.monotonic() + seconds
     worker = Solver(opening)
     try:
-        return msgspec.convert(worker.loaded(seconds)["findings"], list[Finding])
+        answer = worker.loaded(seconds)
+        if "findings" not in answer:
+            left = end - time.monotonic()
+            worker.ask({"lint": True}, left)
+            answer = worker.answer(left, f"{grammar}: lint took {seconds:g} s")
+        return msgspec.convert(answer["findings"], list[Finding])
     except GrammarError as error:
         return [Finding("error", str(error.file), error.line or 1, error.column or 1, error.message)]
     finally:
         worker.end()
+
+
+def _warn(worker: Solver, rooms: int) -> None:
+    """Warn of what is of no use in the rules that a process has loaded, where these rooms are asked for.
+
+    The rules may take too much for other houses than these: then the process has ended, and nothing is said.
+    """
+    worker.ask({"warn": rooms}, LOADING)
+    try:
+        found = worker.answer(START_UP, "")["findings"]
+    except VitruviusError:
+        return
+    for finding in msgspec.convert(found, list[Finding]):
+        warnings.warn(str(finding), GrammarWarning, stacklevel=3)
 
 
 def _houses(
@@ -189,12 +218,11 @@ def _houses(
     team: list[Solver] = []
     reusable = False
     try:
-        for turn in range(number):
-            team.append(_idle.take(key) or Solver(opening | {"warn": warn and not turn}))
+        for _ in range(number):
+            team.append(_idle.take(key) or Solver(opening))
         for worker in team:
             if worker.unanswered:
-                for text in worker.loaded()["warnings"]:
-                    warnings.warn(text, GrammarWarning, stacklevel=2)
+                worker.loaded()
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]}, seconds)
         for turn, index in enumerate(indices):
@@ -207,6 +235,13 @@ def _houses(
                     raise
                 # Rules are grounded for a worker's first house.
                 raise worker.blamed(limit, request["request"]["rooms"]) from None
+            finally:
+                if warn and worker.is_alive():
+                    _warn(worker, request["request"]["rooms"])
+                warn = False
+            if not worker.is_alive():
+                team[turn % len(team)] = worker = Solver(opening)
+                worker.loaded()
             if turn + len(team) < len(indices):
                 worker.ask(request | {"index": indices[turn + len(team)]}, seconds)
             reusable = True

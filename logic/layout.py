@@ -55,21 +55,21 @@ class Endless(Exception):
 
 
 class Instances(clingo.Observer):
-    """Counts ground rules by the literals that they depend on."""
+    """Counts ground rules, and by the literals that they depend on."""
 
     def __init__(self, most: int | None = None) -> None:
         """End the grounding by ``Endless`` past this number of ground rules, if any."""
-        self._left = most
+        self._most = most
+        self.number = 0
         self.of: Counter[int] = Counter()
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """A ground rule."""
         for literal in body:  # There are very many: Counter.update takes four times as long.
             self.of[literal] += 1
-        if self._left is not None:
-            self._left -= 1
-            if self._left < 0:
-                raise Endless
+        self.number += 1
+        if self._most is not None and self.number > self._most:
+            raise Endless
 
 
 class Literals:

@@ -1,5 +1,6 @@
 """The mistakes in a grammar that clingo and SWI-Prolog pass over, by file, line and column."""
 
+import re
 from collections.abc import Iterable, Iterator
 from itertools import chain, zip_longest
 from pathlib import Path
@@ -9,8 +10,10 @@ from logic.audit import UNITS
 from logic.errors import Finding, GrammarError, Reason
 from logic.explain import Relaxed, Source
 from logic.grammar import Grammar
+from logic.layout import Part
 from logic.loaded import LoadedGrammar
 from logic.looks import DEFAULT, NAME, read_looks, unused
+from logic.programs import GIVEN
 
 SIZES = (6, 8, 4, 3, 2, 1)
 """Numbers of rooms for which a rule is looked for to bind, in this order."""
@@ -18,8 +21,14 @@ SIZES = (6, 8, 4, 3, 2, 1)
 BUILDINGS = (16,)
 """The same of houses of units."""
 
-Ground = tuple[dict[str, Any], str]
-"""Constants and the program that is ground with them."""
+LARGER = (10, 14, 20, 27, 40, 53, 64, 90, 128, 5, 7, 12, 16)
+"""Numbers for which the rules are looked at that bind in none of these, if the topology allows them."""
+
+MOST_INSTANCES = 1_000_000
+"""Ground rules that are looked at in all, which takes two seconds; shipped grammars take 100,000."""
+
+Ground = tuple[dict[str, Any], list[Part]]
+"""Constants and the parts of the program that is ground with them."""
 
 
 def findings(grammar: Grammar) -> list[Finding]:
@@ -49,12 +58,9 @@ def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
         yield from unused(looks, map(str, loaded.types), pieces)
 
 
-def warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
-    """What is of no use in rules without errors."""
-    programs: list[Ground] = [({"rooms": rooms}, UNITS) for rooms in BUILDINGS if loaded.depths]
-    programs += [({"rooms": rooms}, "house") for rooms in SIZES]
-    furnished: list[Ground] = [({"this_room": str(type_)}, "room") for type_ in loaded.types]
-    return _findings("warning", [*loaded.warnings, *_idle(grammar, programs, furnished)], grammar)
+def warnings(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None = None) -> list[Finding]:
+    """What is of no use in rules without errors, where houses of these ``rooms`` are asked for, if any."""
+    return _findings("warning", [*loaded.warnings, *_idle(grammar, loaded, rooms)], grammar)
 
 
 def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
@@ -65,18 +71,60 @@ def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) ->
     ]
 
 
-def _idle(grammar: Grammar, houses: Iterable[Ground], furnished: Iterable[Ground]) -> list[GrammarError]:
-    """Rules that bind in no house of the usual sizes and in no type of room."""
-    unbound: dict[Reason, None] | None = None
-    source = Source(grammar.asp)
-    for constants, stage in filter(None, chain.from_iterable(zip_longest(houses, furnished))):
-        program = Relaxed(source, constants, [(stage, [])], counts=True)
-        idle = {each.reason for each in program.statements if not program.binds(each)}
-        every = unbound or dict.fromkeys(each.reason for each in program.statements)
-        unbound = {reason: None for reason in every if reason in idle}
-        if not unbound:
+def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[GrammarError]:
+    """Rules that bind in no house that the topology allows and in no type of room, as far as was looked."""
+    unbound: dict[Reason, None] = {}
+    source, left, most = Source(grammar.asp), MOST_INSTANCES, 0
+    limit = ""
+    for constants, parts in _programs(loaded, rooms, unbound):
+        program = Relaxed(source, constants, parts, most=left)
+        left -= program.instances
+        bound = {each.reason for each in program.statements if program.binds(each)}
+        if not most:
+            unbound |= dict.fromkeys(each.reason for each in program.statements)
+        for reason in bound & unbound.keys():
+            del unbound[reason]
+        if left < 0:
+            limit = f" in houses of up to {most} rooms"
+        if left < 0 or not unbound:
             break
+        most = max(most, constants.get("rooms", 0))
     return [
-        GrammarError(f"this rule never binds: {reason.text}", reason.file, reason.line, reason.column)
-        for reason in unbound or ()
+        GrammarError(f"this rule never binds{limit}: {reason.text}", reason.file, reason.line, reason.column)
+        for reason in (unbound if most else ())
     ]
+
+
+def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason]) -> Iterator[Ground]:
+    """Programs in which a rule may bind: first those in which most do, and last of these numbers of rooms
+    that ``unbound`` rules name, as they are then.
+    """
+    stages = [("house", loaded.most_rooms)]
+    if loaded.depths:
+        stages = [(UNITS, loaded.most_rooms), ("house", loaded.most_in_unit)]
+
+    def houses(some: Iterable[int], stage: str, most: int) -> list[Ground]:
+        numbers = (number for number in dict.fromkeys(some) if 0 < number <= most)
+        return [({"rooms": number}, [(stage, [])]) for number in numbers]
+
+    usual = [
+        houses([rooms or 0, *(BUILDINGS if stage == UNITS else SIZES)], stage, most) for stage, most in stages
+    ]
+    yield from filter(None, chain.from_iterable(zip_longest(*usual, _furniture(loaded))))
+    for stage, most in stages:
+        named = [number + by for number in _numbers(unbound, loaded) for by in (0, 1, -1)]
+        yield from houses([*named, *LARGER, most], stage, most)
+
+
+def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
+    """The programs of furniture of each type; where rooms share walls, with any doors in them too."""
+    for type_ in map(str, loaded.types):
+        yield {"this_room": type_}, [("room", [])]
+        if loaded.walls:
+            yield {"this_room": type_, **GIVEN}, [("room", []), ("plan", []), ("doorways", [])]
+
+
+def _numbers(rules: Iterable[Reason], loaded: LoadedGrammar) -> list[int]:
+    """The numbers in some rules, and in all constants that the grammar defines."""
+    texts = [*(reason.text for reason in rules), *loaded.constants]
+    return sorted({int(number) for text in texts for number in re.findall(r"\b\d{1,3}\b", text)})

@@ -1,7 +1,7 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,7 +41,8 @@ class LoadedGrammar:
 
         Without ``remarks`` it takes half the time, and what clingo only remarks on is no error.
         ``errors`` is what is wrong with them: the rest stands only where it is empty. ``warnings`` are about
-        lengths that are no likely number of metres, and about variables that are likely to be constants.
+        lengths that are no likely number of metres, about variables that are likely to be constants, and
+        about pieces that no room has.
         """
         self._grammar = grammar
         files = grammar.own + grammar.prolog
@@ -54,7 +55,10 @@ class LoadedGrammar:
         """How many rooms a house has at most."""
         self.depths: tuple[float, float] | None = None
         """How deep units are, metres, where a house is one of units: ``buildings.py``."""
+        self.most_in_unit = 0
+        """How many rooms a unit has at most."""
         self._words = Words()
+        self._of_no_room: list[GrammarError] = []
         self.errors = list(self._readable()) or list(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
         self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
@@ -62,6 +66,11 @@ class LoadedGrammar:
         self.programs = Programs(grammar, self.furniture, self.lengths, [fact for fact, _ in self.walls])
         if remarks and not self.errors:
             self.errors = list(self.programs.remarks())
+
+    @property
+    def constants(self) -> list[str]:
+        """What the grammar defines as constants of clingo's, as text."""
+        return [str(use.node) for use in self._words.defined.values()]
 
     def _readable(self) -> Iterator[GrammarError]:
         """What is wrong with statements by themselves."""
@@ -134,14 +143,36 @@ class LoadedGrammar:
         yield from {str(error): error for error in map(self._absent, absent)}.values()
         if not errors and not absent:
             yield from impossible(self._extremes, self.placer.origins)
-        pieces = {piece for each in self.furniture.values() for piece in each}
         for predicate, name, file, line, column in sized:
-            known = pieces if predicate == "piece_size" else set(self.furniture)
-            if name not in known:
-                kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
-                meant = closest(name, known)
-                hint = f". Did you mean {meant}?" if meant else ""
-                yield unknown(name, f"{predicate}: {name} is no {kind}{hint}", file, line, column)
+            if predicate != "piece_size" and name not in self.furniture:
+                text = f"{predicate}: {name} is no room type: see type/1{_meant(name, self.furniture)}"
+                yield unknown(name, text, file, line, column)
+        lacking = {str(clause.arguments[-1]) for clause in absent}
+        yield from self._unused(probe, sized, lacking)
+
+    def _unused(
+        self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: set[str]
+    ) -> Iterator[GrammarError]:
+        """Keep, as warnings, what is said of pieces that no room has: files may be shared by grammars.
+
+        It is an error where a piece is ``lacking`` that it is likely to be meant for.
+        """
+        pieces = {piece for pieces in self.furniture.values() for piece in pieces}
+        of_rules: dict[str, GrammarError] = {}  # One statement may state many facts.
+        for symbol in sorted(probe.atoms("unused", 2)):
+            fact, why = _stated(symbol.arguments[0]), symbol.arguments[1].string
+            found = self._at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
+            of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
+        self._of_no_room += of_rules.values()
+        for predicate, name, file, line, column in sized:
+            if predicate != "piece_size" or name in pieces:
+                continue
+            text = f"{predicate}: {name} is no piece in any room: see may/4{_meant(name, pieces)}"
+            error = unknown(name, text, file, line, column)
+            if closest(name, pieces) in lacking:
+                yield error
+            else:
+                self._of_no_room.append(error)
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share."""
@@ -152,6 +183,7 @@ class LoadedGrammar:
     def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
         """What is wrong where a grammar states that there are units, which its topology has if ``known``."""
         self.depths = self.placer.unit_depths()
+        self.most_in_unit = stated.arguments[1].number
         if not known:
             name = self._grammar.topology_name
             yield self._at(stated, f"{stated}: the topology {name} has no units, as building has")
@@ -162,6 +194,7 @@ class LoadedGrammar:
 
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""
+        yield from self._of_no_room
         yield from unlikely(self._extremes, self.placer.origins)
         yield from capitalised(self._words)
 
@@ -231,6 +264,11 @@ def _too_deep(statement: Statement) -> bool:
     except RecursionError:
         return True
     return False
+
+
+def _meant(name: str, names: Iterable[str]) -> str:
+    meant = closest(name, names)
+    return f". Did you mean {meant}?" if meant else ""
 
 
 def _stated(fact: Symbol) -> Symbol:

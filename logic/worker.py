@@ -3,8 +3,8 @@
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 confined before a rule is read (``logic.confinement``), and the parent owns deadlines and Ctrl-C. The first
 line names the grammar, after one that says to ``prepare`` for it, if any; each further line asks for one
-house, why one is as it is, or for the warnings of lint. Each is answered by: ``{"versions": ...}``, with
-``warnings`` where these are asked for, ``{"house": ...}``, ``{"why": ...}``, ``{"findings": ...}`` or
+house, why one is as it is, or for warnings. Each is answered by: ``{"versions": ...}``,
+``{"house": ...}``, ``{"why": ...}``, ``{"findings": ...}`` or
 ``{"error": ...}``; a count of layouts by several, of which ``{"count": null}`` is the last. Lines
 ``{"trial": ...}`` before an answer say what is wrong if it does not come.
 """
@@ -68,10 +68,12 @@ class Worker:
             witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
             yield {"why": msgspec.to_builtins(witness.why(request["why"]))}
             return
-        if "lint" in request:
-            from logic.linter import all_warnings
+        if "lint" in request or "warn" in request:
+            from logic.linter import all_warnings, warnings
 
-            yield {"findings": msgspec.to_builtins(all_warnings(self._builder.grammar, self._builder.loaded))}
+            rules = self._builder.grammar, self._builder.loaded
+            found = all_warnings(*rules) if "lint" in request else warnings(*rules, request["warn"])
+            yield {"findings": msgspec.to_builtins(found)}
             return
         wanted = Request.read(request["request"])
         if "count" in request:
@@ -88,7 +90,7 @@ class Worker:
         _prepare(request["grammar"])
         from logic.builder import Builder
         from logic.grammar import find
-        from logic.linter import SIZES, errors, findings, warnings
+        from logic.linter import SIZES, errors
         from logic.loaded import LoadedGrammar
 
         grammar = find(request["grammar"])
@@ -101,17 +103,13 @@ class Worker:
                 yield {"trial": to_record(error)}
             yield {"trial": None}
         confinement.allow_seconds(request["seconds"])
-        if "lint" in request:
-            yield {"findings": msgspec.to_builtins(findings(grammar))}
-            return
         loaded = LoadedGrammar(grammar, request["cell"], remarks=not request.get("hasty"))
         if "errors" in request and (wrong := errors(grammar, loaded)):
             yield {"findings": msgspec.to_builtins(wrong)}
             return
         self._builder = Builder(grammar, request["cell"], loaded)
-        found = warnings(grammar, loaded) if request.get("warn") else []
         kinds = {"types": loaded.furniture, "most_rooms": loaded.most_rooms}
-        yield {"versions": self._builder.versions, "warnings": list(map(str, found)), "kinds": kinds}
+        yield {"versions": self._builder.versions, "kinds": kinds}
 
 
 def _prepare(directory: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from agent.cli import main
-from logic import GrammarError, generate, lint
+from logic import GrammarError, GrammarWarning, generate, lint
 from logic.grammar import SHIPPED, find, shipped
 from logic.linter import findings
 
@@ -75,6 +75,72 @@ def test_rules_of_many_kinds_draw_no_finding(tmp_path: Path) -> None:
     with (folder / "rooms.lp").open("a") as rules:
         rules.write(RULES)
     assert findings(find(folder)) == []
+
+
+BOUND = {
+    "family": (
+        "rooms.lp",
+        ":- rooms >= 12, room(0,T), room(1,T).",
+        ":- room(77,hall).",
+        "#const many = 37. :- rooms > many, room(0,hall).",
+        ":- { room(_,hall) } > 30.",
+        "weight(hall,W) :- W = rooms/40+7, rooms > 100.",
+    ),
+    "clinic": (
+        "rooms.lp",
+        "#program house.",
+        ":- wing(_,_,_).",
+        ":- wing(3,south,_).",
+        ":- rooms = 33, room(0,ward).",
+        ":- in_row(R,(_,west),2), room(R,ward).",
+        "#program room.",
+        ":- on(bed,_,left_back,_), doorway(left,_).",
+        ":- on(bed,_,left,_), on(bed,_,between(back,_),_).",
+    ),
+    "apartments": (
+        "rooms.lp",
+        "#program units.",
+        ":- unit(14,7).",
+    ),
+}
+IDLE = ":- rooms >= 12, room(R,_), R >= rooms."
+"""In no house of any size."""
+
+
+@pytest.mark.parametrize("grammar", BOUND)
+def test_rules_that_bind_only_in_larger_houses_or_beside_some_doors_draw_no_finding(
+    grammar: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / grammar, folder)
+    file, *rules = BOUND[grammar]
+    with (folder / file).open("a") as text:
+        text.write("\n".join(["", *rules, "#program house.", IDLE]))
+    (finding,) = findings(find(folder))
+    assert (finding.severity, finding.text.split(":", 1)[0]) == ("warning", "this rule never binds")
+    assert finding.text.endswith(IDLE)
+
+
+def test_sizes_and_facts_of_pieces_that_no_room_has_are_warnings_and_change_nothing(tmp_path: Path) -> None:
+    """So that grammars may share files: here the sizes and arrangements of the clinic's pieces."""
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "family", folder)
+    before = next(generate(rooms=3, grammar=folder))
+    (folder / "shared.pl").write_text(
+        "piece_size(couch, L, D, _) :- { L >= 1.8, L =< 2, D = 0.7 }.\n"
+        "piece_size(lamp, L, D, _) :- { L = 0.3, D = L }.\n"
+        "piece_size(showerr, L, D, _) :- { L = 0.3, D = L }.\n"
+    )
+    (folder / "shared.lp").write_text(
+        "stands(couch,(left;back)).\nclear_front(couch).\nhides(couch).\nbeside(couch,lamp,0,1).\n"
+    )
+    found = {(Path(each.file).name, each.line): each for each in findings(find(folder))}
+    assert {each.severity for each in found.values()} == {"warning"}
+    assert set(found) == {*(("shared.pl", n) for n in (1, 2, 3)), *(("shared.lp", n) for n in (1, 2, 3, 4))}
+    assert found["shared.pl", 3].text.endswith("Did you mean shower?")
+    with pytest.warns(GrammarWarning, match="piece_size: lamp is no piece in any room"):
+        after = next(generate(rooms=3, grammar=folder))
+    assert after.rooms == before.rooms
 
 
 @pytest.mark.parametrize("grammar", shipped())

@@ -244,6 +244,14 @@ MISTAKES = (
         new=f"{BED}\npiece_size(lamp, 0.3, 0.3, _).",
         says="piece_size: lamp is no piece in any room: see may/4",
         at="piece_size(lamp",
+        severity="warning",
+    ),
+    bed(
+        "a size of a piece that is called nearly as another that has its size",
+        new=f"{BED}\npiece_size(bedd, 0.3, 0.3, _).",
+        says="piece_size: bedd is no piece in any room: see may/4. Did you mean bed?",
+        at="piece_size(bedd",
+        severity="warning",
     ),
     bed(
         "a misspelt piece",
