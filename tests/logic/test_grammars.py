@@ -14,6 +14,7 @@ from clingo.ast import ASTType, parse_files
 from logic import GrammarError, House, VitruviusError, check, generate
 from logic.grammar import SHIPPED, find, shipped
 from logic.promises import Promises
+from tests import architect
 from tests.logic import in_process
 
 BASE = SHIPPED / "family"
@@ -37,10 +38,11 @@ ROOMS = {
     ],
 )
 def test_houses_of_every_grammar_keep_every_promise(grammar: str, rooms: int) -> None:
-    """Those of family: test_generate.py."""
+    """Those of family: test_generate.py. Plans are also what an architect may draw."""
     for house in in_process.generate(rooms, grammar=grammar, seed=rooms, count=8):
         assert check(house) == []
         assert len(house.counted) == rooms
+        assert house.is_star or list(architect.faults(house)) == []
 
 
 @pytest.mark.parametrize("name", ["rooms.lp", "sizes.pl"])

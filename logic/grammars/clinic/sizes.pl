@@ -1,4 +1,4 @@
-%   The lengths of a clinic, in metres: a wheelchair passes everywhere.
+%   The lengths of a clinic, in metres, and areas in square metres: a wheelchair passes everywhere.
 
 door_width(0.95).
 door_margin(0.1).
@@ -19,7 +19,13 @@ room_size(treatment,  W, D) :- { W >= 4.8, W =< 6.0, D >= 4.8, D =< 6.0 }.
 room_size(ward,       W, D) :- { W >= 4.5, W =< 7.5, D >= 4.5, D =< 7.5 }.
 room_size(laboratory, W, D) :- { W >= 3.6, W =< 6.0, D >= 3.6, D =< 6.0 }.
 room_size(staff,      W, D) :- { W >= 4.4, W =< 6.0, D >= 4.4, D =< 6.0 }.
-room_size(washroom,   W, D) :- { W >= 2.2, W =< 3.4, D >= 4.0, D =< 6.0 }.
+room_size(washroom,   W, D) :- { W >= 1.9, W =< 2.8, D >= 2.2, D =< 6.0 }.
+room_size(storage,    W, D) :- { W >= 2.4, W =< 6.0, D >= 2.4, D =< 6.0 }.
+
+%!  room_area(?Type, -Least, -Most)
+
+room_area(washroom, 4.5, 12.0).
+room_area(storage,  6.0, 26.0).
 
 %!  window_size(?Type, -Length, +Wall)
 
@@ -45,5 +51,6 @@ piece_size(sofa,           L, D, _) :- { L >= 1.6, L =< 2.2, D >= 0.8, D =< 0.95
 piece_size(staffTable,     L, D, _) :- { L >= 1.2, L =< 1.8, D >= 0.8, D =< 1.0 }.
 piece_size(lockers,        L, D, _) :- { L >= 0.9, L =< 1.8, D >= 0.45, D =< 0.55 }.
 piece_size(toilet,         L, D, _) :- { L >= 0.38, L =< 0.42, D = L + 0.3 }.
+piece_size(shelf,          L, D, _) :- { L >= 0.8, L =< 2.4, D >= 0.4, D =< 0.6 }.
 piece_size(chair,          L, D, _) :- { L >= 0.45, L =< 0.5, D = L }.
 piece_size(stool,          L, D, _) :- { L >= 0.35, L =< 0.4, D = L }.

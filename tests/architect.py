@@ -1,0 +1,55 @@
+"""What an architect would not draw, judged by doors and rectangles alone: no promise and no rule is read."""
+
+from collections import deque
+from collections.abc import Iterator
+
+from logic.house import House
+from logic.parts import OUTSIDE
+
+WAYS = {"hall", "corridor", "commonCorridor", "reception"}
+"""Room types that one passes on the way to others: circulation, and where visitors are received."""
+SLEEPS, WASHES = {"bedroom", "ward"}, {"bathroom", "wc", "washroom"}
+DARK = {*WAYS, *WASHES, "storage"} - {"reception"}
+"""Room types where nobody stays for long, so that they need no daylight."""
+LARGEST = {"bathroom": 12.0, "wc": 4.0, "washroom": 12.0, "storage": 26.0}
+"""Square metres."""
+
+
+def faults(house: House) -> Iterator[str]:
+    """Ways through rooms where one lives, rooms out of reach, dark ones, service rooms as large as halls."""
+    ways = WAYS if any(room.type in WAYS for room in house.rooms) else WAYS | {"living"}
+    direct, behind = passed(house, ways), passed(house, WAYS)
+    types = {room.name: room.type for room in house.rooms} | {OUTSIDE: OUTSIDE}
+    lit = {window.room for window in house.windows}
+    for room in house.rooms:
+        place = f"{room.name} ({room.type})"
+        beyond = {types[name] for door in house.doors_of(room.name) for name in door.between} - {room.type}
+        if room.type in SLEEPS and direct[room.name]:
+            yield f"{place}: the way to it leads through a room where one lives"
+        if room.type in WASHES and direct[room.name] and not beyond & SLEEPS:
+            yield f"{place}: the way to it leads through a room where one lives, and it is no bedroom's own"
+        if behind[room.name] > 1:
+            yield f"{place}: is behind {behind[room.name]} rooms"
+        if room.type in SLEEPS and "storage" in beyond:
+            yield f"{place}: things are stored behind it"
+        if room.type not in DARK and room.name not in lit:
+            yield f"{place}: has no daylight"
+        if room.area > LARGEST.get(room.type, room.area) + 1e-6:
+            yield f"{place}: is of {room.area:.1f} m²"
+        if sum(piece.type == "toilet" for piece in room.pieces) != (room.type in WASHES):
+            yield f"{place}: has not one toilet, or has one where it should have none"
+
+
+def passed(house: House, ways: set[str]) -> dict[str, int]:
+    """How many rooms at least one passes from outside to each room, those of these types not counted."""
+    types = {room.name: room.type for room in house.rooms}
+    found, left = {OUTSIDE: 0}, deque([OUTSIDE])
+    while left:
+        name = left.popleft()
+        for door in house.doors_of(name):
+            (other,) = {*door.between} - {name}
+            more = found[name] + (name != OUTSIDE and types[name] not in ways)
+            if other != OUTSIDE and more < found.get(other, len(types)):
+                found[other] = more
+                left.append(other)
+    return found
