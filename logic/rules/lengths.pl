@@ -1,4 +1,4 @@
-:- module(lengths, [stated_length/2, length_of/2, stated_for/1, sized/1, piece_sized/4, given_walls/3, room_range/3, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
+:- module(lengths, [stated_length/2, length_of/2, stated_for/1, sized/1, piece_sized/4, given_walls/3, room_range/3, always_longer/1, piece_range/4, room_extent/3, piece_extent/4, extremes/2]).
 
 /** <module> A grammar's lengths and the extremes of its sizes
 
@@ -70,6 +70,12 @@ room_extent(Type, Width, Depth) :-
     room_range(Type, W, D),
     rounded_range(W, Width),
     rounded_range(D, Depth).
+
+%!  always_longer(+Type) is semidet.
+%
+%   By its size alone no room of this type is wider than it is deep.
+
+always_longer(Type) :- room_range(Type, _-Widest, Shallowest-_), Widest =< Shallowest.
 
 %!  piece_sized(+Piece, ?Length, ?Depth, ?Walls) is semidet.
 %

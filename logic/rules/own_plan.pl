@@ -34,6 +34,10 @@ fault(_, Rooms, _, Types, misfit(at(R),T,Axis), [Clause]) :-
     member(T, Types),
     member(Axis-W-D, [x-Y-X,y-X-Y]),
     unfit(T, W, D, Clause).
+fault(_, Rooms, _, _, squat(at(R),Axis), []) :-
+    member(room(R,X,Y), Rooms),
+    member(Axis-W-D, [x-Y-X,y-X-Y]),
+    D < W - 1.0e-6.
 fault(_, _, Walls, _, narrow(at(R),at(Q)), [length(door_width),length(door_margin)]) :-
     member(wall(R,_,Q,_,A,B), Walls), Q \== outside,
     doorway(Least), \+ reaches(A-B, Least).

@@ -158,8 +158,9 @@ room_size_constraints(room(R,T,sides(X1,X2,Y1,Y2),edges(West,East,North,South)),
         W = X2-X1, Across = [West,East], D = Y2-Y1, Along = [North,South] ),
     append([Own,Across], Wide), append([Own,Along], Deep), append([Own,Across,Along], Both),
     room_system(T, W0, D0, System),
-    maplist(explained(W0, D0, Wide, Deep, Both), System, Constraints),
-    W0 = W, D0 = D.
+    maplist(explained(W0, D0, Wide, Deep, Both), System, Sizes),
+    W0 = W, D0 = D,
+    ( memberchk(runs(R,_), Atoms), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).
 
 explained(W, D, Wide, Deep, Both, C-Why, C-All) :-
     term_variables(C, Variables),
