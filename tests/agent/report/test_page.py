@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Browser, Page, expect
 
 from agent.banks import benchmark
 from agent.report import trace
@@ -239,6 +239,62 @@ def test_the_theme_can_be_chosen_and_follows_the_system(opened: Page) -> None:
     opened.emulate_media(media="print", color_scheme="dark")
     assert paper() == "rgb(255, 255, 255)"
     expect(opened.locator(".filters")).not_to_be_visible()
+
+
+WIDER = """() => [...document.querySelectorAll("body *")].filter((each) => {
+    let within = each;
+    const scrolls = () => /auto|scroll|hidden/.test(getComputedStyle(within).overflowX);
+    while (within && !scrolls()) within = within.parentElement;
+    return !within && each.getBoundingClientRect().right > innerWidth + 1;
+}).map((each) => each.outerHTML.slice(0, 80))"""
+SMALL = """() => [...document.querySelectorAll("a, button, input, select, summary")].map((each) => {
+    const { width, height } = (each.closest("label") ?? each).getBoundingClientRect();
+    return [each.outerHTML.slice(0, 80), width, height];
+}).filter(([, width, height]) => width && Math.min(width, height) < 24)"""
+LEAST_TEXT = """() => Math.min(...[...document.querySelectorAll(".plot text")]
+    .filter((each) => each.getBoundingClientRect().width).map((each) => {
+        const { a, b } = each.getScreenCTM(); // some are turned
+        return Math.hypot(a, b) * parseFloat(getComputedStyle(each).fontSize);
+    }))"""
+
+
+def test_on_a_telephone_the_plan_its_controls_and_what_is_said_of_the_step_are_seen_together(
+    browser: Browser, file: Path
+) -> None:
+    context = browser.new_context(is_mobile=True, has_touch=True)
+    page = context.new_page()
+    page.goto(file.as_uri())
+    page.wait_for_selector(".plans[data-ready]")
+    page.wait_for_selector(".episode:nth-of-type(2)[data-ready]")
+    for width, height in ((320, 568), (768, 1024), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.evaluate("[innerWidth, document.documentElement.scrollWidth]") == [width, width]
+        assert page.evaluate(WIDER) == []
+        assert page.evaluate(SMALL) == []
+        assert page.evaluate(LEAST_TEXT) >= 9
+        for episode in page.locator(".episode").all():
+            for seen in (".choice caption", ".choice tr:last-child", ".layers label:last-of-type"):
+                episode.locator(".stage").evaluate("(each) => each.scrollIntoView()")
+                block = "center" if width < height else "nearest"
+                episode.locator(seen).last.evaluate("(each, block) => each.scrollIntoView({ block })", block)
+                parts = [episode.locator(each).last for each in (seen, ".stage", ".controls")]
+                boxes = [part.bounding_box() for part in parts]
+                for box in boxes:
+                    assert box
+                    assert box["y"] >= -1
+                    assert box["y"] + box["height"] <= height + 1
+                for one, other in ((0, 1), (0, 2), (1, 2)):
+                    a, b = boxes[one], boxes[other]
+                    assert a
+                    assert b
+                    beside = a["x"] + a["width"] <= b["x"] + 1 or b["x"] + b["width"] <= a["x"] + 1
+                    above = a["y"] + a["height"] <= b["y"] + 1 or b["y"] + b["height"] <= a["y"] + 1
+                    assert beside or above, (width, seen)
+            path = episode.locator("[name=path]")
+            before = path.is_checked()
+            path.tap()
+            expect(path).to_be_checked(checked=not before)
+    context.close()
 
 
 def test_a_browser_that_cannot_unpack_says_so_in_one_line(page: Page, file: Path) -> None:
