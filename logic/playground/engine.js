@@ -1,6 +1,8 @@
 // The engine of the playground: clingo and SWI-Prolog in a worker of this page. See page.js for what each member does.
 
+import { address, note } from "./address.js";
 import { element } from "./dom.js";
+import { deflated, inflated, zip } from "./packing.js";
 
 const FIRST = "home"; // the grammar where the address names none
 const TYPING = 300; // milliseconds without a key, after which the rules are read
@@ -8,6 +10,9 @@ const GRACE = 3000; // milliseconds that the solvers have to leave an older ques
 const LIMIT = 30_000; // milliseconds for a house, or for a proof that there is none
 const LATE = `The solvers have worked on one answer for ${LIMIT / 1000} s and are ended: does a rule recur without end? Else take `
   + "fewer rooms, another seed, or Vitruvius on your machine.";
+
+const GONE = "The solvers cannot be loaded: the server of this page has ended, or there is no network. Run vitruvius playground "
+  + "again, and open the address that it prints.";
 
 let bundle = null; // rules.json
 let grammar = ""; // the shipped one that the rules come from
@@ -38,14 +43,27 @@ export const engine = {
     }
     controls();
     tell("Loading the solvers, 7 MB.");
-    take(new URLSearchParams(location.search).get("grammar") ?? FIRST);
+    const { grammar: named, edits } = await said();
+    if (edits) begin(named, edits, null);
+    else take(named, null);
   },
 
   write(name, text) {
     files[name] = text;
-    const saved = Date.now();
     clearTimeout(typing);
-    typing = setTimeout(() => changed(saved), TYPING);
+    typing = setTimeout(() => {
+      keep();
+      changed(`edit ${name}`);
+    }, TYPING);
+  },
+
+  async travel() {
+    if (!bundle) return false;
+    clearTimeout(typing);
+    const { grammar: named, edits } = await said();
+    if (named === grammar && same(edits ?? {}, edited())) return false;
+    begin(named, edits ?? {}, null);
+    return true;
   },
 
   async sheet(_, request, onPart) {
@@ -62,30 +80,75 @@ export const engine = {
   },
 };
 
+/** What the address says of the rules: a grammar, and the files that are changed of it, if it says so. */
+async function said() {
+  const says = address();
+  const named = says.get("grammar") ?? new URLSearchParams(location.search).get("grammar") ?? FIRST;
+  const grammar = bundle.grammars[named] ? named : FIRST;
+  if (!says.has("edits")) return { grammar, edits: says.has("grammar") ? {} : null };
+  try {
+    const edits = JSON.parse(await inflated(says.get("edits")));
+    const known = Object.entries(edits).filter(([file, text]) => file in bundle.grammars[grammar] && typeof text === "string");
+    return { grammar, edits: Object.fromEntries(known) };
+  } catch {
+    tell("The changed rules in this address are damaged: the rules are as shipped.");
+    return { grammar, edits: {} };
+  }
+}
+
 /** Begin with the rules of a shipped grammar, as they were last changed in this browser. */
-function take(name) {
+function take(name, gesture) {
+  let edits = {};
+  try {
+    edits = JSON.parse(localStorage.getItem(kept(name)) ?? "{}");
+  } catch {
+    // Whatever else stands there, or no storage at all.
+  }
+  begin(name, edits, gesture);
+}
+
+/** Begin with the rules of a shipped grammar and these changes of its files. */
+function begin(name, edits, gesture = `grammar ${version}`) {
   clearTimeout(typing);
-  grammar = bundle.grammars[name] ? name : FIRST;
-  files = { ...bundle.grammars[grammar], ...JSON.parse(localStorage.getItem(kept()) ?? "{}") };
+  grammar = name;
+  files = { ...bundle.grammars[grammar], ...edits };
   document.getElementById("shipped").value = grammar;
-  changed(Date.now());
+  changed(gesture);
 }
 
 /** Where the browser keeps what is changed of a grammar. */
-const kept = () => `vitruvius ${bundle.version} ${grammar}`;
+const kept = (name) => `vitruvius ${bundle.version} ${name}`;
 
-/** Keep what is changed, and tell the page. */
-function changed(saved) {
-  const edited = Object.entries(files).filter(([file, text]) => text !== bundle.grammars[grammar][file]);
-  if (edited.length) localStorage.setItem(kept(), JSON.stringify(Object.fromEntries(edited)));
-  else localStorage.removeItem(kept());
-  document.getElementById("undo").disabled = !edited.length;
+/** The files that are not as shipped. */
+const edited = () => Object.fromEntries(
+  Object.entries(files).filter(([file, text]) => text !== bundle.grammars[grammar][file]));
+
+const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
+
+/** Keep what the user has changed for the next visit. */
+function keep() {
+  try {
+    if (isEdited()) localStorage.setItem(kept(grammar), JSON.stringify(edited()));
+    else localStorage.removeItem(kept(grammar));
+  } catch {
+    // A browser that stores nothing: the address holds it all.
+  }
+}
+
+const isEdited = () => Object.keys(edited()).length > 0;
+
+/** Tell the page of the rules, and note them in the address: see `note` for the gesture. */
+async function changed(gesture) {
+  const now = ++version;
+  for (const id of ["undo", "zip"]) document.getElementById(id).disabled = !isEdited();
   changes({
-    version: ++version,
-    saved,
-    grammar: edited.length ? `${grammar}-edited` : grammar,
+    version,
+    grammar: isEdited() ? `${grammar}-edited` : grammar,
+    before: isEdited() ? "These rules are changed: press “Rules as a zip”, unpack the file, and beside it run" : "",
     files: Object.entries(files).map(([name, text]) => ({ name, text })),
   });
+  const edits = isEdited() ? await deflated(JSON.stringify(edited())) : null;
+  if (now === version) note({ grammar, edits }, gesture);
 }
 
 /** A question to the worker; a newer one ends it. Where the worker does not leave an older one, another takes its place. */
@@ -94,14 +157,14 @@ function ask(question, onPart) {
   stop();
   return new Promise((resolve, reject) => {
     asked = { id: ++last, question, onPart, resolve, reject, timer: 0 };
-    if (busy) asked.timer = setTimeout(begin, GRACE, true);
+    if (busy) asked.timer = setTimeout(put, GRACE, true);
     document.getElementById("stop").disabled = false;
-    begin(false);
+    put(false);
   });
 }
 
 /** Put the open question to the worker, or to a new one. */
-function begin(anew) {
+function put(anew) {
   if (anew) worker.terminate();
   if (anew || !worker) worker = started();
   worker.postMessage({ id: asked.id, ...asked.question });
@@ -127,8 +190,9 @@ function end(text) {
 
 function started() {
   const begun = new Worker("worker.js");
-  begun.onerror = (event) => end(`The solvers cannot be started: ${event.message ?? "worker.js cannot be read"}.`);
-  begun.onmessage = ({ data: { id, part, done, error } }) => {
+  begun.onerror = (event) => end(event.message ? `The solvers cannot be started: ${event.message}.` : GONE);
+  begun.onmessage = ({ data: { id, part, done, error, unloaded } }) => {
+    if (unloaded) return end(`${GONE} (${unloaded})`);
     if (asked?.id !== id) return;
     clearTimeout(asked.timer);
     if (part) asked.onPart(part);
@@ -139,27 +203,39 @@ function started() {
   return begun;
 }
 
-/** What this page has beside that of a folder of rules: whose rules to begin with, a way to stop, the houses as a file. */
+/** What this page has beside that of a folder of rules: whose rules to begin with, a way to stop, files to keep. */
 function controls() {
   const button = (id, text, onclick) => element("button", { type: "button", id, onclick }, text);
   const shipped = element("select", { id: "shipped", onchange: () => take(shipped.value) },
     ...Object.keys(bundle.grammars).map((name) => element("option", { value: name }, name)));
   const undo = button("undo", "As shipped", () => {
-    localStorage.removeItem(kept());
-    take(grammar);
+    files = { ...bundle.grammars[grammar] };
+    keep();
+    begin(grammar, {});
   });
   const halt = button("stop", "Stop", () => end("Stopped."));
   document.getElementById("grammar").hidden = true;
   document.getElementById("grammar").before(
-    element("label", {}, "Rules of ", shipped), undo, halt, button("keep", "Houses as a file", download));
+    element("label", {}, "Rules of ", shipped), undo, halt,
+    button("keep", "Houses as a file", keepHouses), button("zip", "Rules as a zip", keepRules));
 }
 
 /** The houses of the sheet, as `vitruvius check` and `load` read them. */
-function download() {
+function keepHouses() {
   const made = houses.filter(Boolean);
   if (!made.length) return tell("There is no house to keep.");
-  const lines = made.map((house) => `${JSON.stringify(house)}\n`);
-  const address = URL.createObjectURL(new Blob(lines, { type: "application/jsonl" }));
-  element("a", { href: address, download: "houses.jsonl" }).click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
+  download("houses.jsonl", "application/jsonl", made.map((house) => `${JSON.stringify(house)}\n`));
+}
+
+/** The folder of rules as it is here, as `--grammar` takes it once it is unpacked. */
+function keepRules() {
+  const all = { ...bundle.others[grammar], ...files };
+  const entries = Object.entries(all).map(([name, text]) => [`${grammar}-edited/${name}`, text]);
+  download(`${grammar}-edited.zip`, "application/zip", [zip(entries)]);
+}
+
+function download(name, type, parts) {
+  const url = URL.createObjectURL(new Blob(parts, { type }));
+  element("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
 }

@@ -1,29 +1,23 @@
 """The playground as a folder: the page, the solvers for WebAssembly, and the rules."""
 
-import hashlib
 import json
 import os
-import re
 import shutil
-import subprocess
-import sys
 import tempfile
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
-from logic.errors import MissingProgram, RequestError, VitruviusError
+from logic.errors import RequestError
 from logic.grammar import RULES, SHIPPED, find, shipped
 from logic.looks import folder_looks
 from logic.messages import SYNTAX
 from logic.palettes import PALETTES
+from logic.playground.npm import installed
 from logic.vocabulary import LENGTHS
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "watch" / "page"
-
-LOCK = ("package.json", "package-lock.json")
-"""What npm installs, by their hashes."""
 
 PACKAGES = {
     "clingo": ("clingo-wasm", ("dist/clingo.js", "dist/clingo.wasm", "LICENSE")),
@@ -33,9 +27,6 @@ PACKAGES = {
     ),
 }
 """Folders of the page, each with the package and the files of it that the page needs."""
-
-SECONDS = 600
-"""For npm."""
 
 
 def write(folder: Path) -> None:
@@ -66,7 +57,7 @@ def size(folder: Path) -> int:
 def _fill(folder: Path, packages: Path) -> None:
     shutil.copytree(PAGE, folder)
     shutil.copytree(HERE / "solver", folder / "solver")
-    for script in ("engine.js", "worker.js"):
+    for script in ("engine.js", "packing.js", "worker.js"):
         shutil.copy(HERE / script, folder)
     for name, (package, files) in PACKAGES.items():
         (folder / name).mkdir()
@@ -87,6 +78,7 @@ def _rules() -> dict[str, object]:
         "grammars": {
             name: {file.name: _text(file) for file in _rule_files(SHIPPED / name)} for name in names
         },
+        "others": {name: _others(SHIPPED / name) for name in names},
         "lengths": LENGTHS,
         "hints": list(SYNTAX.items()),
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
@@ -98,60 +90,15 @@ def _rule_files(folder: Path) -> list[Path]:
     return sorted(file for file in folder.rglob("*") if file.suffix in {".lp", ".pl"})
 
 
+def _others(folder: Path) -> dict[str, str]:
+    """What else a grammar has, by name: how its types look."""
+    return {file.name: _text(file) for file in sorted(folder.glob("*.json"))}
+
+
 def _text(file: Path) -> str:
     return file.read_text(encoding="utf-8")
 
 
 def solvers() -> Path:
-    """The folder ``node_modules`` with the packages of the lock: npm fetches them once, and checks hashes.
-
-    Raises as ``write``.
-    """
-    lock = [(HERE / name).read_bytes() for name in LOCK]
-    kept = _cache() / f"playground-{hashlib.sha256(b''.join(lock)).hexdigest()[:16]}"
-    if not kept.is_dir():
-        npm = shutil.which("npm")
-        if npm is None:
-            raise MissingProgram(
-                "npm, which fetches the solvers for browsers, is missing: install it (sudo apt-get install "
-                "npm, brew install node), then run this again"
-            )
-        try:
-            _cache().mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=_cache()) as beside:
-                made = Path(beside, "packages")
-                made.mkdir()
-                for name, content in zip(LOCK, lock, strict=True):
-                    (made / name).write_bytes(content)
-                _install(npm, made)
-                if not kept.is_dir():  # Another process may have been faster.
-                    os.replace(made, kept)
-        except OSError as error:
-            raise VitruviusError(f"{_cache()}: cannot be written: {error.strerror}") from None
-    return kept / "node_modules"
-
-
-def _install(npm: str, folder: Path) -> None:
-    """Install what the lock says; scripts of packages are not run."""
-    command = [npm, "ci", "--ignore-scripts", "--omit=dev", "--no-audit", "--no-fund", "--loglevel=error"]
-    try:
-        done = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
-        )
-    except subprocess.TimeoutExpired:
-        late = f"npm has not fetched the solvers for browsers in {SECONDS} s: try again"
-        raise VitruviusError(late) from None
-    if done.returncode:
-        said = [line for line in done.stderr.splitlines() if line.startswith(("npm error", "npm ERR!"))]
-        why = re.sub(r"^npm (error|ERR!) ", "", said[0]) if said else f"exit code {done.returncode}"
-        raise VitruviusError(f"npm cannot fetch the solvers for browsers: {why}: is there a network?")
-
-
-def _cache() -> Path:
-    """The folder of this user for what can be fetched again."""
-    home = Path.home()
-    if os.name == "nt":
-        default = home / "AppData" / "Local"
-    else:
-        default = home / ("Library/Caches" if sys.platform == "darwin" else ".cache")
-    return Path(os.environ.get("XDG_CACHE_HOME") or default) / "vitruvius"
+    """The folder ``node_modules`` with the packages of the page. Raises as ``write``."""
+    return installed(HERE, "the solvers for browsers")

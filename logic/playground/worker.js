@@ -1,7 +1,7 @@
 // Both solvers, in a worker: the page stays quick, and ends them by ending it. Not a module, as swipl-web.js is none.
 //
 // Asked { id, grammar, files, request }, it answers { id, begun }, { id, part } for each part of the sheet, then { id, done }
-// or { id, error }. A newer question ends an older one between two houses.
+// or { id, error }; { unloaded }, why there are no solvers. A newer question ends an older one between two houses.
 
 importScripts("swipl/swipl-web.js");
 
@@ -44,7 +44,8 @@ const pause = () => new Promise((go) => {
 onmessage = async ({ data: { id, grammar, files, request } }) => {
   newest = id;
   try {
-    const houses = await ready;
+    const houses = await ready.catch(({ message }) => postMessage({ unloaded: message }));
+    if (!houses) return;
     await pause();
     if (id !== newest) return;
     postMessage({ id, begun: true });

@@ -2,7 +2,6 @@
 
 import asyncio
 import os
-import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,15 +31,12 @@ LOOK = 1000
 """Milliseconds after which the files are read without a change too: not all file systems tell of changes."""
 
 MOST_HOUSES = 48
-RECENT = 5.0
-"""Seconds: a file that was written so long ago was put here otherwise than by a save."""
 
 
 class Rules(msgspec.Struct, frozen=True):
-    """The rule files at one time. ``saved`` is in milliseconds since 1970."""
+    """The rule files at one time."""
 
     version: int
-    saved: float
     grammar: str
     files: tuple[dict[str, str], ...]
 
@@ -191,16 +187,14 @@ class Session:
         self._changed.clear()
 
     def _read(self, version: int) -> Rules:
-        """The rule files, ``.lp`` before ``.pl``, then the looks, and when the last of them was saved."""
-        now, files, saved = time.time(), [], 0.0
+        """The rule files, ``.lp`` before ``.pl``, then the looks."""
+        files = []
         for file in _rule_files(self._directory):
             try:
-                saved = max(saved, file.stat().st_mtime)
                 files.append({"name": file.name, "text": file.read_text("utf-8", "replace")})
             except OSError:
                 continue  # What is wrong with it, the solver process says.
-        saved = saved if now - RECENT < saved < now else now
-        return Rules(version, round(1000 * saved, 1), self._name, tuple(files))
+        return Rules(version, self._name, tuple(files))
 
 
 def problem(error: VitruviusError) -> dict[str, Any]:

@@ -1,8 +1,10 @@
 """The playground: houses, mistakes and proofs by solvers in the browser, beside those of Python."""
 
 import json
+import re
 import socket
 import threading
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ from logic import House, check, generate
 from logic.errors import MissingProgram, RequestError, VitruviusError
 from logic.playground import folder
 from logic.playground.server import Server, listening
+from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 
 SECONDS = 60_000
 """Milliseconds for an answer on a slow machine."""
@@ -190,6 +193,110 @@ def test_the_houses_come_as_a_file_that_python_reads(page, at, tmp_path):
     download.value.save_as(file)
     records = [json.loads(line) for line in file.read_text().splitlines()]
     assert [len(House.from_dict(record).counted) for record in records] == [2, 2]
+
+
+def test_the_address_holds_grammar_request_and_edits_for_a_reload_back_forward_and_others(
+    page, at, browser, phone
+):
+    grammar, command = page.get_by_label("Rules of"), page.locator("#command")
+    drawn(page, f"{at}#grammar=family&rooms=2&count=1&type.hall=0")
+    edit(page, "sizes.pl", "door_width(", "% mine\ndoor_width(")
+    expect(command).to_contain_text("--grammar family-edited --rooms 2 --type hall=0")
+    expect(page).to_have_url(re.compile("edits="))
+    page.reload()
+    area = page.get_by_role("textbox", name="Text of the rule file")
+    page.get_by_role("tab", name="sizes.pl").click()
+    expect(area).to_have_value(re.compile("% mine"))
+    shared = page.url
+    grammar.select_option("paper")
+    expect(command).to_contain_text("--grammar paper --rooms 2 --type hall=0")
+    page.reload()
+    expect(grammar).to_have_value("paper")
+    expect(command).to_contain_text("--grammar paper --rooms 2 --type hall=0")
+    page.go_back()
+    expect(grammar).to_have_value("family")
+    page.get_by_role("tab", name="sizes.pl").click()
+    expect(area).to_have_value(re.compile("% mine"))
+    page.get_by_role("button", name="As shipped").click()
+    expect(area).not_to_have_value(re.compile("% mine"))
+    page.go_back()
+    expect(area).to_have_value(re.compile("% mine"))
+    page.go_forward()
+    expect(area).not_to_have_value(re.compile("% mine"))
+    # Another browser, which has stored nothing; and a link that was cut.
+    phone.goto(shared)
+    expect(phone.locator("#command")).to_contain_text("--grammar family-edited --rooms 2 --type hall=0")
+    phone.goto(f"{at}#grammar=family&edits=xxxx&rooms=2")
+    phone.reload()
+    expect(phone.locator("#command")).to_contain_text("--grammar family --rooms 2")
+
+
+def test_the_edited_rules_come_as_a_folder_from_which_python_makes_the_same_house(page, at, tmp_path):
+    drawn(page, f"{at}#grammar=clinic&rooms=4&count=1")
+    expect(page.get_by_role("button", name="Rules as a zip")).to_be_disabled()
+    edit(page, "rooms.lp", "%", "% ä ½\n%")
+    expect(page.locator("#command code")).to_contain_text("clinic-edited")
+    expect(page.locator("#sheet li:not(.old) svg")).to_have_count(1, timeout=SECONDS)
+    kept = {}
+    for name in ("Rules as a zip", "Houses as a file"):
+        with page.expect_download() as download:
+            page.get_by_role("button", name=name).click()
+        kept[name] = tmp_path / download.value.suggested_filename
+        download.value.save_as(kept[name])
+    expect(page.locator("#command")).to_contain_text("“Rules as a zip”, unpack the file, and beside it run")
+    expect(page.locator("#command code")).to_contain_text("generate --grammar clinic-edited --rooms 4")
+    with zipfile.ZipFile(kept["Rules as a zip"]) as file:
+        assert file.testzip() is None
+        file.extractall(tmp_path)
+    made = tmp_path / "clinic-edited"
+    names = {each.name for each in (folder.SHIPPED / "clinic").iterdir()}
+    assert {each.name for each in made.iterdir()} == names
+    [house] = generate(grammar=made, rooms=4, count=1)
+    record = json.loads(kept["Houses as a file"].read_text())
+    assert house.converted().to_dict()["rooms"] == House.from_dict(record).converted().to_dict()["rooms"]
+    assert house.provenance
+    assert record["provenance"]["grammar_hash"] == house.provenance.grammar_hash
+
+
+def test_on_a_telephone_what_is_tapped_is_answered_in_its_place(phone, at):
+    drawn(phone, f"{at}#grammar=family&rooms=3&count=3")
+    assert box(phone.locator("#houses"))["y"] < box(phone.locator("#rules"))["y"]
+    part = phone.locator("#sheet li:last-child [data-part*='.toilet']").first
+    part.scroll_into_view_if_needed()
+    answered_under_the_finger(phone, part)
+    expect(phone.locator("#answer")).to_contain_text("A toilet in")
+    phone.locator("#answer .place").first.tap()
+    line_is_seen(phone)
+    phone.get_by_role("button", name="Close the answer").tap()
+    assert 0 <= box(part)["y"] < 844
+
+
+def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(page, at):
+    drawn(page, f"{at}#grammar=family&rooms=2&count=1")
+    page.locator("#sheet [data-part=R0]").click()
+    edit(page, "rooms.lp", "#program house.", "#program house.\n:- rom(_,hall).")
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room?", timeout=SECONDS)
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        assert findings(page) == []
+    assert too_wide(page) == []
+    assert cut_on_paper(page) == []
+
+
+def test_without_the_server_a_stopped_page_says_what_to_do(browser, at):
+    page = browser.new_page()
+    drawn(page, f"{at}#grammar=family&rooms=2&count=1")
+    page.context.set_offline(True)
+    page.get_by_role("slider", name="Rooms").fill("9")
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Another seed").click()
+    expect(page.locator("#status")).to_contain_text(
+        "The solvers cannot be loaded: the server of this page has ended"
+    )
+    page.context.set_offline(False)
+    page.get_by_role("slider", name="Rooms").fill("2")
+    expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
+    page.close()
 
 
 def test_a_browser_without_webassembly_is_told(page, at):

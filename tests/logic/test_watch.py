@@ -20,7 +20,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from agent.cli import main
 from logic import generate
@@ -29,6 +29,7 @@ from logic.draw import plan
 from logic.grammar import SHIPPED
 from logic.request import Request
 from logic.watch.pool import SIZE, Pool, Spares, Stale
+from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 
 WHOLE = 20_000
 """Milliseconds for an answer on a machine with much else to do; it comes in a fraction of a second."""
@@ -98,7 +99,7 @@ def watched(server: Watched, page: Page) -> Watched:
 
 def drawn(page: Page, houses: int) -> None:
     """Wait until the page shows so many houses of the rules as they are."""
-    expect(page.locator("#status")).to_contain_text(f"{houses} houses, drawn in")
+    expect(page.locator("#status")).to_contain_text(f"{houses} house{'s' * (houses > 1)}, drawn in")
     expect(page.locator("#sheet li:not(.old) svg")).to_have_count(houses)
     expect(page.locator("#sheet .old")).to_have_count(0)
 
@@ -242,12 +243,120 @@ def versions(watched: Watched) -> Iterator[dict[str, Any]]:
             yield json.loads(line.removeprefix(b"data: "))
 
 
+def test_on_a_telephone_what_is_tapped_is_answered_in_its_place(server: Watched, phone: Page) -> None:
+    server.restore()
+    phone.goto(f"{server.address}#rooms=4&count=8")
+    drawn(phone, 8)
+    assert box(phone.locator("#houses"))["y"] < box(phone.locator("#rules"))["y"]
+    for kind in (".bed", ".toilet"):
+        part = phone.locator(f"#sheet li:last-child [data-part$='{kind}']").first
+        part.scroll_into_view_if_needed()
+        answered_under_the_finger(phone, part)
+    phone.get_by_role("button", name=re.compile(r"^\w+\.(lp|pl):\d+")).first.tap()
+    line_is_seen(phone)
+    phone.get_by_role("button", name="Close the answer").tap()
+    assert 0 <= box(part)["y"] < 844
+    server.save("rooms.lp", (server.folder / "rooms.lp").read_text() + "\n:- rooms < 0.\n")
+    expect(phone.locator("#code .note.warning")).to_contain_text("this rule never binds")
+    phone.get_by_role("tab", name="sizes.pl").tap()
+    phone.locator("#findings .place").first.tap()
+    line_is_seen(phone)
+    phone.locator("[name='type.bathroom']").fill("4")
+    expect(phone.locator("#answer")).to_contain_text("no house of mine has 4 rooms, 4 of type bathroom")
+    phone.locator("#answer .place").first.tap()
+    line_is_seen(phone)
+
+
+def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(watched: Watched, page: Page) -> None:
+    page.locator("#sheet [data-part*='.bed']").first.click()
+    expect(page.locator("#answer section").first).to_be_visible()
+    page.get_by_label("hall", exact=True).fill("abc")
+    expect(page.locator("#answer")).to_be_hidden()
+    assert findings(page) == []
+    page.get_by_label("hall", exact=True).fill("")
+    drawn(page, 4)
+    page.locator("#sheet [data-part*='.bed']").first.click()
+    page.emulate_media(color_scheme="dark")
+    assert findings(page) == []
+    assert too_wide(page) == []
+    assert cut_on_paper(page) == []
+    expect(page.locator("#answer")).to_be_visible()
+    expect(page.locator("#rules")).to_be_hidden()
+
+
+@pytest.mark.parametrize(
+    ("label", "text", "words"),
+    [
+        ("bathroom", "abc", "bathroom: “abc” is no number of them: write 2, 1..3, 2.. or nothing."),
+        ("kitchen", "3..1", "kitchen: 3..1 has its least above its greatest."),
+        ("Seed", "-1", "Seed: a whole number from 0 to 2147483647."),
+        ("Seed", "", "Seed: a whole number from 0 to 2147483647."),
+    ],
+)
+def test_a_wrong_field_is_answered_in_words_and_an_old_proof_goes(
+    watched: Watched, page: Page, label: str, text: str, words: str
+) -> None:
+    page.get_by_label("bathroom", exact=True).fill("4")
+    expect(page.locator("#answer")).to_contain_text("no house")
+    field = page.get_by_label(label, exact=True)
+    field.fill(text)
+    expect(page.locator("#wrong")).to_have_text(words)
+    expect(field).to_have_attribute("aria-invalid", "true")
+    expect(page.locator("#answer")).to_be_hidden()
+    expect(page.locator("#sheet li:not(.old)")).to_have_count(0)
+    page.get_by_label("bathroom", exact=True).fill("")
+    field.fill("0")
+    expect(page.locator("#wrong")).to_have_text("")
+
+
+def test_back_and_forward_go_through_what_was_asked_for(watched: Watched, page: Page) -> None:
+    seed, hall = page.get_by_label("Seed", exact=True), page.get_by_label("hall", exact=True)
+    command = page.locator("#command")
+    page.get_by_role("button", name="Another seed").click()
+    expect(command).to_contain_text("--seed 1")
+    page.get_by_role("button", name="Another seed").click()
+    expect(command).to_contain_text("--seed 2")
+    hall.press_sequentially("1..")
+    expect(command).to_contain_text("--type hall=1..")
+    page.go_back()
+    expect(hall).to_have_value("")
+    expect(command).to_contain_text("--seed 2")
+    page.go_back()
+    expect(seed).to_have_value("1")
+    drawn(page, 4)
+    page.go_forward()
+    page.go_forward()
+    expect(hall).to_have_value("1..")
+    expect(command).to_contain_text("--type hall=1.. --seed 2")
+    page.goto(f"{watched.address}#seed=5&count=4&type.cellar=2")
+    drawn(page, 4)
+    expect(page.locator("#wrong")).to_have_text("These rules have no cellar: its count is left out.")
+
+
+def test_after_the_end_of_the_server_each_button_says_what_to_do(tmp_path: Path, browser: Browser) -> None:
+    page = browser.new_page()
+    words = "The server has ended: run vitruvius watch {} again, and open the address that it prints."
+    with watching(tmp_path / "mine") as watched:
+        page.goto(f"{watched.address}#rooms=2&count=1")
+        drawn(page, 1)
+        watched.process.kill()
+        watched.process.wait()
+        expected = words.format(watched.folder)
+        expect(page.locator("#status")).to_have_text(expected)
+        page.locator("#sheet [data-part=R0]").click()
+        expect(page.locator("#answer")).to_contain_text(expected)
+        page.get_by_role("button", name="Another seed").click()
+        expect(page.locator("#sheet .old")).to_have_count(1)
+        expect(page.locator("#status")).to_have_text(expected)
+    page.close()
+
+
 SLOW = """
 let told;
 window.answers = [];
 export const engine = {
   editable: false,
-  open(onRules) { onRules({version: 1, saved: Date.now(), grammar: "fake", files: []}); },
+  open(onRules) { onRules({version: 1, saved: Date.now() - 3600000, grammar: "fake", files: []}); },
   // Deaf to the signal: each answer waits until the test gives it.
   sheet(version, request, onPart) {
     return new Promise((resolve) => window.answers.push(() => {
@@ -276,6 +385,8 @@ def test_a_stale_answer_never_takes_the_place_of_a_newer_one(server: Watched, pa
     page.evaluate("answers[0]()")
     page.wait_for_timeout(50)
     assert page.locator("#sheet").inner_text() == "seed 1"
+    # From when the page asked, not from when the rules were saved.
+    expect(page.locator("#status")).to_have_text(re.compile(r"1 house, drawn in \d\.\d\d s\."))
 
 
 def test_many_saves_in_a_row_end_in_the_houses_of_the_last(watched: Watched, page: Page) -> None:

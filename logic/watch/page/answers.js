@@ -1,26 +1,30 @@
 // Answers about the houses: why a part is as it is, or why there is no house.
 
 import { byId, element } from "./dom.js";
-import { place } from "./rules.js";
+import { linesWith, place } from "./rules.js";
+
+/** CSS pixels that stay free around what was asked about. */
+const MARGIN = 12;
 
 /** Begin with no answer; `onClose` is called when the user closes one. */
 export function initAnswer(onClose) {
-  const close = () => {
-    hideAnswer();
-    onClose();
-  };
-  byId("close").addEventListener("click", close);
+  byId("close").addEventListener("click", onClose);
   document.addEventListener("keydown", (event) => {
-    if (event.key === "Escape" && !byId("answer").hidden) close();
+    if (event.key === "Escape" && !byId("answer").hidden) onClose();
   });
 }
 
-/** Show this text or these elements under a title. */
+/** Show this text or these elements under a title; where the answer lies over the page, what was asked about stays seen. */
 export function showAnswer(title, ...content) {
-  byId("answer").hidden = false;
-  byId("answer").querySelector("h2").textContent = title;
+  const answer = byId("answer");
+  answer.hidden = false;
+  answer.querySelector("h2").textContent = title;
   byId("answer-text").replaceChildren(...content);
   byId("answer-text").scrollTop = 0;
+  const asked = document.querySelector(".asked")?.getBoundingClientRect();
+  if (!asked || getComputedStyle(answer).position !== "fixed") return;
+  const hidden = asked.bottom + MARGIN - answer.getBoundingClientRect().top;
+  if (hidden > 0) scrollBy(0, Math.min(hidden, asked.top - MARGIN));
 }
 
 export function hideAnswer() {
@@ -44,6 +48,31 @@ export function showWhy(why) {
   showAnswer(`Why ${why.target}`, element("p", {}, why.about), ...sections
     .filter(([, items]) => items.length)
     .map(([title, items]) => element("section", {}, element("h3", {}, title), element("ul", {}, ...items))));
+}
+
+/** What a part of a house is, and the rules that name its type. */
+export function showPart(house, part, index) {
+  const [name, inside] = part.split(".");
+  const room = house.rooms.find((each) => each.name === name);
+  const { type, width, height } = (inside ? piecesOf(room)[inside] : room) ?? {};
+  const what = !type ? "A door or a window" : inside ? `A ${type} in ${name}, a ${room.type}` : `A ${type}`;
+  const size = type ? `: ${width.toFixed(2)} m by ${height.toFixed(2)} m` : "";
+  const named = type ? linesWith(type) : [];
+  showAnswer(`${part} of house ${index}`, element("p", {}, `${what}${size}.`),
+    ...named.length ? [element("h3", {}, `Rules that name ${type}`), reasonList(named)] : [],
+    element("p", {}, "Why it is so: keep the houses as a file, then ",
+      element("code", {}, `vitruvius explain houses.jsonl --house ${index} --why ${part}`)));
+}
+
+/** The pieces of a room by their names within it: bed, bed2, bedside. */
+function piecesOf(room) {
+  const family = (piece) => [piece, ...(piece.children ?? []).flatMap(family)];
+  const [found, counts] = [{}, {}];
+  for (const piece of (room?.children ?? []).flatMap(family)) {
+    counts[piece.type] = (counts[piece.type] ?? 0) + 1;
+    found[piece.type + (counts[piece.type] > 1 ? counts[piece.type] : "")] = piece;
+  }
+  return found;
 }
 
 /** An atom, the rule that derives it, and below it the atoms from which it does so. */

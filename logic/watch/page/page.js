@@ -7,6 +7,8 @@
 //   open(onRules, onLost)           begin: call onRules(rules) now and after each change of a rule file, and
 //                                   onLost(text) when no more will come, with what the user can do about it
 //   write(name, text)               a rule file has this text from now on; leads to onRules(rules)
+//   travel(): Promise<boolean>      optional: the address is another one (Back, Forward): whether that leads to
+//                                   onRules(rules)
 //   sheet(version, request, onPart, signal): Promise<void>
 //                                   make houses, and call onPart with each part of the answer as it is known
 //   lint(version, signal): Promise<Finding[]>
@@ -16,9 +18,9 @@
 //
 // where
 //
-//   rules   = {version, saved, grammar, files: [{name, text}]}
-//             version: a number, greater for each change; saved: when, milliseconds since 1970;
-//             grammar: what --grammar takes, a name or a folder
+//   rules   = {version, grammar, files: [{name, text}], before?}
+//             version: a number, greater for each change; grammar: what --grammar takes, a name or a folder;
+//             before: what the user does first where there is no such folder yet
 //   request = {rooms, seed, count, types: {bedroom: 2, hall: [0, 1]}, furniture: {"bedroom.bed": [1, null]}}
 //             a count is exact, or the least and the greatest number, null for no bound
 //   part    = {kinds: {types: {bedroom: ["bed", ...]}, most_rooms}}   comes first, where the rules are right
@@ -36,9 +38,10 @@
 // signal is aborted may do what it likes: the page takes no answer of it. An Error's message is shown as is.
 
 import { engine } from "./engine.js";
-import { hideAnswer, initAnswer, showAnswer, showProof, showWhy } from "./answers.js";
+import { onTravel } from "./address.js";
+import { hideAnswer, initAnswer, showAnswer, showPart, showProof, showWhy } from "./answers.js";
 import { byId, element } from "./dom.js";
-import { command, initRequest, readRequest, showKinds } from "./request.js";
+import { initRequest, readAddress, readRequest, showCommand, showKinds } from "./request.js";
 import { showFindings, showRules } from "./rules.js";
 import { initSheet, keepFirst, mark, setOutdated, showHouse, showProblem } from "./sheet.js";
 
@@ -57,20 +60,19 @@ function receive(newRules) {
   linting.abort();
   byId("grammar").textContent = rules.grammar;
   showRules(rules.files, engine.editable ? engine.write : null);
-  redraw(rules.saved);
+  redraw();
 }
 
-/** Ask for the sheet, `since` when the user acted. A newer call ends this one, and nothing of it comes late. */
-async function redraw(since) {
+/** Ask for the sheet. A newer call ends this one, and nothing of it comes late. */
+async function redraw() {
   if (!rules) return;
-  drawing.abort();
-  drawing = new AbortController();
-  const { signal } = drawing;
-  const { version, grammar } = rules;
   const request = readRequest();
-  byId("command").firstChild.textContent = command(grammar);
-  setOutdated();
-  closeAnswer();
+  if (!request) return refuse();
+  clear();
+  const { signal } = drawing;
+  const { version, grammar, before } = rules;
+  const asked = performance.now();
+  showCommand(grammar, before);
   const late = setTimeout(() => signal.aborted || say("Drawing."), PATIENCE);
   let right = true;
   try {
@@ -86,8 +88,24 @@ async function redraw(since) {
   byId("sheet").dataset.version = version;
   if (!right) return;
   keepFirst(request.count);
-  say(`${request.count} houses, drawn in ${((Date.now() - since) / 1000).toFixed(2)} s.`);
+  const houses = request.count === 1 ? "1 house" : `${request.count} houses`;
+  say(`${houses}, drawn in ${((performance.now() - asked) / 1000).toFixed(2)} s.`);
   lint(version);
+}
+
+/** What is asked for is no request: nothing that is shown answers it. */
+function refuse() {
+  if (!rules) return;
+  clear();
+  say("Nothing is drawn: a field below is wrong.");
+}
+
+/** What is shown answers another question. */
+function clear() {
+  drawing.abort();
+  drawing = new AbortController();
+  setOutdated();
+  closeAnswer();
 }
 
 /** Show a part of the answer; whether it is one of a sheet without mistakes and proofs. */
@@ -99,7 +117,8 @@ function receivePart({ kinds, findings, index, house, types, svg, problem }, req
     return false;
   }
   if (kinds) {
-    showKinds(kinds);
+    // Asked again once this answer is aborted, which is not of what is asked for now.
+    if (showKinds(kinds)) setTimeout(redraw);
     if (linted !== rules.version) showFindings([]);
   } else if (house) {
     showHouse(index, house, types, svg);
@@ -128,11 +147,11 @@ async function lint(version) {
   }
 }
 
-/** Ask why a part of a house is as it is. */
+/** Ask why a part of a house is as it is; where the engine cannot say, what it is. */
 async function ask(house, part, index) {
-  if (!engine.why) return;
   asking.abort();
   asking = new AbortController();
+  if (!engine.why) return showPart(house, part, index);
   const { signal } = asking;
   showAnswer(`Why ${part}`, element("p", {}, `House ${index} is made again.`));
   try {
@@ -153,8 +172,18 @@ function say(text) {
   byId("status").textContent = text;
 }
 
-initRequest(redraw);
+onTravel(async () => {
+  clear();
+  readAddress();
+  if (!(await engine.travel?.())) redraw();
+});
+initRequest(redraw, refuse);
 initSheet(ask);
-initAnswer(closeAnswer);
-byId("hint").hidden = !engine.why;
+initAnswer(() => {
+  const part = document.querySelector(".asked");
+  closeAnswer();
+  part?.focus(); // where the user was, which may be far from the rules
+});
+byId("hint").textContent = `Choose a room, a piece, a door or a window to see ${engine.why ? "why it is there" : "what it is"}`
+  + "; or arrow keys, then Enter.";
 engine.open(receive, say);

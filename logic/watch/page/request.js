@@ -1,54 +1,96 @@
-// What houses are asked for: sliders and boxes, kept in the page's address so that they outlive a reload.
+// What houses are asked for: sliders and boxes, kept in the page's address.
 
+import { address, note } from "./address.js";
 import { byId, element } from "./dom.js";
 
 /** Milliseconds: a slider that moves on sooner asks for nothing in between. */
 const PAUSE = 60;
-const COUNT = /^(\d{1,3})?(\.\.(\d{1,3})?)?$/;
-let kinds = null;
+const COUNT = /^(\d{1,3}|\d{1,3}\.\.\d{0,3}|\.\.\d{1,3})$/;
+const PLAIN = ["rooms", "seed", "count", "size"];
 
-/** Read the page's address; `onChange(when)` is called after each change that asks for other houses. */
-export function initRequest(onChange) {
+const initial = {};
+let kinds = null;
+/** Counts by the names of their boxes, as texts: type.bedroom, piece.bedroom.bed. */
+let wanted = {};
+/** Which control is being used, and how often one was left: the changes between are one step back. */
+let gesture = "";
+let left = 0;
+/** Counts that were dropped, until the next change. */
+let lost = [];
+
+/**
+ * `onChange()` is called after each change that asks for other houses, and `onWrong()` where what is asked for is
+ * no request.
+ */
+export function initRequest(onChange, onWrong) {
   const form = byId("request");
-  for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
-    const field = form.elements[name];
-    if (field) field.value = value;
-  }
+  for (const name of PLAIN) initial[name] = form.elements[name].value;
+  const ask = () => {
+    write(gesture);
+    if (tellWrong()) onWrong();
+    else onChange();
+  };
   let pause = 0;
-  form.addEventListener("input", (event) => {
+  form.addEventListener("input", ({ target }) => {
+    if (target.name?.includes(".")) wanted[target.name] = target.value.trim();
+    gesture = `${target.name} ${left}`;
+    lost = [];
     label();
     clearTimeout(pause);
-    if (event.target.name !== "size" && form.checkValidity()) pause = setTimeout(onChange, PAUSE, Date.now());
+    if (target.name === "size") write(null);
+    else pause = setTimeout(ask, PAUSE);
   });
+  form.addEventListener("change", () => left++);
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("keydown", step);
   byId("another").addEventListener("click", () => {
-    form.elements.seed.value = Number(form.elements.seed.value) + 1;
-    form.dispatchEvent(new Event("input"));
+    form.elements.seed.value = (Number(form.elements.seed.value) + 1) % 2 ** 31;
+    for (const kind of ["input", "change"]) form.elements.seed.dispatchEvent(new Event(kind, { bubbles: true }));
   });
-  label();
+  readAddress();
 }
 
-/** Boxes for the room types and pieces that a grammar has; what was typed in them stays. */
+/** Ask for what the address says. */
+export function readAddress() {
+  const { elements } = byId("request");
+  const said = address();
+  for (const name of PLAIN) elements[name].value = said.get(name) ?? initial[name];
+  wanted = Object.fromEntries([...said].filter(([name]) => name.includes(".")));
+  lost = [];
+  for (const each of boxes()) each.value = wanted[each.name] ?? "";
+  label();
+  tellWrong();
+}
+
+/** Boxes for the room types and pieces that a grammar has. Whether counts were dropped, of names that it has not. */
 export function showKinds(newKinds) {
-  if (JSON.stringify(newKinds) === JSON.stringify(kinds)) return;
+  const names = Object.entries(newKinds.types).flatMap(
+    ([type, pieces]) => [`type.${type}`, ...pieces.map((piece) => `piece.${type}.${piece}`)]);
+  const dropped = Object.keys(wanted).filter((name) => !names.includes(name));
+  for (const name of dropped) delete wanted[name];
+  lost.push(...dropped);
+  if (JSON.stringify(newKinds) !== JSON.stringify(kinds)) drawBoxes(newKinds);
   kinds = newKinds;
-  const before = counts();
-  const boxes = (names, title) => names.map((name) => box(name, before[name] ?? "", title(name)));
-  byId("types").replaceChildren(element("legend", {}, "Rooms of each type"),
-    ...boxes(Object.keys(kinds.types).map((type) => `type.${type}`), (name) => name.slice(5)));
-  byId("pieces").replaceChildren(...Object.entries(kinds.types).filter(([, pieces]) => pieces.length).map(
-    ([type, pieces]) => element("fieldset", {}, element("legend", {}, `In each ${type}`),
-      ...boxes(pieces.map((piece) => `piece.${type}.${piece}`), (name) => name.split(".")[2]))));
   byId("request").elements.rooms.max = Math.min(kinds.most_rooms, 32);
   label();
+  write(null);
+  tellWrong();
+  return dropped.length > 0;
 }
 
-/** The request as engines take it; counts of types that the grammar has lost are left out. */
+function drawBoxes({ types }) {
+  byId("types").replaceChildren(element("legend", {}, "Rooms of each type"),
+    ...Object.keys(types).map((type) => box(`type.${type}`, type)));
+  byId("pieces").replaceChildren(...Object.entries(types).filter(([, pieces]) => pieces.length).map(
+    ([type, pieces]) => element("fieldset", {}, element("legend", {}, `In each ${type}`),
+      ...pieces.map((piece) => box(`piece.${type}.${piece}`, piece)))));
+}
+
+/** The request as engines take it; null where a field is wrong. */
 export function readRequest() {
+  if (mistakes().length) return null;
   const { rooms, seed, count } = byId("request").elements;
-  const wanted = counts();
-  const of = (prefix) => Object.fromEntries(Object.entries(wanted)
+  const of = (prefix) => Object.fromEntries(counts()
     .filter(([name]) => name.startsWith(prefix))
     .map(([name, text]) => [name.slice(prefix.length), range(text)]));
   return {
@@ -60,49 +102,45 @@ export function readRequest() {
   };
 }
 
-/** The command that writes the houses of the page into a file. */
-export function command(grammar) {
+/** Show the command that writes the houses of the page into a file; `before` says what it needs. */
+export function showCommand(grammar, before = "") {
   const { rooms, seed, count } = byId("request").elements;
-  const options = Object.entries(counts()).map(([name, text]) => {
+  const options = counts().map(([name, text]) => {
     const [what, ...rest] = name.split(".");
     return `--${what} ${rest.join(".")}=${text}`;
   });
-  return ["vitruvius generate --grammar", grammar, `--rooms ${rooms.value}`, ...options,
+  const [words, code] = byId("command").children;
+  words.textContent = before;
+  code.textContent = ["vitruvius generate --grammar", grammar, `--rooms ${rooms.value}`, ...options,
     `--seed ${seed.value} --count ${count.value} --out houses.jsonl`].join(" ");
 }
 
-function box(name, value, title) {
+function box(name, title) {
   return element("label", {}, `${title} `, element("input", {
     name,
-    value,
+    value: wanted[name] ?? "",
     type: "text",
     placeholder: "any",
-    inputMode: "numeric",
-    pattern: "\\d{1,3}(\\.\\.\\d{0,3})?|\\.\\.\\d{1,3}",
+    inputMode: "text",
     title: "2, 1..3, 2.. or nothing for any number; arrow up and down count",
     autocomplete: "off",
   }));
 }
 
+const boxes = () => [...byId("request").querySelectorAll("[placeholder=any]")];
+
 /** Arrow up and down count in a box of counts. */
 function step(event) {
   const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
   const { value, placeholder } = event.target;
-  if (!by || placeholder !== "any" || value.includes("..")) return;
+  if (!by || placeholder !== "any" || !/^\d*$/.test(value)) return;
   event.preventDefault();
   const next = value === "" ? (by > 0 ? 0 : -1) : Number(value) + by;
   event.target.value = next < 0 ? "" : next;
-  event.target.dispatchEvent(new Event("input", { bubbles: true }));
+  for (const kind of ["input", "change"]) event.target.dispatchEvent(new Event(kind, { bubbles: true }));
 }
 
-/** What is typed in the boxes of counts, by their names, and before there are boxes what the address says. */
-function counts() {
-  const form = byId("request");
-  const given = kinds && form.querySelector("#types input")
-    ? [...form.querySelectorAll("[placeholder=any]")].map((each) => [each.name, each.value])
-    : [...new URLSearchParams(location.hash.slice(1))].filter(([name]) => name.includes("."));
-  return Object.fromEntries(given.filter(([, text]) => text && COUNT.test(text)));
-}
+const counts = () => Object.entries(wanted).filter(([, text]) => text !== "");
 
 function range(text) {
   if (!text.includes("..")) return Number(text);
@@ -110,13 +148,47 @@ function range(text) {
   return [Number(least || 0), most ? Number(most) : null];
 }
 
-/** Numbers beside the sliders, the size of the plans, and the page's address. */
-function label() {
-  const { rooms, seed, count, size } = byId("request").elements;
-  for (const output of byId("request").querySelectorAll("output")) {
-    output.value = byId("request").elements[output.htmlFor.value].value;
+/** What is wrong, as [name of the field, words]. */
+function mistakes() {
+  const { seed } = byId("request").elements;
+  const found = counts().flatMap(([name, text]) => {
+    const title = name.split(".").slice(1).reverse().join(" of a ");
+    if (!COUNT.test(text)) return [[name, `${title}: “${text}” is no number of them: write 2, 1..3, 2.. or nothing.`]];
+    const [least, most] = [range(text)].flat();
+    return most != null && least > most ? [[name, `${title}: ${text} has its least above its greatest.`]] : [];
+  });
+  return seed.checkValidity() ? found : [["seed", `Seed: a whole number from ${seed.min} to ${seed.max}.`], ...found];
+}
+
+/** Say in words what is wrong, and at which fields; whether anything is. */
+function tellWrong() {
+  const found = mistakes();
+  const names = found.map(([name]) => name);
+  for (const each of byId("request").querySelectorAll("input")) {
+    const wrong = names.includes(each.name);
+    each.setAttribute("aria-invalid", wrong);
+    if (wrong) each.setAttribute("aria-describedby", "wrong");
+    else each.removeAttribute("aria-describedby");
   }
-  byId("sheet").style.setProperty("--plan", `${size.value}px`);
-  const plain = { rooms: rooms.value, seed: seed.value, count: count.value, size: size.value };
-  history.replaceState(null, "", `#${new URLSearchParams({ ...plain, ...counts() })}`);
+  const leftOut = lost.map((name) => `These rules have no ${name.split(".").slice(1).join(".")}: its count is left out.`);
+  byId("wrong").textContent = [...found.map(([, words]) => words), ...leftOut].join(" ");
+  return found.length > 0;
+}
+
+/** Numbers beside the sliders, and the size of the plans. */
+function label() {
+  const { elements } = byId("request");
+  for (const output of byId("request").querySelectorAll("output")) output.value = elements[output.htmlFor.value].value;
+  byId("sheet").style.setProperty("--plan", `${elements.size.value}px`);
+}
+
+/** Note all of it in the address. */
+function write(gesture) {
+  const { elements } = byId("request");
+  const gone = [...address().keys()].filter((name) => name.includes(".") && !wanted[name]);
+  note({
+    ...Object.fromEntries(PLAIN.map((name) => [name, elements[name].value])),
+    ...Object.fromEntries(gone.map((name) => [name, null])),
+    ...Object.fromEntries(counts()),
+  }, gesture);
 }

@@ -38,26 +38,40 @@ export function showFindings(newFindings) {
   if (first) goTo(first.file, first.line);
 }
 
-/** Show a line of a file. */
-export function goTo(name, line) {
-  if (!files.some((file) => file.name === name)) return;
+/** Bring a line of a file to the front of its file; whether there is one. */
+function goTo(name, line) {
+  if (!files.some((file) => file.name === name)) return null;
   if (name !== shown) {
     shown = name;
     draw();
   }
   const code = byId("code");
   const row = code.querySelector(`[data-line="${line}"]`);
-  if (!row) return;
+  if (!row) return null;
   code.scrollTop = row.offsetTop - code.clientHeight / 3;
   code.querySelector(".here")?.classList.remove("here");
   row.classList.add("here");
+  return row;
+}
+
+/** Show a line of a file that the user asks for: where the page scrolls, it goes there. */
+function visit(name, line) {
+  const row = goTo(name, line);
+  if (row && document.documentElement.scrollHeight > innerHeight) row.scrollIntoView({ block: "start" });
+}
+
+/** The rules of the files in which a name stands outside comments. */
+export function linesWith(name) {
+  const word = new RegExp(`\\b${name}\\b`);
+  return files.flatMap(({ name: file, text }) => text.split("\n").flatMap((line, index) =>
+    word.test(stated(line)) ? [{ file, line: index + 1, text: stated(line).trim() }] : []));
 }
 
 /** A button that shows the line of a file, as in rooms.lp:9; for files that are not shown here plain words. */
 export function place(name, line, column) {
   const text = [name, line, column].filter(Boolean).join(":");
   if (!files.some((file) => file.name === name)) return element("span", { className: "place" }, text);
-  return element("button", { type: "button", className: "place", onclick: () => goTo(name, line) }, text);
+  return element("button", { type: "button", className: "place", onclick: () => visit(name, line) }, text);
 }
 
 function draw() {
@@ -129,15 +143,22 @@ function lines({ name, text }) {
   });
 }
 
+/** A line without its comment. */
+const stated = (line) => line.slice(0, endOf(line));
+
+const endOf = (line) => {
+  const comment = line.search(/%(?=([^"]*"[^"]*")*[^"]*$)/);
+  return comment < 0 ? line.length : comment;
+};
+
 /** The text of a line: its comment stands back, and the word at a mistake's column is marked. */
 function written(line, column) {
-  const comment = line.search(/%(?=([^"]*"[^"]*")*[^"]*$)/);
-  const end = comment < 0 ? line.length : comment;
+  const end = endOf(line);
   const parts = [];
   const word = column && column <= end ? line.slice(column - 1, end).match(/^\w+|^\S?/)[0] : "";
   if (word) parts.push(line.slice(0, column - 1), element("mark", {}, word), line.slice(column - 1 + word.length, end));
-  else parts.push(line.slice(0, end) || (comment < 0 ? " " : ""));
-  if (comment >= 0) parts.push(element("span", { className: "comment" }, line.slice(comment)));
+  else parts.push(line.slice(0, end) || (end < line.length ? "" : " "));
+  if (end < line.length) parts.push(element("span", { className: "comment" }, line.slice(end)));
   return parts;
 }
 

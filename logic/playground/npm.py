@@ -1,0 +1,73 @@
+"""Packages of npm, by the hashes of a lock."""
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from logic.errors import MissingProgram, VitruviusError
+
+LOCK = ("package.json", "package-lock.json")
+"""What npm installs, by their hashes."""
+
+SECONDS = 600
+"""For npm."""
+
+
+def installed(folder: Path, what: str) -> Path:
+    """The folder ``node_modules`` with the packages of a folder's lock, which npm fetches once.
+
+    ``what`` names them in errors. Raises ``MissingProgram`` where npm is needed and missing,
+    ``VitruviusError`` where it cannot fetch the packages.
+    """
+    lock = [(folder / name).read_bytes() for name in LOCK]
+    kept = _cache() / f"{folder.name}-{hashlib.sha256(b''.join(lock)).hexdigest()[:16]}"
+    if not kept.is_dir():
+        npm = shutil.which("npm")
+        if npm is None:
+            raise MissingProgram(
+                f"npm, which fetches {what}, is missing: install it (sudo apt-get install npm, brew install "
+                "node), then run this again"
+            )
+        try:
+            _cache().mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=_cache()) as beside:
+                made = Path(beside, "packages")
+                made.mkdir()
+                for name, content in zip(LOCK, lock, strict=True):
+                    (made / name).write_bytes(content)
+                _install(npm, made, what)
+                if not kept.is_dir():  # Another process may have been faster.
+                    os.replace(made, kept)
+        except OSError as error:
+            raise VitruviusError(f"{_cache()}: cannot be written: {error.strerror}") from None
+    return kept / "node_modules"
+
+
+def _install(npm: str, folder: Path, what: str) -> None:
+    """Install what the lock says; scripts of packages are not run."""
+    command = [npm, "ci", "--ignore-scripts", "--omit=dev", "--no-audit", "--no-fund", "--loglevel=error"]
+    try:
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
+        )
+    except subprocess.TimeoutExpired:
+        raise VitruviusError(f"npm has not fetched {what} in {SECONDS} s: try again") from None
+    if done.returncode:
+        said = [line for line in done.stderr.splitlines() if line.startswith(("npm error", "npm ERR!"))]
+        why = re.sub(r"^npm (error|ERR!) ", "", said[0]) if said else f"exit code {done.returncode}"
+        raise VitruviusError(f"npm cannot fetch {what}: {why}: is there a network?")
+
+
+def _cache() -> Path:
+    """The folder of this user for what can be fetched again."""
+    home = Path.home()
+    if os.name == "nt":
+        default = home / "AppData" / "Local"
+    else:
+        default = home / ("Library/Caches" if sys.platform == "darwin" else ".cache")
+    return Path(os.environ.get("XDG_CACHE_HOME") or default) / "vitruvius"
