@@ -73,7 +73,8 @@ def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
     stage = use.statement.program if use.statement.program in stages else stages[0]
     rule = _constraint(use, stage, own)
     where = "" if stage == use.statement.program else f" after #program {stage}."
-    hint = f"require it{where} by {rule}" if rule else "a choice of yours is made by option/3"
+    hint = f"require it{where} by {rule} A constraint has no head: it says what never holds"
+    hint = hint if rule else "a choice of yours is made by option/3"
     return f"the core alone derives {name}: {hint}"
 
 

@@ -1,7 +1,7 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,9 +9,10 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.audit import audit, unreadable
+from logic.causes import Mistake, first_causes, misspelt_name
 from logic.errors import GrammarError
 from logic.explain import Relaxed, Source
-from logic.grammar import OWN, STAR, Grammar
+from logic.grammar import OWN, PLANS, STAR, Grammar
 from logic.heads import closed_heads
 from logic.integers import overflowing
 from logic.layout import Endless, Program
@@ -24,10 +25,23 @@ from logic.stages import misplaced
 from logic.statements import Statement, error_at, read
 from logic.stratification import unstratified
 from logic.terms import Lengths, depth_steps, length_facts, wall_facts
-from logic.vocabulary import Words, capitalised, core_words, misspelt, places, stages, words
+from logic.vocabulary import (
+    LENGTHS,
+    Words,
+    capitalised,
+    core_words,
+    misspelt_names,
+    misspelt_predicates,
+    places,
+    stages,
+    words,
+)
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
+
+MOST_NAMED = 3
+"""Of how many names each has an error of its own, where one thing is wrong with all."""
 
 NAME = "[a-z][A-Za-z0-9_]*"
 """Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
@@ -59,7 +73,7 @@ class LoadedGrammar:
         """How many rooms a unit has at most."""
         self._words = Words()
         self._of_no_room: list[GrammarError] = []
-        self.errors = list(self._readable()) or list(self._errors())
+        self.errors = first_causes(self._readable()) or first_causes(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
         self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
         self.warnings = [] if self.errors else [*self._unlikely()]
@@ -72,16 +86,52 @@ class LoadedGrammar:
         """What the grammar defines as constants of clingo's, as text."""
         return [str(use.node) for use in self._words.defined.values()]
 
-    def _readable(self) -> Iterator[GrammarError]:
+    def _readable(self) -> Iterator[Mistake]:
         """What is wrong with statements by themselves."""
         if self._illegible:
-            yield from self._illegible
+            yield from map(Mistake, self._illegible)
             return
         try:
-            yield from self._misused(read(self._grammar.own))
+            misused = list(self._misused(read(self._grammar.own)))
         except GrammarError as error:
-            yield error
-        yield from self.placer.problems
+            yield Mistake(error)
+        else:
+            yield from map(Mistake, misused)
+            strange = [] if misused else self._strange()
+            strange += [] if misused else self._gone(strange, ("type", 1))
+            if self.placer.problems or any({"type/1", "topology/1"} & each.explains for each in strange):
+                yield from strange
+        # Which clauses there are depends on the topology, and that is a star where none is named.
+        unnamed = self._grammar.topology_name == STAR.stem
+        for error in self.placer.problems:
+            yield Mistake(error, about=frozenset({"topology/1", "type/1"} if unnamed else {"type/1"}))
+
+    def _strange(self) -> list[Mistake]:
+        """Predicates that are not known; the topology's name alone, as it says which others there are."""
+        found = list(misspelt_predicates(self._words))
+        named = [mistake for mistake in found if "topology/1" in mistake.explains]
+        star = core_words()
+        stated = self._words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
+        shared = [
+            use for each in stated & core_words(PLANS).opened.keys() for use in self._words.derived[each]
+        ]
+        if shared and not named and self._grammar.topology_name == STAR.stem:
+            first = min(shared, key=lambda use: use.node.location.begin)
+            why = f"{first.node.name} is for rooms that share walls: name a topology, as in topology(ring)."
+            named = [Mistake(error_at(first.node, why), frozenset({"topology/1"}))]
+        return named or found
+
+    def _gone(self, strange: Sequence[Mistake], *needed: tuple[str, int]) -> list[Mistake]:
+        """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
+        names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self._words.derived}
+        names -= {name for mistake in strange for name in mistake.explains}
+        return [self._absent_from(".lp", sorted(names), self._grammar.own)] if names else []
+
+    def _absent_from(self, kind: str, names: Sequence[str], files: Sequence[Path]) -> Mistake:
+        """The mistake that no file of a kind states these predicates."""
+        there = ", ".join(file.name for file in files)
+        why = f"no {kind} file states {', '.join(names)}: is a file gone? There is {there}"
+        return Mistake(GrammarError(why, self._grammar.directory), frozenset({*names, "topology/1"}))
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
@@ -110,52 +160,48 @@ class LoadedGrammar:
             name = self._grammar.topology_name
             yield GrammarError(f"topology({name}). is no fact where it stands", self._grammar.directory)
 
-    def _errors(self) -> Iterator[GrammarError]:
+    def _errors(self) -> Iterator[Mistake]:
         sized = self.placer.sized()
-        strange = list(misspelt(self._words, (name for _, name, *_ in sized)))
+        strange = self._strange()
+        gone = [] if strange else list(self._unstated({predicate for predicate, *_ in sized}))
+        if not gone:
+            strange += misspelt_names(self._words, (name for _, name, *_ in sized))
+        meant, others = _by_meaning(strange)
         try:
             probe = self._probe({"rooms": 1}, "house")
             self._probe({}, "room")
         except GrammarError as error:
-            yield from [error, *strange]
+            yield from [*gone, Mistake(error), *strange]
             return
-        wrong = [*self._wrong(probe), *strange, *self._misnamed(probe)]
+        names = {name for mistake in strange for name in mistake.about or ()}
+        values, wrong = self._wrong(probe, names)
+        wrong += map(Mistake, self._misnamed(probe))
+        absent = self._gone(strange, ("may", 4)) if wrong else []
+        yield from [*gone, *values, *meant, *absent, *wrong, *others]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
-        if not self.types:
-            wrong.append(GrammarError("no room type: state type/1 in a .lp file", self._grammar.directory))
-        yield from wrong
-        if wrong:
+        if strange or gone or values or wrong:
             return
         self.furniture = furniture_of(probe)
-        whole = self._probe({"rooms": 1}, "units") if probe.atoms("units", 2) else probe
-        limits = [symbol.arguments[0].number for symbol in whole.atoms("most_rooms", 1)]
-        if whole is not probe:
-            yield from self._units(probe.atoms("units", 2)[0], bool(limits))
-        self.most_rooms = min([MOST_ROOMS, *limits])
-        turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
-        turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
-        self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
-        yield from errors
-        lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
-        sizes = self._extremes["rooms"].items()
-        usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
-        yield from self.placer.disagreements(usable, units=whole is not probe)
-        yield from {str(error): error for error in map(self._absent, absent)}.values()
-        if not errors and not absent:
-            yield from impossible(self._extremes, self.placer.origins)
-        for predicate, name, file, line, column in sized:
-            if predicate != "piece_size" and name not in self.furniture:
-                text = f"{predicate}: {name} is no room type: see type/1{_meant(name, self.furniture)}"
-                yield unknown(name, text, file, line, column)
-        lacking = {str(clause.arguments[-1]) for clause in absent}
-        yield from self._unused(probe, sized, lacking)
+        yield from self._mismeasured(probe, sized)
 
-    def _unused(
-        self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: set[str]
-    ) -> Iterator[GrammarError]:
-        """Keep, as warnings, what is said of pieces that no room has: files may be shared by grammars.
+    def _unstated(self, stated: set[str]) -> Iterator[Mistake]:
+        """What no ``.pl`` file has a clause of, so that a file is likely to be gone."""
+        lengths = [Function("length", [Function(name)]) for name in LENGTHS]
+        found = self.placer.origins(lengths)
+        names = ["room_size/3"] if "room_size" not in stated else []
+        if "piece_size" not in stated and ("may", 4) in self._words.derived:
+            names.append("piece_size/4")
+        absent = [f"{each.arguments[0].name}/1" for each in lengths if each not in found]
+        if names or len(absent) > 1:
+            yield self._absent_from(".pl", [*names, *absent], self._grammar.prolog)
 
-        It is an error where a piece is ``lacking`` that it is likely to be meant for.
+    def _unsized(
+        self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: Set[str]
+    ) -> Iterator[Mistake]:
+        """Clauses of sizes that are for no type of room that there is.
+
+        What is said of pieces that no room has is kept, as warnings: files may be shared by grammars. It is
+        an error where a piece is ``lacking`` that it is likely to be meant for.
         """
         pieces = {piece for pieces in self.furniture.values() for piece in pieces}
         of_rules: dict[str, GrammarError] = {}  # One statement may state many facts.
@@ -165,14 +211,37 @@ class LoadedGrammar:
             of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
         self._of_no_room += of_rules.values()
         for predicate, name, file, line, column in sized:
-            if predicate != "piece_size" or name in pieces:
+            known = pieces if predicate == "piece_size" else set(self.furniture)
+            if name in known:
                 continue
-            text = f"{predicate}: {name} is no piece in any room: see may/4{_meant(name, pieces)}"
+            kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
+            text = f"{predicate}: {name} is no {kind}{_meant(name, known)}"
             error = unknown(name, text, file, line, column)
-            if closest(name, pieces) in lacking:
-                yield error
+            if known is not pieces or closest(name, known) in lacking:
+                yield misspelt_name(error, name, closest(name, known) or "")
             else:
                 self._of_no_room.append(error)
+
+    def _mismeasured(
+        self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]]
+    ) -> Iterator[Mistake]:
+        """What is wrong with the lengths of what there is."""
+        whole = self._probe({"rooms": 1}, "units") if probe.atoms("units", 2) else probe
+        limits = [symbol.arguments[0].number for symbol in whole.atoms("most_rooms", 1)]
+        if whole is not probe:
+            yield from map(Mistake, self._units(probe.atoms("units", 2)[0], bool(limits)))
+        self.most_rooms = min([MOST_ROOMS, *limits])
+        turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
+        turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
+        self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
+        lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
+        sizes = self._extremes["rooms"].items()
+        usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
+        clashes = self.placer.disagreements(usable, units=whole is not probe)
+        yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
+        yield from map(Mistake, [*errors, *clashes, *self._absent(absent)])
+        if not errors and not absent:
+            yield from map(Mistake, impossible(self._extremes, self.placer.origins))
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share."""
@@ -198,7 +267,24 @@ class LoadedGrammar:
         yield from unlikely(self._extremes, self.placer.origins)
         yield from capitalised(self._words)
 
-    def _absent(self, clause: Symbol) -> GrammarError:
+    def _absent(self, clauses: Sequence[Symbol]) -> Iterator[GrammarError]:
+        """An error for each clause that no ``.pl`` file states; one for many of a predicate."""
+        for size in ("room_size/3", "piece_size/4"):
+            each = {
+                c.arguments[-1].name: c for c in clauses if len(c.arguments) == 1 + (size == "piece_size/4")
+            }
+            each = {name: c for name, c in each.items() if c.name == "size"}
+            if len(each) > MOST_NAMED:
+                names = ", ".join(list(each)[:MOST_NAMED])
+                why = (
+                    f"{size} has no clause for {names} and {len(each) - MOST_NAMED} more: is a .pl file gone?"
+                )
+                yield GrammarError(why, self._grammar.directory)
+            else:
+                yield from map(self._absent_clause, each.values())
+        yield from (self._absent_clause(clause) for clause in clauses if clause.name == "length")
+
+    def _absent_clause(self, clause: Symbol) -> GrammarError:
         """An error for a clause that no ``.pl`` file states: at the fact that calls for it."""
         if clause.name == "length":
             name = clause.arguments[0].name
@@ -224,16 +310,31 @@ class LoadedGrammar:
         )
         raise GrammarError(why, endless.file, endless.line, endless.column)
 
-    def _wrong(self, probe: Program) -> Iterator[GrammarError]:
-        """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``)."""
+    def _wrong(self, probe: Program, strange: Set[str]) -> tuple[list[Mistake], list[Mistake]]:
+        """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``): with values,
+        which explain the ``strange`` names among them, and with what is not there. Of several facts that name
+        one unknown thing, the first.
+        """
+        types = {str(symbol.arguments[0]) for symbol in probe.atoms("type", 1)}
+        values: list[Mistake] = []
+        absent: dict[tuple[str, str], Mistake] = {}
         for symbol in probe.atoms("wrong", 2):
-            fact, why = _stated(symbol.arguments[0]), symbol.arguments[1]
-            yield self._at(fact, f"{fact}: {why.string}")
+            fact, why = _stated(symbol.arguments[0]), symbol.arguments[1].string
+            names = [str(each) for each in fact.arguments]
+            error = self._at(fact, f"{fact}: {why}")
+            if ": see " not in why:
+                values.append(Mistake(error, frozenset(names) & strange))
+                continue
+            known = types if "type/1" in why else ()
+            name = next((each for each in names if each not in known), names[0])
+            absent.setdefault((name, why), Mistake(error, frozenset({name})))
         for symbol in probe.atoms("twice", 2):
             facts = sorted(map(_stated, symbol.arguments), key=lambda fact: self._at(fact, "").line or 0)
             first = self._at(facts[0], "")
             place = f"{Path(str(first.file)).name}:{first.line}:{first.column}"
-            yield self._at(facts[1], f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them")
+            why = f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them"
+            values.append(Mistake(self._at(facts[1], why)))
+        return values, list(absent.values())
 
     def _misnamed(self, probe: Program) -> Iterator[GrammarError]:
         """Types and pieces whose names are no plain words."""
@@ -269,6 +370,18 @@ def _too_deep(statement: Statement) -> bool:
 def _meant(name: str, names: Iterable[str]) -> str:
     meant = closest(name, names)
     return f". Did you mean {meant}?" if meant else ""
+
+
+def _by_meaning(strange: Sequence[Mistake]) -> tuple[list[Mistake], list[Mistake]]:
+    """Misspelt names that are like a known one, and those of which it is better said what they lack."""
+    return (
+        [each for each in strange if not each.about or each.explains - each.about or "/" in min(each.about)],
+        [
+            each
+            for each in strange
+            if each.about and not each.explains - each.about and "/" not in min(each.about)
+        ],
+    )
 
 
 def _stated(fact: Symbol) -> Symbol:

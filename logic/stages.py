@@ -13,6 +13,9 @@ from logic.errors import GrammarError
 from logic.statements import Statement, error_at, place
 from logic.vocabulary import Signature, Use, Words, core_words, stages
 
+PARTS = {"plan": "room"}
+"""Programs of the core that come with another one, where rooms share walls."""
+
 EVERY = frozenset({"base", UNITS, *STAGES})
 
 
@@ -34,8 +37,9 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
     for word in _words(own):
         statement = word.use.statement
         rules.setdefault(id(statement.node), (statement, []))[1].append(word)
-    for node, (statement, found) in rules.items():
-        if node in refused:
+    for node, (statement, used) in rules.items():
+        found = [word for word in used if word.programs]  # Else another error says that it is not known.
+        if node in refused or statement.program not in every:
             continue
         found.sort(key=lambda word: place(word.use.node))
         fits = every.intersection(*(word.programs for word in found))
@@ -51,7 +55,18 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
             yield error_at(bad.use.node, f"{_where(bad)}: {put}")
         else:
             other = next(word for word in found if not word.programs & bad.programs)
-            yield error_at(bad.use.node, f"{_where(bad)}, and {_where(other)}: no rule sees both")
+            meant = _with_other_arity(bad, statement.program, own)
+            hint = f"did you mean {meant}?" if meant else "no rule sees both"
+            yield error_at(bad.use.node, f"{_where(bad)}, and {_where(other)}: {hint}")
+
+
+def _with_other_arity(word: Word, program: str, own: Words) -> str:
+    """A predicate of this name that is known in a program, where the word is not."""
+    core = own.core or core_words()
+    name = word.name.split("/")[0]
+    others = {each for each in {*core.derived, *own.derived} if each[0] == name and _name(each) != word.name}
+    known = sorted(each for each in others if program in _known(each, own, core))
+    return _name(known[0]) if known else ""
 
 
 def _words(own: Words) -> Iterator[Word]:
@@ -73,6 +88,8 @@ def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
     if any(use.statement.program not in {*EVERY, "pick"} for use in core.derived.get(signature, ())):
         # A part that a request or the lengths add, to the stage whose rules use it.
         programs |= _programs(core.used.get(signature, ()))
+    if programs and not programs & {*EVERY, "pick"} and signature in own.derived:
+        return EVERY  # In a program that is misspelt.
     return EVERY if not programs or programs & {"base", "pick"} else programs & EVERY
 
 
@@ -86,7 +103,7 @@ def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
 
 
 def _programs(uses: Iterable[Use]) -> frozenset[str]:
-    return frozenset(use.statement.program for use in uses)
+    return frozenset(PARTS.get(use.statement.program, use.statement.program) for use in uses)
 
 
 def _is_constraint(statement: Statement) -> bool:

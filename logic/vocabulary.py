@@ -11,6 +11,7 @@ from clingo import Symbol
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.audit import STAGES, UNITS
+from logic.causes import Mistake, misspelt_name
 from logic.errors import GrammarError
 from logic.grammar import ADJACENT, PLANS, STAR
 from logic.inexpressible import inexpressible
@@ -132,20 +133,23 @@ def alternatives(symbol: Any) -> list[Any]:
     return [symbol]
 
 
-def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
-    """Predicates that nothing derives or uses, and constants that no other statement names.
-
-    ``sized`` are the names that the ``.pl`` files know.
-    """
+def misspelt_predicates(own: Words) -> Iterator[Mistake]:
+    """Predicates that nothing derives or uses."""
     core = own.core or core_words()
     known = {*core.used, *core.derived, *core.opened}
     for signature, uses in ({each: [use] for each, use in own.opened.items()} | own.used).items():
         if signature not in own.derived and signature not in known:
-            yield _unknown(signature, "derives", uses[0], known | set(own.derived))
+            yield _unknown(signature, "derives", uses[0], known | set(own.derived), core)
     inputs = {each for each in known if each not in core.derived or each in core.opened}
     for signature, uses in own.derived.items():
         if signature not in own.used and signature not in known:
-            yield _unknown(signature, "uses", uses[0], inputs | set(own.used))
+            yield _unknown(signature, "uses", uses[0], inputs | set(own.used), core)
+
+
+def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
+    """Constants that no other statement names. ``sized`` are the names that the ``.pl`` files know."""
+    core = own.core or core_words()
+    known = {*core.used, *core.derived, *core.opened}
     # The values of a choice may be there to be picked, and no more.
     values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
     values += [str(use.node.arguments[0]) for use in own.derived.get(("topology", 1), ())]
@@ -158,12 +162,18 @@ def misspelt(own: Words, sized: Iterable[str]) -> Iterator[GrammarError]:
         if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
             continue  # A value in a table of the grammar's own, such as zone(kitchen,loud).
         if len(uses) == 1:
-            yield error_at(uses[0].node, f"{name} stands nowhere else{_meant(name, others - {name})}")
+            yield _misspelt(name, uses[0], "stands nowhere else", others - {name})
         elif name not in own.stated:
-            yield error_at(uses[0].node, f"{name} stands in no fact or head{_meant(name, others)}")
+            yield _misspelt(name, uses[0], "stands in no fact or head", others)
     for name, use in own.defined.items():
         if name not in own.constants:
-            yield error_at(use.node, f"#const {name} is not used{_meant(name, core.defined)}")
+            error = error_at(use.node, f"#const {name} is not used{_meant(name, core.defined)}")
+            yield misspelt_name(error, name, "")
+
+
+def _misspelt(name: str, use: Use, what: str, others: set[str]) -> Mistake:
+    error = error_at(use.node, f"{name} {what}{_meant(name, others)}")
+    return misspelt_name(error, name.strip("'"), closest(name, others) or "")
 
 
 def capitalised(own: Words) -> Iterator[GrammarError]:
@@ -201,24 +211,34 @@ def places(fact: Symbol, own: Words) -> list[Use]:
     return [use for use in heads if names(use)] or [use for use in heads if use.statement.node.body]
 
 
-def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature]) -> GrammarError:
+def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature], core: Words) -> Mistake:
     name, arity = signature
+    here = f"{name}/{arity}"
     if sentence := inexpressible(name):
-        return error_at(use.node, sentence)
+        return misspelt_name(error_at(use.node, sentence), here, "")
     if name in core_words().defined:
-        return error_at(use.node, f"{name} is a constant: write {name} = {use.node.arguments[0]}")
+        error = error_at(use.node, f"{name} is a constant: write {name} = {use.node.arguments[0]}")
+        return misspelt_name(error, here, "")
     if name in {"room_size", "piece_size", *LENGTHS}:
-        return error_at(use.node, f"{name} belongs in a .pl file: see docs/rules.md#lengths-in-pl-files")
-    same = [other for other in known if other[0] == name]
-    hint = (
-        f": did you mean {name}/{same[0][1]}?" if same else _meant(name, [other for other, _ in known], known)
-    )
-    return error_at(use.node, f"nothing {what} {name}/{arity}{hint}")
+        why = f"{name} belongs in a .pl file: see docs/rules.md#lengths-in-pl-files"
+        return misspelt_name(error_at(use.node, why), here, "")
+    meant = _meant_predicate(signature, known, core)
+    hint = f": did you mean {meant}?" if meant else ""
+    return misspelt_name(error_at(use.node, f"nothing {what} {here}{hint}"), here, meant)
 
 
-def _meant(name: str, names: Iterable[str], signatures: Iterable[Signature] = ()) -> str:
+def _meant_predicate(signature: Signature, known: Iterable[Signature], core: Words) -> str:
+    """The predicate that was meant, as ``window/2``: of this name or the most similar one, with as many
+    arguments if it can be, rather a documented one.
+    """
+    name, arity = signature
+    known = set(known) - {signature}
+    close = name if any(other == name for other, _ in known) else closest(name, {other for other, _ in known})
+    same = [each for each in known if each[0] == close]
+    best = min(same, key=lambda each: (each[1] != arity, each not in core.documented, each), default=None)
+    return f"{best[0]}/{best[1]}" if best else ""
+
+
+def _meant(name: str, names: Iterable[str]) -> str:
     close = closest(name, names)
-    if close is None:
-        return ""
-    arity = next((f"/{arity}" for other, arity in sorted(signatures) if other == close), "")
-    return f": did you mean {close}{arity}?"
+    return f": did you mean {close}?" if close else ""
