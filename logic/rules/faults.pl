@@ -99,10 +99,11 @@ fault(raised, Terms, Clauses, Call, At, Text) :-
     path(Terms, Clauses, Call, _, _, Steps, raises(Error)),
     last(Steps, step(_,_,At)),
     error_text(Error, At, Text).
-fault(nonlinear, Terms, Clauses, Call, At, Text) :-
-    path(Terms, Clauses, Call, _, _, Steps, holds),
+fault(nonlinear, Terms, Clauses, Given-Head, At, Text) :-
+    path(Terms, Clauses, Given-Head, _, _, Steps, holds),
     member(step(post(_),post(Live),At), Steps),
-    linear_instead(Live, Instead), !,
+    linear_instead(Live, Linear), functor(Head, Name, _),
+    ( nonlinear(Live, A*B), A \== B, stated_area(Name, Area) -> Instead = Area ; Instead = Linear ), !,
     spoken("~w is nonlinear, and CLP(R) decides linear constraints alone: ~w", [At,Instead], Text).
 fault(several, Terms, Clauses, Call, At, Text) :-
     findall(Clause, ( member(Clause, Clauses), once(path(Terms, [Clause], Call, _, _, _, holds)) ), Holding),
@@ -122,6 +123,11 @@ fault(endless, Terms, Clauses, _, At, Text) :-
     member(Clause, Clauses), head(Clause, At),
     once(called(Terms, Clause, [], Looped, Line)),
     spoken("~w recurs without end: ~w calls itself in line ~w", [At,Looped,Line], Text).
+
+%   stated_area(+Name, -Text) is semidet: how an area is stated that the clause of this name is to bound.
+
+stated_area(room_size, "state the area by room_area(Type,Least,Most)") :- nb_getval(grammar_walls, shared).
+stated_area(house_size, "bound both sides by numbers (W =< 9.0, D =< 7.0), and so the area").
 
 %   path(+Terms, +Clauses, +Call, -Clause, -Live, -Steps, -End) is nondet: see clause_path/5.
 

@@ -604,6 +604,13 @@ door_width(0.762).          % the paper's 2.5 feet
         "with window_margin(0.65) in line 6 on both sides no such window fits in room_size(",
     ),
     window("a window without a least length", "L =< 0.6*Wall", "L has no lower bound"),
+    plan(
+        "a product in the size of a room where areas are stated",
+        "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }.",
+        "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2, W*D =< 9 }.",
+        "decides linear constraints alone: state the area by room_area(Type,Least,Most)",
+        at="W*D",
+    ),
     window(
         "a window of a product",
         "L >= 0.6, L =< 2.4, L*Wall =< 4",
@@ -623,7 +630,7 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "an area of the house by a product",
         "W*D =< 60",
-        "W*D =< 60 is nonlinear, and CLP(R) decides linear constraints alone",
+        "decides linear constraints alone: bound both sides by numbers (W =< 9.0, D =< 7.0), and so the area",
         at="W*D",
     ),
     appended(
