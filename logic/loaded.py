@@ -1,9 +1,7 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
-import re
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from clingo import Function, Symbol
@@ -12,6 +10,7 @@ from logic.audit import audit, unreadable
 from logic.causes import Mistake, first_causes, misspelt_name
 from logic.errors import GrammarError
 from logic.explain import Relaxed, Source
+from logic.facts import Facts, stated
 from logic.grammar import OWN, PLANS, STAR, Grammar
 from logic.heads import closed_heads
 from logic.integers import overflowing
@@ -32,19 +31,12 @@ from logic.vocabulary import (
     core_words,
     misspelt_names,
     misspelt_predicates,
-    places,
     stages,
     words,
 )
 
 MOST_INSTANCES = 50_000
 """Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
-
-MOST_NAMED = 3
-"""Of how many names each has an error of its own, where one thing is wrong with all."""
-
-NAME = "[a-z][A-Za-z0-9_]*"
-"""Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
 
 
 class LoadedGrammar:
@@ -72,6 +64,7 @@ class LoadedGrammar:
         self.most_in_unit = 0
         """How many rooms a unit has at most."""
         self._words = Words()
+        self._facts = Facts(grammar, self._words)
         self._of_no_room: list[GrammarError] = []
         self.errors = first_causes(self._readable()) or first_causes(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
@@ -125,18 +118,13 @@ class LoadedGrammar:
         """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
         names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self._words.derived}
         names -= {name for mistake in strange for name in mistake.explains}
-        return [self._absent_from(".lp", sorted(names), self._grammar.own)] if names else []
-
-    def _absent_from(self, kind: str, names: Sequence[str], files: Sequence[Path]) -> Mistake:
-        """The mistake that no file of a kind states these predicates."""
-        there = ", ".join(file.name for file in files)
-        why = f"no {kind} file states {', '.join(names)}: is a file gone? There is {there}"
-        return Mistake(GrammarError(why, self._grammar.directory), frozenset({*names, "topology/1"}))
+        return [self._facts.absent_from(".lp", sorted(names), self._grammar.own)] if names else []
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
         try:
             self._words = words(statements, core_words(self._grammar.topology))
+            self._facts = Facts(self._grammar, self._words)
         except RecursionError:
             yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
             return
@@ -174,8 +162,8 @@ class LoadedGrammar:
             yield from [*gone, Mistake(error), *strange]
             return
         names = {name for mistake in strange for name in mistake.about or ()}
-        values, wrong = self._wrong(probe, names)
-        wrong += map(Mistake, self._misnamed(probe))
+        values, wrong = self._facts.wrong(probe, names)
+        wrong += map(Mistake, self._facts.misnamed(probe))
         absent = self._gone(strange, ("may", 4)) if wrong else []
         yield from [*gone, *values, *meant, *absent, *wrong, *others]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
@@ -193,7 +181,7 @@ class LoadedGrammar:
             names.append("piece_size/4")
         absent = [f"{each.arguments[0].name}/1" for each in lengths if each not in found]
         if names or len(absent) > 1:
-            yield self._absent_from(".pl", [*names, *absent], self._grammar.prolog)
+            yield self._facts.absent_from(".pl", [*names, *absent], self._grammar.prolog)
 
     def _unsized(
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: Set[str]
@@ -206,8 +194,8 @@ class LoadedGrammar:
         pieces = {piece for pieces in self.furniture.values() for piece in pieces}
         of_rules: dict[str, GrammarError] = {}  # One statement may state many facts.
         for symbol in sorted(probe.atoms("unused", 2)):
-            fact, why = _stated(symbol.arguments[0]), symbol.arguments[1].string
-            found = self._at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
+            fact, why = stated(symbol.arguments[0]), symbol.arguments[1].string
+            found = self._facts.at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
             of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
         self._of_no_room += of_rules.values()
         for predicate, name, file, line, column in sized:
@@ -239,7 +227,7 @@ class LoadedGrammar:
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
         clashes = self.placer.disagreements(usable, units=whole is not probe)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
-        yield from map(Mistake, [*errors, *clashes, *self._absent(absent)])
+        yield from map(Mistake, [*errors, *clashes, *self._facts.absent(absent)])
         if not errors and not absent:
             yield from map(Mistake, impossible(self._extremes, self.placer.origins))
 
@@ -255,7 +243,7 @@ class LoadedGrammar:
         self.most_in_unit = stated.arguments[1].number
         if not known:
             name = self._grammar.topology_name
-            yield self._at(stated, f"{stated}: the topology {name} has no units, as building has")
+            yield self._facts.at(stated, f"{stated}: the topology {name} has no units, as building has")
         elif self.depths is None and not self.placer.origins([Function("unit_depth")]):
             clause = "unit_depth(D) :- { D >= 7.0, D =< 9.0 }."
             why = f"unit_depth/1 has no clause: add one, as {clause}"
@@ -266,37 +254,6 @@ class LoadedGrammar:
         yield from self._of_no_room
         yield from unlikely(self._extremes, self.placer.origins)
         yield from capitalised(self._words)
-
-    def _absent(self, clauses: Sequence[Symbol]) -> Iterator[GrammarError]:
-        """An error for each clause that no ``.pl`` file states; one for many of a predicate."""
-        for size in ("room_size/3", "piece_size/4"):
-            each = {
-                c.arguments[-1].name: c for c in clauses if len(c.arguments) == 1 + (size == "piece_size/4")
-            }
-            each = {name: c for name, c in each.items() if c.name == "size"}
-            if len(each) > MOST_NAMED:
-                names = ", ".join(list(each)[:MOST_NAMED])
-                why = (
-                    f"{size} has no clause for {names} and {len(each) - MOST_NAMED} more: is a .pl file gone?"
-                )
-                yield GrammarError(why, self._grammar.directory)
-            else:
-                yield from map(self._absent_clause, each.values())
-        yield from (self._absent_clause(clause) for clause in clauses if clause.name == "length")
-
-    def _absent_clause(self, clause: Symbol) -> GrammarError:
-        """An error for a clause that no ``.pl`` file states: at the fact that calls for it."""
-        if clause.name == "length":
-            name = clause.arguments[0].name
-            hint = f"{name}/1 has no clause: add one, as {name}(0.5). for half a metre"
-            return GrammarError(hint, self._grammar.prolog[-1], 1, 1)
-        *room, name = clause.arguments
-        facts = [("type", [name])]
-        if room:
-            facts = [("may", [*room, name]), ("beside", [name]), ("around", [name])]
-        why = f"{'piece_size/4' if room else 'room_size/3'} has no clause for {name}: add one to a .pl file"
-        errors = [self._at(Function(predicate, names), why) for predicate, names in facts]
-        return next((error for error in errors if error.line), errors[0])
 
     def _probe(self, constants: dict[str, Any], stage: str) -> Program:
         """A stage without furniture: a rule that has very many instances in it is refused."""
@@ -310,51 +267,9 @@ class LoadedGrammar:
         )
         raise GrammarError(why, endless.file, endless.line, endless.column)
 
-    def _wrong(self, probe: Program, strange: Set[str]) -> tuple[list[Mistake], list[Mistake]]:
-        """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``): with values,
-        which explain the ``strange`` names among them, and with what is not there. Of several facts that name
-        one unknown thing, the first.
-        """
-        types = {str(symbol.arguments[0]) for symbol in probe.atoms("type", 1)}
-        values: list[Mistake] = []
-        absent: dict[tuple[str, str], Mistake] = {}
-        for symbol in probe.atoms("wrong", 2):
-            fact, why = _stated(symbol.arguments[0]), symbol.arguments[1].string
-            names = [str(each) for each in fact.arguments]
-            error = self._at(fact, f"{fact}: {why}")
-            if ": see " not in why:
-                values.append(Mistake(error, frozenset(names) & strange))
-                continue
-            known = types if "type/1" in why else ()
-            name = next((each for each in names if each not in known), names[0])
-            absent.setdefault((name, why), Mistake(error, frozenset({name})))
-        for symbol in probe.atoms("twice", 2):
-            facts = sorted(map(_stated, symbol.arguments), key=lambda fact: self._at(fact, "").line or 0)
-            first = self._at(facts[0], "")
-            place = f"{Path(str(first.file)).name}:{first.line}:{first.column}"
-            why = f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them"
-            values.append(Mistake(self._at(facts[1], why)))
-        return values, list(absent.values())
-
-    def _misnamed(self, probe: Program) -> Iterator[GrammarError]:
-        """Types and pieces whose names are no plain words."""
-        pieces = [fact for name in ("may", "beside", "around") for fact in probe.atoms(name, 4)]
-        for facts, place, what in (
-            (probe.atoms("type", 1), 0, "type is named by a word that begins in lower case, as in bedroom"),
-            (pieces, 1, "piece is named by a word that begins in lower case, as in bed"),
-        ):
-            for fact in sorted(facts):
-                if not re.fullmatch(NAME, str(fact.arguments[place])):
-                    yield self._at(fact, f"{fact.arguments[place]}: a {what}")
-
     def topology_error(self, why: str) -> GrammarError:
         """An error of the topology of the user's own, where it first says on which lines rooms lie."""
         found = self._words.derived.get(("edge", 3))
-        return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
-
-    def _at(self, fact: Symbol, why: str) -> GrammarError:
-        """An error at the fact's place in the files."""
-        found = places(fact, self._words)
         return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
 
 
@@ -382,13 +297,6 @@ def _by_meaning(strange: Sequence[Mistake]) -> tuple[list[Mistake], list[Mistake
             if each.about and not each.explains - each.about and "/" not in min(each.about)
         ],
     )
-
-
-def _stated(fact: Symbol) -> Symbol:
-    """The grammar's own fact: of companions of both kinds it is named by the first argument."""
-    if fact.name != "companions":
-        return fact
-    return Function(fact.arguments[0].name, fact.arguments[1:])
 
 
 def furniture_of(probe: Program) -> dict[str, list[str]]:
