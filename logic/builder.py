@@ -21,6 +21,8 @@ from logic.own_planner import OwnPlanner
 from logic.parts import Provenance, Rect
 from logic.placement import Infeasible, Layout, Misfit, RoomLayout
 from logic.plans import Planner
+from logic.promised import promised
+from logic.promises import Promises
 from logic.proof import Prover
 from logic.request import Request, known
 from logic.spelling import unknown
@@ -50,6 +52,7 @@ class Builder:
         planner = UnitsPlanner if self.loaded.depths else Planner
         self.planner = planner(grammar, self.loaded, self.prover)
         self._own: OwnPlanner | None = None
+        self._promises: dict[Program, Promises] = {}
         self.versions = {
             "vitruvius": version("vitruvius"),
             "clingo": clingo.__version__,
@@ -218,6 +221,15 @@ class Builder:
         )
         return House.of_star(Star(floor, rooms), provenance=self._provenance(request, seed, index))
 
+    def promises(self, request: Request) -> Promises:
+        """What the houses of a request promise."""
+        stars = not self.grammar.shares_walls
+        program = self.programs.rooms_for(request)[0] if stars else self.planner_of(request).stated(request)
+        if program not in self._promises:
+            found = self.loaded.extremes, self.placer.metres(self.loaded.furniture)
+            self._promises[program] = promised(program, *found, self.grammar.shares_walls)
+        return self._promises[program]
+
     def _provenance(self, request: Request, seed: int, index: int) -> Provenance:
         return Provenance(
             grammar=self.grammar.name,
@@ -226,6 +238,7 @@ class Builder:
             seed=seed,
             index=index,
             versions=self.versions,
+            promises=self.promises(request),
         )
 
 

@@ -146,6 +146,10 @@ class UnitsPlanner(Planner):
             "other depths (unit_depth/1)"
         )
 
+    def stated(self, request: Request) -> Program:
+        """The program of the units."""
+        return self._programs.units_for(request, barred_units(self._programs, request))[0]
+
     def _units(self, request: Request, rng: np.random.Generator) -> tuple[list[Symbol], list[Unit]]:
         """A layout of units, and the units."""
         program, assumed = self._programs.units_for(request, barred_units(self._programs, request))

@@ -1,7 +1,7 @@
 """The independent check: whether a house keeps its promises, in plain geometry.
 
-It reads coordinates alone and shares nothing with the rules that made the house. The lengths here hold
-for houses of every grammar; what a shipped grammar promises beyond them stands in ``promises.json``.
+It reads coordinates alone and shares nothing with the rules that made the house. What it judges by is data:
+the promises of a grammar travel with its houses, those of the shipped ones stand in ``promises.json`` too.
 """
 
 import math
@@ -14,45 +14,39 @@ import shapely
 
 from logic.boxes import BACK, TOLERANCE, WALLS, distance, excess, front, overlap, walls_touched
 from logic.check_plan import plan_doors, plan_rooms, plan_units, plan_windows
+from logic.check_room import arrangement_violations, count_violations, front_violations, size_violations
 from logic.check_star import star_doors, star_main_room, star_rooms, star_sides
+from logic.figures import apart, figure, number, percent
 from logic.house import House
 from logic.least_main_room import side_of
 from logic.parts import BODY, ORIGINAL, OUTSIDE, Door, Room
-from logic.promises import (
-    FRONTAL,
-    PASSAGE,
-    PROMISES,
-    Promises,
-    arrangement_violations,
-    count_violations,
-    front_violations,
-    size_violations,
-)
+from logic.promises import FRONTAL, Promises
+from logic.standards import Standard, promises_of, standard
 from logic.walk import doorway, first_room, first_space, free_floor, joins_all, places_inside, spaces, swept
 
 REACHABLE = 0.6
 """The least share of a room's free floor that the body reaches from the room's doors."""
 SLIVER = 1e-4
 """Square metres: where a square's centre has less room than this, the square only just fits: no spot."""
-DEFAULT = "original"
-"""The promises of stars that name no grammar: the paper's constraints, whatever the sizes."""
 
 
-def check(house: House, promises: Promises | None = None) -> list[str]:
+def check(house: House, promises: Standard | None = None) -> list[str]:
     """Judge a house: ``[]``, or its violations in words, each with its room, pieces and lengths.
 
-    Without ``promises`` the provenance decides: those of its grammar, if shipped, or of ``DEFAULT`` for
-    stars that name no grammar (the original's among them). What is asked of the rooms and doors together
-    depends on the topology: of a star by ``check_star.py``, of all others by ``check_plan.py``. The
-    original's houses are judged by the paper's constraints: furniture keeps clear of a door in front of it
-    and behind it, not beside it, and rooms may be empty. They do not promise where a front faces, how wide
-    passages are, nor the least area of the main room.
+    Without ``promises`` it is judged by its own, see ``promises_of``; with them by others, see ``standard``:
+    ``"home"`` or another grammar's, or some of them, as ``{"door_clearance": 0.9, "passage": 0.9}``.
+    Raises ``RequestError``, a ``ValueError``, for a promise that there is not.
+
+    What is asked of the rooms and doors together depends on the topology: of a star by ``check_star.py``, of
+    all others by ``check_plan.py``. The original's houses are judged by the paper's constraints: furniture
+    keeps clear of a door in front of it and behind it, not beside it, and rooms may be empty. They do not
+    promise where a front faces, how wide passages are, nor the least area of the main room.
     """
     if not isinstance(house, House):
         raise TypeError(
             f"check() takes one House, not {type(house).__name__}: logic.load(file) gives a list of them"
         )
-    promises = promises or promises_of(house)
+    promises = promises_of(house) if promises is None else standard(promises)(house)
     cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
     if cell:
         promises = _on_grid(promises, cell)
@@ -66,7 +60,7 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
             *_types(house, promises),
             *star_sides(house, promises),
             *inside,
-            *_walking(house),
+            *_walking(house, max(promises.passage, SLIVER)),
             *star_main_room(house, promises),
         ]
     return [
@@ -77,14 +71,8 @@ def check(house: House, promises: Promises | None = None) -> list[str]:
         *plan_windows(house, promises),
         *_types(house, promises),
         *inside,
-        *_walking(house),
+        *_walking(house, max(promises.passage, SLIVER)),
     ]
-
-
-def promises_of(house: House) -> Promises:
-    """The promises of the house's grammar, as far as its name is that of a shipped one."""
-    default = DEFAULT if house.is_star else ""
-    return PROMISES.get(house.provenance.grammar if house.provenance else default, Promises())
 
 
 def _on_grid(promises: Promises, cell: float) -> Promises:
@@ -96,18 +84,21 @@ def _on_grid(promises: Promises, cell: float) -> Promises:
     def down(length: float) -> float:
         return math.floor(length / cell + TOLERANCE) * cell
 
-    door = None if promises.door is None else up(promises.door)
+    door = None if promises.door_width is None else up(promises.door_width)
     gap = None if promises.room_gap is None else up(promises.room_gap)
     rooms, pieces = (
         {
             name: (up(a), max(up(a), down(aa)), up(b), max(up(b), down(bb)))
             for name, (a, aa, b, bb) in sizes.items()
         }
-        for sizes in (promises.rooms, promises.pieces)
+        for sizes in (promises.room_size, promises.piece_size)
     )
+    clearance = up(promises.door_clearance)
     # A side is rounded by itself, so a share of the room's and an area are not kept to.
-    rounded = {"rooms": rooms, "pieces": pieces, "shares": {}, "tops": {}}
-    return msgspec.structs.replace(promises, door=door, room_gap=gap, **rounded)
+    rounded = {"room_size": rooms, "piece_size": pieces, "shares": {}, "tops": {}}
+    return msgspec.structs.replace(
+        promises, door_width=door, door_clearance=clearance, room_gap=gap, **rounded
+    )
 
 
 def _off_grid(house: House, cell: float) -> Iterator[str]:
@@ -122,13 +113,17 @@ def _off_grid(house: House, cell: float) -> Iterator[str]:
             for edge, origin in zip(rect.box, origins, strict=True):
                 off = abs((edge - origin) / cell - round((edge - origin) / cell)) * cell
                 if off > TOLERANCE:
-                    yield f"{_name(room)}: {name} stands {off:.3f} m off the grid of {cell:g} m"
+                    off_it = figure(off, digits=3)
+                    yield f"{_name(room)}: {name} stands {off_it} m off the grid of {number(cell)} m"
                     break
     if not house.is_star:
         return
     for size, name in ((house.main.width, "wide"), (house.main.height, "deep")):
         if abs(size / cell - round(size / cell)) * cell > TOLERANCE:
-            yield f"main room: is {size:.3f} m {name}, not whole cells of {cell:g} m"
+            text = apart(
+                size, digits=3, holds=lambda read: abs(read / cell - round(read / cell)) * cell > 1e-7
+            )[0]
+            yield f"main room: is {text} m {name}, not whole cells of {number(cell)} m"
 
 
 def _types(house: House, promises: Promises) -> Iterator[str]:
@@ -155,22 +150,22 @@ def _furniture(house: House, room: Room, promises: Promises) -> Iterator[str]:
             yield f"{place}: {name} does not suit the room"
         juts = excess(piece.box, room.box)
         if juts > TOLERANCE:
-            yield f"{place}: {name} juts {juts:.2f} m out of the room"
+            yield f"{place}: {name} juts {figure(juts)} m out of the room"
         # Rooms that share walls stand back to back: what is near to others' doors is behind a wall.
         for door in house.doors if house.is_star else house.doors_of(room.name):
             away = distance(piece.box, door.box)
             whose = "its door" if room.name in door.between else f"the door of {_owner(house, door)}"
             if original:
                 if overlap(piece.box, front(door.box, FRONTAL)) > TOLERANCE:
-                    yield f"{place}: {name} stands {away:.2f} m in front of {whose} (at least {FRONTAL:.3f})"
-            elif away < promises.clearance - TOLERANCE:
-                yield f"{place}: {name} stands {away:.2f} m from {whose} (at least {promises.clearance:g})"
+                    yield f"{place}: {name} {_stands(away, 'in front of', whose, FRONTAL)}"
+            elif away < promises.door_clearance - TOLERANCE:
+                yield f"{place}: {name} {_stands(away, 'from', whose, promises.door_clearance)}"
         if piece.type in promises.at_wall and not walls_touched(piece, room):
             yield f"{place}: {name} stands in the middle of the room (must touch a wall)"
     for (one, a), (other, b) in combinations(zip(room.pieces, names, strict=True), 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
-            yield f"{place}: {a} overlaps {b} by {depth:.2f} m"
+            yield f"{place}: {a} overlaps {b} by {figure(depth)} m"
     if house.topology != ORIGINAL:
         yield from _fronts(room, place, names, promises)
         side = side_of(house.star, house.star.rooms[house.secondary.index(room)]) if house.is_star else ""
@@ -178,7 +173,7 @@ def _furniture(house: House, room: Room, promises: Promises) -> Iterator[str]:
             *size_violations(room, side, names, promises),
             *count_violations(room, promises),
             *arrangement_violations(room, names, promises),
-            *front_violations(room, names, promises, PASSAGE),
+            *front_violations(room, names, promises),
         ]
         yield from (f"{place}: {line}" for line in found)
 
@@ -201,8 +196,8 @@ def _fronts(room: Room, place: str, names: list[str], promises: Promises) -> Ite
                 yield f"{place}: {name} faces {piece.orientation}, not away from its wall ({at})"
 
 
-def _walking(house: House) -> Iterator[str]:
-    bodies, squares = spaces(house, BODY), spaces(house, PASSAGE)
+def _walking(house: House, passage: float) -> Iterator[str]:
+    bodies, squares = spaces(house, BODY), spaces(house, passage)
     main, first = first_space(house, bodies, BODY), first_room(house)
     start = "the main room" if house.is_star else _name(first)
     covered = [(space, swept(space, BODY)) for space in bodies]
@@ -214,21 +209,27 @@ def _walking(house: House) -> Iterator[str]:
         if house.topology == ORIGINAL:
             continue
         free = free_floor(room)
-        by_body, by_square = ([doorway(door, side) for door in doors] for side in (BODY, PASSAGE))
+        by_body, by_square = ([doorway(door, side) for door in doors] for side in (BODY, passage))
         ways, wide = shapely.union_all(by_body), shapely.union_all(by_square)
         reached = shapely.union_all([floor for space, floor in covered if space.intersects(ways)])
         share = reached.intersection(free).area / free.area
         its = "its door" if len(doors) == 1 else "its doors"
         if share < REACHABLE:
-            reach = f"{share:.0%} of its free floor from {its}"
-            yield f"{place}: the body reaches {reach} (at least {REACHABLE:.0%})"
+            reach = f"{percent(share, REACHABLE)} of its free floor from {its}"
+            yield f"{place}: the body reaches {reach} (at least {percent(REACHABLE)})"
         closed = [space for space in squares if space.intersection(free).area > SLIVER]
         closed = [space for space in closed if not space.intersects(wide)]
         if closed:
-            area = shapely.union_all([swept(space, PASSAGE) for space in closed]).intersection(free).area
-            yield f"{place}: {area:.2f} m² of its floor lie behind passages narrower than {PASSAGE} m"
+            area = shapely.union_all([swept(space, passage) for space in closed]).intersection(free).area
+            behind = f"{figure(area)} m² of its floor lie"
+            yield f"{place}: {behind} behind passages narrower than {number(passage)} m"
         elif not joins_all(room, by_square, squares):
-            yield f"{place}: no passage of {PASSAGE} m joins its doors inside it"
+            yield f"{place}: no passage of {number(passage)} m joins its doors inside it"
+
+
+def _stands(away: float, where: str, whose: str, least: float) -> str:
+    """How near something stands to a door, and how near it may."""
+    return f"stands {figure(away, least)} m {where} {whose} (at least {number(least)})"
 
 
 def _name(room: Room) -> str:

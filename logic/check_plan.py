@@ -9,6 +9,8 @@ from typing import Any
 import shapely
 
 from logic.boxes import TOLERANCE, Box, distance, is_on_wall, overlap
+from logic.check_room import out_of
+from logic.figures import figure, number
 from logic.house import House
 from logic.parts import OUTSIDE, Door, Rect, Room, Window
 from logic.promises import PASSAGE, Promises
@@ -22,18 +24,31 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
     for one, other in combinations(house.rooms, 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
-            yield f"{_name(one)} overlaps {_name(other)} by {depth:.2f} m"
+            yield f"{_name(one)} overlaps {_name(other)} by {figure(depth)} m"
     if (parts := shapely.get_num_geometries(_floor(house))) > 1:
         yield f"house: its rooms lie in {parts} parts that do not touch"
     if (gap := gaps(house).area) > 1e-3:
-        yield f"house: {gap:.2f} m² between its rooms are no room's"
+        yield f"house: {figure(gap)} m² between its rooms are no room's"
     for room in house.rooms:
-        least, most = promises.areas.get(room.type, (0.0, room.area))
+        least, most = promises.room_area.get(room.type, (0.0, room.area))
         if not least - TOLERANCE <= room.area <= most + TOLERANCE:
-            yield f"{_name(room)} is of {room.area:.2f} m² ({least:g} to {most:g})"
+            area = figure(room.area, least, most)
+            yield f"{_name(room)} is of {area} m² ({number(least)} to {number(most)})"
         side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
         if side < narrowest - TOLERANCE:
-            yield f"{_name(room)} is {side:.3f} m wide at its shorter side (at least {narrowest:g})"
+            width = figure(side, narrowest, digits=3)
+            yield f"{_name(room)} is {width} m wide at its shorter side (at least {number(narrowest)})"
+        yield from (f"{_name(room)}: {line}" for line in _size_violations(room, promises))
+
+
+def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
+    """A size out of its bounds, whichever of its sides is the width."""
+    if sizes := promises.room_size.get(room.type):
+        ways = [
+            list(out_of("it", *sides, sizes))
+            for sides in ((room.width, room.height), (room.height, room.width))
+        ]
+        yield from min(ways, key=len)
 
 
 def gaps(house: House) -> Any:
@@ -51,12 +66,12 @@ def _floor(house: House) -> Any:
 
 def plan_doors(house: House, promises: Promises) -> Iterator[str]:
     """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
-    least = PASSAGE if promises.door is None else promises.door
+    least = PASSAGE if promises.door_width is None else promises.door_width
     rooms = {room.name: room for room in house.rooms}
     for door in house.doors:
         name, joined = _between(house, door), [rooms[each] for each in door.between if each != OUTSIDE]
         if door.length < least - TOLERANCE:
-            yield f"{name}: is {door.length:.3f} m wide (at least {least:g})"
+            yield f"{name}: is {figure(door.length, least, digits=3)} m wide (at least {number(least)})"
         if len(joined) == 1:
             yield from (f"{name}: {fault}" for fault in _not_outer(house, door, joined[0]))
         elif not _is_shared(door, *joined):

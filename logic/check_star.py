@@ -1,15 +1,17 @@
 """What the check asks of a star: its doors, its sides, its main room and the rooms around it."""
 
 import math
+import operator
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 
 from logic.boxes import TOLERANCE, distance, is_on_wall, overlap
+from logic.figures import apart, figure, number
 from logic.house import House
 from logic.least_main_room import ELONGATION, least_area, side_of
 from logic.parts import STAR
-from logic.promises import CLEARANCE, Promises
+from logic.promises import Promises
 
 SPACIOUSNESS = 2.0
 """The most that the main room may be larger than the least main room that fits its rooms."""
@@ -20,9 +22,10 @@ def star_doors(house: House, promises: Promises) -> Iterator[str]:
     star, names = house.star, _names(house)
     widths = [room.door.length for room in star.rooms]
     for room, name, width in zip(star.rooms, names, widths, strict=True):
-        wanted = widths[0] if promises.door is None else promises.door
+        wanted = widths[0] if promises.door_width is None else promises.door_width
         if abs(width - wanted) > TOLERANCE:
-            yield f"{name}: its door is {width:.3f} m wide (must be {wanted:.3f})"
+            found, must = figure(width, wanted, digits=3), number(wanted, 3)
+            yield f"{name}: its door is {found} m wide (must be {must})"
         if house.topology == STAR:
             if side_of(star, room) is None:
                 yield f"{name}: its door is not on a wall that it shares with the main room"
@@ -37,17 +40,18 @@ def star_rooms(house: House, promises: Promises) -> Iterator[str]:
     for room, name in zip(rooms, names, strict=True):
         depth = overlap(room.box, floor.box)
         if house.topology == STAR and depth > TOLERANCE:
-            yield f"{name} overlaps the main room by {depth:.2f} m"
+            yield f"{name} overlaps the main room by {figure(depth)} m"
         if room.area > floor.area + slack:
-            yield f"{name} is larger ({room.area:.2f} m²) than the main room ({floor.area:.2f} m²)"
+            its, main = apart(room.area, floor.area, holds=operator.gt)
+            yield f"{name} is larger ({its} m²) than the main room ({main} m²)"
     for (one, name), (other, neighbour) in combinations(zip(rooms, names, strict=True), 2):
         depth = overlap(one.box, other.box)
         if depth > TOLERANCE:
-            yield f"{name} overlaps {neighbour} by {depth:.2f} m"
+            yield f"{name} overlaps {neighbour} by {figure(depth)} m"
             continue
-        apart = distance(one.box, other.box)
-        if promises.room_gap is not None and house.topology == STAR and apart < promises.room_gap - TOLERANCE:
-            yield f"{name} stands {apart:.2f} m from {neighbour} (at least {promises.room_gap:g})"
+        away, gap = distance(one.box, other.box), promises.room_gap
+        if gap is not None and house.topology == STAR and away < gap - TOLERANCE:
+            yield f"{name} stands {figure(away, gap)} m from {neighbour} (at least {number(gap)})"
 
 
 def star_sides(house: House, promises: Promises) -> Iterator[str]:
@@ -66,17 +70,18 @@ def star_main_room(house: House, promises: Promises) -> Iterator[str]:
     star = house.star
     short, long = sorted((star.floor.width, star.floor.height))
     if long > ELONGATION * short + TOLERANCE:
-        yield f"main room: is {long:.2f} by {short:.2f} m (at most {ELONGATION:g} times as long as wide)"
+        a, b = apart(long, short, holds=lambda a, b: a > ELONGATION * b)
+        yield f"main room: is {a} by {b} m (at most {ELONGATION:g} times as long as wide)"
     if house.provenance and "keep" in house.provenance.request:
         return  # It reaches from one fixed room to the other, however far.
     if house.topology != STAR or not star.rooms or any(side_of(star, room) is None for room in star.rooms):
         return
-    least = least_area(star, math.inf if promises.room_gap is None else max(promises.room_gap, CLEARANCE))
+    gap = promises.room_gap
+    least = least_area(star, math.inf if gap is None else max(gap, promises.door_clearance))
     if star.floor.area > SPACIOUSNESS * least + TOLERANCE * (short + long):
-        yield (
-            f"main room: is of {star.floor.area:.2f} m² "
-            f"(at most {SPACIOUSNESS:g} times the {least:.2f} m² that its rooms need)"
-        )
+        area, needed = apart(star.floor.area, least, holds=lambda a, b: a > SPACIOUSNESS * b)
+        most = f"{SPACIOUSNESS:g} times the {needed} m² that its rooms need"
+        yield f"main room: is of {area} m² (at most {most})"
 
 
 def _names(house: House) -> list[str]:

@@ -185,6 +185,11 @@ class Program:
         """All atoms of this signature that may hold, in any model."""
         return [atom.symbol for atom in self._control.symbolic_atoms.by_signature(name, arity)]
 
+    def facts(self, name: str, arity: int) -> list[Symbol]:
+        """The atoms of this signature that hold in all models."""
+        found = self._control.symbolic_atoms.by_signature(name, arity)
+        return [atom.symbol for atom in found if atom.is_fact]
+
     def possible(self, assumed: Iterable[Symbol] = (), without: Iterable[Symbol] = ()) -> bool:
         """Whether there is a layout with all assumed atoms and without any of the others."""
         self.end_search()

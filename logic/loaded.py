@@ -56,7 +56,8 @@ class LoadedGrammar:
         self.placer = Placer(replace(grammar, prolog=()) if self._illegible else grammar, cell)
         self.types: list[Symbol] = []
         self.furniture: dict[str, list[str]] = {}
-        self._extremes: dict[str, Any] = {}
+        self.extremes: dict[str, Any] = {}
+        """Of the sizes of rooms and pieces, see ``Placer.lengths``."""
         self.most_rooms = MOST_ROOMS
         """How many rooms a house has at most."""
         self.depths: tuple[float, float] | None = None
@@ -67,7 +68,7 @@ class LoadedGrammar:
         self._facts = Facts(grammar, self._words)
         self._of_no_room: list[GrammarError] = []
         self.errors = first_causes(self._readable()) or first_causes(self._errors())
-        self.lengths: Lengths = {} if self.errors else length_facts(self._extremes)
+        self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
         self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
         self.warnings = [] if self.errors else [*self._unlikely()]
         self.programs = Programs(grammar, self.furniture, self.lengths, [fact for fact, _ in self.walls])
@@ -221,15 +222,15 @@ class LoadedGrammar:
         self.most_rooms = min([MOST_ROOMS, *limits])
         turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
         turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
-        self._extremes, errors, absent = self.placer.lengths(self.furniture, turned)
+        self.extremes, errors, absent = self.placer.lengths(self.furniture, turned)
         lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
-        sizes = self._extremes["rooms"].items()
+        sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
         clashes = self.placer.disagreements(usable, units=whole is not probe)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
         yield from map(Mistake, [*errors, *clashes, *self._facts.absent(absent)])
         if not errors and not absent:
-            yield from map(Mistake, impossible(self._extremes, self.placer.origins))
+            yield from map(Mistake, impossible(self.extremes, self.placer.origins))
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share."""
@@ -252,7 +253,7 @@ class LoadedGrammar:
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""
         yield from self._of_no_room
-        yield from unlikely(self._extremes, self.placer.origins)
+        yield from unlikely(self.extremes, self.placer.origins)
         yield from capitalised(self._words)
 
     def _probe(self, constants: dict[str, Any], stage: str) -> Program:

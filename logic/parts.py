@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from logic.promises import Promises
+
 FORMAT = "vitruvius-2"
 """Files of any house: rooms, doors and windows in lists in words (``records.py``)."""
 
@@ -132,3 +134,5 @@ class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown
     seed: int
     index: int
     versions: dict[str, str]
+    promises: Promises | None = None
+    """What houses of the grammar keep, by plain geometry: ``vitruvius check`` judges by it."""

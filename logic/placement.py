@@ -132,6 +132,10 @@ class Placer:
         rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
         return _first_at_each_place(self._ask("grammar_disagreements", topology, rooms))
 
+    def metres(self, types: Iterable[str]) -> dict[str, Any]:
+        """``lengths`` by name (m), and ``areas`` of these room types (square metres), as they are written."""
+        return self._ask("grammar_metres", LENGTHS, list(types))
+
     def sized(self) -> list[tuple[str, str, str, int, int]]:
         """Predicate, name, file, line and column of each clause that gives a room or piece type its size."""
         return [tuple(row) for row in self._ask("grammar_sized")]

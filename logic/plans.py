@@ -163,6 +163,10 @@ class Planner:
         """The program of the rooms, and what to assume in it: what holds, and what does not."""
         return *self._programs.rooms_for(request), []
 
+    def stated(self, request: Request) -> Program:
+        """A program of houses of the request: its facts are the grammar's."""
+        return self._program(request)[0]
+
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
         """Walls, doors and windows with their places: see ``Placer.walls``."""
         return self._placer.walls(layout, seed, inferences)

@@ -58,11 +58,12 @@ def first_space(house: House, spaces: list[Polygon], side: float) -> Polygon:
 
 def doorway(door: Door, side: float) -> BaseGeometry:
     """Where the centre of a square is that goes through a door: the door itself, or as near as it comes to an
-    entrance, which is shut.
+    entrance, which is shut, or to a door that is narrower.
     """
     west, north, east, south = door.box
     line = shapely.LineString([(west, north), (east, south)])
-    return line.buffer(side / 2, cap_style="flat") if door.is_entrance else line
+    shut = door.is_entrance or side > door.length + TOLERANCE
+    return line.buffer(side / 2, cap_style="flat") if shut else line
 
 
 def joins_all(room: Room, doorways: Iterable[BaseGeometry], spaces: Iterable[Polygon]) -> bool:

@@ -3,8 +3,8 @@
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
 confined before a rule is read (``logic.confinement``), and the parent owns deadlines and Ctrl-C. The first
 line names the grammar, after one that says to ``prepare`` for it, if any; each further line asks for one
-house, why one is as it is, or for warnings. Each is answered by: ``{"versions": ...}``,
-``{"house": ...}``, ``{"why": ...}``, ``{"findings": ...}`` or
+house, why one is as it is, what houses promise, or for warnings. Each is answered by: ``{"versions": ...}``,
+``{"house": ...}``, ``{"why": ...}``, ``{"promises": ...}``, ``{"findings": ...}`` or
 ``{"error": ...}``; a count of layouts by several, of which ``{"count": null}`` is the last. Lines
 ``{"trial": ...}`` before an answer say what is wrong if it does not come.
 """
@@ -67,6 +67,9 @@ class Worker:
             kind = PlanWitness if self._builder.grammar.shares_walls else StarWitness
             witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
             yield {"why": msgspec.to_builtins(witness.why(request["why"]))}
+            return
+        if "promises" in request:
+            yield {"promises": msgspec.to_builtins(self._builder.promises(Request(request["promises"])))}
             return
         if "lint" in request or "warn" in request:
             from logic.linter import all_warnings, warnings

@@ -23,6 +23,10 @@ class Check:
     file: tyro.conf.Positional[Path]
     """House file, or - for the standard input."""
 
+    promises: Annotated[str | None, tyro.conf.arg(metavar="FILE|GRAMMAR")] = None
+    """Judge by other promises than the houses' own: a JSON file that replaces some of them, as
+    {"door_clearance": 0.9, "passage": 0.9}, or a grammar, by its name or folder (docs/house-file.md)."""
+
     clear_front: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="PIECE")] = ()
     """A piece type that is used from its front: 0.42 m must be free there."""
 
@@ -35,18 +39,19 @@ class Check:
 
         from logic import check, load
         from logic.answers import Checked, Violations
-        from logic.check import promises_of
         from logic.spelling import unknown
+        from logic.standards import promises_of, standard
 
         houses = load(self.file)
         pieces = sorted({each.type for house in houses for room in house.rooms for each in room.pieces})
         for name in self.clear_front:
             if name not in pieces:
                 say(f"--clear-front {name}: {unknown('piece', name, pieces)}")
+        judged_by = promises_of if self.promises is None else standard(self.promises)
         checked = list[Violations]()
         for index, house in enumerate(progress(houses, len(houses), "houses")):
-            promises = promises_of(house)
-            clear = promises.clear_front.union(self.clear_front)
+            promises = judged_by(house)
+            clear = (*promises.clear_front, *self.clear_front)
             violations = check(house, replace(promises, clear_front=clear))
             checked.append(Violations(index, violations))
             for violation in [] if self.json else violations:

@@ -37,6 +37,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     own_plan.pl        doors and windows in rooms that a user gives
     given_rooms.pl     furniture for rooms whose sizes and doors are given
 
+    promised.pl        what houses keep of the lengths, as they are written
     answers.pl         answers as JSON
 */
 
@@ -58,6 +59,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(main_room).
 :- use_module(origins).
 :- use_module(plan).
+:- reexport(promised).
 :- reexport(own_plan).
 :- reexport(plans).
 :- reexport(plan_bounds).

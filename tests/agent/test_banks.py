@@ -21,11 +21,11 @@ GRAMMAR_AND_LEAST_MOST_ROOMS = {
 
 PROMISED = {
     # This bank is older than one promise, which 52 of its houses do not keep: that fronts are clear.
-    "test-v1": replace(PROMISES["family"], clear_front=frozenset()),
+    "test-v1": replace(PROMISES["family"], clear_front=()),
     # This one is older than the sizes of some rooms.
     "home-test-v1": replace(
         PROMISES["home"],
-        areas=PROMISES["home"].areas
+        room_area=PROMISES["home"].room_area
         | {"hall": (3.0, 11.0), "living": (15.0, 36.0), "bathroom": (3.4, 9.5), "storage": (1.2, 6.0)},
         narrowest=PROMISES["home"].narrowest | {"hall": 1.5, "kitchen": 2.0},
     ),

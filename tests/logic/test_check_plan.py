@@ -12,18 +12,28 @@ from logic.promises import Promises
 from tests.plans import PLANS, flat, random_plan
 
 HOME = Promises(
-    door=0.8,
-    areas={"bedroom": (9.0, 20.0), "bathroom": (4.0, 10.0)},
+    door_width=0.8,
+    room_area={"bedroom": (9.0, 20.0), "bathroom": (4.0, 10.0)},
     narrowest={"corridor": 1.1, "hall": 1.5},
     opens={
-        "corridor": frozenset({"bedroom", "bathroom", "hall", "kitchen", "living"}),
-        "bedroom": frozenset({"bathroom"}),
-        "kitchen": frozenset({"living"}),
-        "outside": frozenset({"hall"}),
+        "corridor": (
+            "bedroom",
+            "bathroom",
+            "hall",
+            "kitchen",
+            "living",
+        ),
+        "bedroom": ("bathroom",),
+        "kitchen": ("living",),
+        "outside": ("hall",),
     },
     entrance=True,
-    lit=frozenset({"bedroom", "kitchen", "living"}),
-    hides=frozenset({"wardrobe"}),
+    lit=(
+        "bedroom",
+        "kitchen",
+        "living",
+    ),
+    hides=("wardrobe",),
 )
 FLAT = flat()
 
@@ -125,7 +135,7 @@ MISTAKES: dict[str, Callable[[], House]] = {
 def test_each_mistake_has_its_answer(words: str) -> None:
     promises = HOME
     if "9 to 10" in words:
-        promises = replace(HOME, areas={"bathroom": (9.0, 10.0)})
+        promises = replace(HOME, room_area={"bathroom": (9.0, 10.0)})
     if "at least 1.3" in words:
         promises = replace(HOME, narrowest={"corridor": 1.3})
     found = check(MISTAKES[words](), promises)

@@ -1,0 +1,17 @@
+:- module(promised, [grammar_metres/3]).
+
+/** <module> What a grammar's clauses say of lengths and areas, as it is written: houses keep it, whatever their grid */
+
+:- use_module(answers).
+:- use_module(grammar_files).
+:- use_module(lengths).
+
+%!  grammar_metres(+Names, +Types, -Json) is det.
+%
+%   Json gives [Name,Metres] of the lengths of these names, and [Type,Least,Most] of the areas of rooms of these types, square
+%   metres, of those that are stated.
+
+grammar_metres(Names, Types, Json) :-
+    findall([N,M], ( member(N, Names), once(stated_length(N, M)) ), Lengths),
+    findall([T,Least,Most], ( member(T, Types), once(grammar:room_area(T, Least, Most)), number(Least), number(Most) ), Areas),
+    as_json(_{lengths:Lengths, areas:Areas}, Json).
