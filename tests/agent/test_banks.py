@@ -19,6 +19,9 @@ GRAMMAR_AND_LEAST_MOST_ROOMS = {
     "home-large-test-v1": ("home", 8, 12),
 }
 
+OPENS = PROMISES["home"].opens | {"bedroom": ("bathroom", "storage")}
+"""Banks of homes are older than that no storage is behind a bedroom."""
+
 PROMISED = {
     # This bank is older than one promise, which 52 of its houses do not keep: that fronts are clear.
     "test-v1": replace(PROMISES["family"], clear_front=()),
@@ -28,9 +31,10 @@ PROMISED = {
         room_area=PROMISES["home"].room_area
         | {"hall": (3.0, 11.0), "living": (15.0, 36.0), "bathroom": (3.4, 9.5), "storage": (1.2, 6.0)},
         narrowest=PROMISES["home"].narrowest | {"hall": 1.5, "kitchen": 2.0},
+        opens=OPENS,
     ),
     "large-test-v1": PROMISES["family"],
-    "home-large-test-v1": PROMISES["home"],
+    "home-large-test-v1": replace(PROMISES["home"], opens=OPENS),
 }
 
 
