@@ -11,8 +11,9 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
+from logic.account import FURNITURE, LAYOUT
 from logic.buildings import UnitsPlanner
-from logic.errors import LimitReached, RequestError
+from logic.errors import LimitReached, OutOfInferences, RequestError
 from logic.grammar import Grammar
 from logic.house import House
 from logic.layout import Nogood, Program
@@ -46,6 +47,7 @@ class Builder:
         if self.loaded.errors:
             raise self.loaded.errors[0]
         self.placer, self.programs = self.loaded.placer, self.loaded.programs
+        self.account = self.placer.account
         self.prover = Prover(grammar, self.placer, self.loaded.lengths, self.loaded.walls)
         if cell and self.loaded.depths:
             raise RequestError("cell: units of a house lie on no grid yet: leave cell out")
@@ -61,11 +63,16 @@ class Builder:
 
     def house(self, request: Request, seed: int, index: int, inferences: int) -> House:
         """Make house ``index``: a star, see ``made``, or a plan, see ``plans.py``."""
-        if not (request.plan or self.grammar.shares_walls):
-            return self.made(request, seed, index, inferences)[0]
-        planner = self.planner_of(request)
-        plan = planner.made(request, np.random.default_rng([seed, index]), inferences)
-        return msgspec.structs.replace(plan, provenance=self._provenance(request, seed, index))
+        self.account.begin()
+        try:
+            if not (request.plan or self.grammar.shares_walls):
+                return self.made(request, seed, index, inferences)[0]
+            planner = self.planner_of(request)
+            plan = planner.made(request, np.random.default_rng([seed, index]), inferences)
+            return msgspec.structs.replace(plan, provenance=self._provenance(request, seed, index))
+        except OutOfInferences:
+            late = f"house {index} reached its limit of {inferences} inferences: raise it with --inferences"
+            raise LimitReached(f"{late}. {self.account}") from None
 
     def planner_of(self, request: Request) -> Planner:
         """Who makes the plans of a request: where it gives their rooms, see ``own_planner.py``."""
@@ -102,8 +109,9 @@ class Builder:
             except Infeasible as proof:
                 inferences -= proof.inferences
                 if inferences <= 0:
-                    raise LimitReached(f"house {index} reached its limit of inferences") from None
+                    raise OutOfInferences from None
                 for number, conflict in proof.conflicts.items():
+                    self.account.refuted(conflict.clauses, furniture=True)
                     program, _ = self.programs.furniture_for(layout.rooms[number].type.name, request)
                     nogoods.add(program, conflict.atoms)
                 again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
@@ -127,12 +135,14 @@ class Builder:
     def _sample_rooms(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
         """A layout without furniture, and without the types of room that cannot have any."""
         program, assumed = self.programs.rooms_for(request)
+        self.account.at(LAYOUT, "the types and sides of the rooms (clingo)")
         without = [
             atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
         ]
         atoms = program.sample(rng, assumed, without, nogoods.of[program])
         if atoms is None:
             raise self.prover.unsatisfiable(request, nogoods.unfurnishable, nogoods.orders)
+        self.account.sampled()
         named = defaultdict[str, list[Symbol]](list)
         for atom in atoms:
             named[atom.name].append(atom)
@@ -163,6 +173,7 @@ class Builder:
                 continue
             type_ = rooms[number].type.name
             program, assumed = self.programs.furniture_for(type_, request)
+            self.account.at(FURNITURE, f"the furniture of a {type_} (clingo)")
             furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
             if furniture is None:
                 nogoods.unfurnishable.add(type_)
@@ -172,6 +183,7 @@ class Builder:
 
     def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
         """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many failures."""
+        self.account.refuted(())
         if proof.infeasible:
             order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
             for room in layout.rooms:
@@ -186,7 +198,8 @@ class Builder:
         if nogoods.misfits == MOST_MISFITS:
             raise LimitReached(
                 f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though "
-                "smaller ones might: try another seed, fewer rooms or smaller types"
+                "smaller ones might: try another seed, fewer rooms or smaller types. "
+                f"{self.account.refutations}"
             )
 
     def require_known(self, request: Request) -> None:

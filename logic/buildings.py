@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from clingo import Function, Symbol
 
+from logic.account import LAYOUT
 from logic.errors import LimitReached
 from logic.grammar import Grammar
 from logic.layout import Nogood, Program
@@ -143,7 +144,7 @@ class UnitsPlanner(Planner):
                 continue
         raise LimitReached(
             f"{MOST_TRIES} times a unit had no rooms that fit, though others might: try another seed, or "
-            "other depths (unit_depth/1)"
+            f"other depths (unit_depth/1). {self._placer.account.refutations}"
         )
 
     def stated(self, request: Request) -> Program:
@@ -153,6 +154,7 @@ class UnitsPlanner(Planner):
     def _units(self, request: Request, rng: np.random.Generator) -> tuple[list[Symbol], list[Unit]]:
         """A layout of units, and the units."""
         program, assumed = self._programs.units_for(request, barred_units(self._programs, request))
+        self._placer.account.at(LAYOUT, "the units of the house (clingo)")
         layout = program.sample(rng, assumed)
         if layout is None:
             raise self._units_prover.no_house(request)
@@ -179,6 +181,7 @@ class UnitsPlanner(Planner):
                 return whole, planners, inferences - whole["inferences"]
             except Infeasible as proof:
                 inferences -= proof.inferences
+                self._placer.account.refuted(proof.conflicts[0].clauses)
                 atoms = proof.conflicts[0].atoms
                 conflict = {atom.arguments[0].number for atom in atoms if atom.name == "unit"}
                 waiting = {planner for planner in planners if planner.unit.number in conflict}

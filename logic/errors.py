@@ -7,7 +7,7 @@
     ├── RequestError    the request makes no sense: wrong usage
     ├── HouseFileError  a house file is absent, truncated or wrong
     ├── Unsatisfiable   proved: no house satisfies the request
-    ├── LimitReached    the stated budget ran out before a house or a proof
+    ├── LimitReached    the stated budget ran out before a house or a proof; OutOfInferences
     └── MissingProgram  SWI-Prolog or one of its libraries is not installed
 """
 
@@ -112,6 +112,14 @@ class LimitReached(VitruviusError):
     """The stated budget, of inferences or seconds, ran out before a house or a proof was found."""
 
     exit_code = 4
+
+
+class OutOfInferences(LimitReached):
+    """The Prolog inferences for a house ran out: who knows how many there were says so."""
+
+    def __init__(self, message: str = "the Prolog inferences for a house ran out") -> None:
+        """Keep the message."""
+        super().__init__(message)
 
 
 class MissingProgram(VitruviusError):

@@ -13,7 +13,6 @@ from logic.errors import (
     Finding,
     GrammarError,
     GrammarWarning,
-    LimitReached,
     RequestError,
     Unsatisfiable,
     VitruviusError,
@@ -24,10 +23,13 @@ from logic.house import House
 from logic.own_plan import OwnPlan, keeping, read_plan
 from logic.parts import BODY
 from logic.request import MOST_ROOMS, Count, Request
-from logic.solver import LOADING, START_UP, Idle, Solver
+from logic.solver import GRACE, LOADING, START_UP, Idle, Solver
 from logic.spelling import keywords
 
 _idle = Idle()
+
+TRIED = (10, 20)
+"""Numbers of rooms with which lint tries which rule takes too much, where it judges rules too long."""
 
 _warned: set[str] = set()
 """Hashes of the rules whose warnings this process has given: once is enough."""
@@ -65,7 +67,8 @@ def generate(
     may be left out.
     ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
     request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
-    ``inferences`` (of Prolog) and ``seconds`` bound each house.
+    ``inferences`` (of Prolog) and ``seconds`` bound each house; to start processes and to load the rules,
+    which takes some seconds, has a limit of its own (``solver.START_UP``).
 
     Warns once (``GrammarWarning``) of each rule of a grammar in a directory that never has an effect.
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
@@ -140,7 +143,8 @@ def count_layouts(
     """Count the layouts from which stage 1 samples: of a house's rooms, and of each type's furniture.
 
     Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
-    more. Room layouts say types, sides, corners; furniture layouts all that ``rules/room.lp`` shows.
+    more. Each count has its share of the seconds that are left. Room layouts say types, sides, corners;
+    furniture layouts all that ``rules/room.lp`` shows.
     ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
@@ -154,9 +158,10 @@ def _layouts(
     worker = Solver(opening)
     try:
         worker.loaded()
-        most = START_UP + 100 * seconds
-        worker.ask({"count": seconds, "request": wanted.to_dict()}, most)
-        while count := worker.answer(most, f"counting took {most:g} s")["count"]:
+        end = time.monotonic() + seconds
+        worker.ask({"count": seconds, "request": wanted.to_dict()}, seconds + GRACE)
+        late = f"counting took {seconds:g} s: raise it with --seconds"
+        while count := worker.answer(end + GRACE - time.monotonic(), late, [wanted.rooms])["count"]:
             name, number, whole = count
             if whole is None:
                 report(name, number)
@@ -180,7 +185,7 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
         if "findings" not in answer:
             left = end - time.monotonic()
             worker.ask({"lint": True}, left)
-            answer = worker.answer(left, f"{grammar}: lint took {seconds:g} s")
+            answer = worker.answer(left, f"{grammar}: lint took {seconds:g} s", TRIED)
         return msgspec.convert(answer["findings"], list[Finding])
     except GrammarError as error:
         return [Finding("error", str(error.file), error.line or 1, error.column or 1, error.message)]
@@ -193,7 +198,7 @@ def _warn(worker: Solver, rooms: int) -> None:
 
     The rules may take too much for other houses than these: then the process has ended, and nothing is said.
     """
-    worker.ask({"warn": rooms}, LOADING)
+    worker.ask({"warn": rooms, "processor": LOADING}, START_UP)
     try:
         found = worker.answer(START_UP, "")["findings"]
     except VitruviusError:
@@ -225,19 +230,15 @@ def _houses(
                 worker.loaded()
         for turn, worker in enumerate(team):
             worker.ask(request | {"index": indices[turn]}, seconds)
+        rooms = [request["request"]["rooms"]]
         for turn, index in enumerate(indices):
             worker = team[turn % len(team)]
             late = f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
             try:
-                record = worker.answer(seconds, late)
-            except LimitReached as limit:
-                if turn >= len(team):
-                    raise
-                # Rules are grounded for a worker's first house.
-                raise worker.blamed(limit, request["request"]["rooms"]) from None
+                record = worker.answer(seconds, late, rooms)
             finally:
                 if warn and worker.is_alive():
-                    _warn(worker, request["request"]["rooms"])
+                    _warn(worker, *rooms)
                 warn = False
             if not worker.is_alive():
                 team[turn % len(team)] = worker = Solver(opening)

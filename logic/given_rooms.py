@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from clingo import Function, Number, Symbol, parse_term
 
+from logic.account import FURNITURE
 from logic.boxes import TOLERANCE, Box
-from logic.errors import LimitReached
+from logic.errors import OutOfInferences
 from logic.layout import Nogood, Program
 from logic.parts import Rect
 from logic.placement import Placer, RoomLayout
@@ -237,6 +238,7 @@ def furnished(
             required = programs.required_in(room.type, request) if request else ()
             program = programs.given(room.type, frame.doorways(), required)
             holds += [granted(each) for each in required]
+            placer.account.at(FURNITURE, f"the furniture of {room} (clingo)")
             furniture = program.sample(rng, holds, fails, nogoods[place])
             if furniture is None:
                 raise Unfurnishable(place, room)
@@ -247,14 +249,17 @@ def furnished(
                     place, Function(room.type), Function(frame.side), furniture, seed, given=frame.shape()
                 )
                 how[place] = Furnished(room, program, layout)
+        named = ", ".join(str(rooms[place]) for place in waiting[:3]) + (" ..." if waiting[3:] else "")
+        placer.account.at(FURNITURE, f"the lengths of the furniture of {named} (CLP(R))")
         again = any(nogoods[place] for place in waiting)
         found, conflicts, taken = placer.furnish(terms, inferences, minimal=again)
         inferences -= taken
         if inferences <= 0:
-            raise LimitReached("the furniture of a house reached its limit of inferences")
+            raise OutOfInferences
         for number, place in enumerate(waiting):
             if number in conflicts:
                 nogoods[place].append(conflicts[number].atoms)
+                placer.account.refuted(conflicts[number].clauses, furniture=True)
             else:
                 pieces[place] = found[number]
         waiting = [waiting[number] for number in sorted(conflicts)]

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from threading import Timer
 
 import clingo
 import numpy as np
@@ -272,16 +273,22 @@ class Program:
         The program must have been made with the arguments ``EVERY``.
         """
         begun, shown, number = time.monotonic(), 0.0, 0
+        late = Timer(seconds, self._control.interrupt)  # Where it takes long to find another one.
+        late.daemon = True
         with self._control.solve(assumptions=self._literals(assumed, ()), yield_=True) as handle:
-            for number, _ in enumerate(handle, start=1):
-                passed = time.monotonic() - begun
-                if passed > seconds:
-                    yield number, False
-                    return
-                if passed > shown + 1:
-                    shown = passed
-                    yield number, None
-        yield number, True
+            late.start()
+            try:
+                for number, _ in enumerate(handle, start=1):
+                    passed = time.monotonic() - begun
+                    if passed > seconds:
+                        yield number, False
+                        return
+                    if passed > shown + 1:
+                        shown = passed
+                        yield number, None
+            finally:
+                late.cancel()
+            yield number, not handle.get().interrupted
 
     def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
         return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]

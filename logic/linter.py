@@ -6,6 +6,7 @@ from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
 
+from logic.account import GROUNDING
 from logic.audit import UNITS
 from logic.errors import Finding, GrammarError, Reason
 from logic.explain import Relaxed, Source
@@ -77,6 +78,8 @@ def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[Gr
     source, left, most = Source(grammar.asp), MOST_INSTANCES, 0
     limit = ""
     for constants, parts in _programs(loaded, rooms, unbound):
+        named = ", ".join(f"{name} = {value}" for name, value in constants.items() if name not in GIVEN)
+        loaded.placer.account.at(GROUNDING, f"which rules bind where {named} (clingo)")
         program = Relaxed(source, constants, parts, most=left)
         left -= program.instances
         bound = {each.reason for each in program.statements if program.binds(each)}

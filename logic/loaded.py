@@ -71,7 +71,8 @@ class LoadedGrammar:
         self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
         self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
         self.warnings = [] if self.errors else [*self._unlikely()]
-        self.programs = Programs(grammar, self.furniture, self.lengths, [fact for fact, _ in self.walls])
+        walls = [fact for fact, _ in self.walls]
+        self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, walls)
         if remarks and not self.errors:
             self.errors = list(self.programs.remarks())
 

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
+from logic.account import FURNITURE
 from logic.errors import LimitReached, Unsatisfiable
 from logic.given_rooms import Unfurnishable
 from logic.grammar import Grammar
@@ -43,7 +44,9 @@ class OwnPlanner(Planner):
         prover = Prover(rules, loaded.placer, loaded.lengths, facts, placed=True)
         super().__init__(rules, loaded, prover)
         self._failures, self._refuted = 0, list[Refuted]()
-        self._programs = Programs(rules, loaded.furniture, loaded.lengths, [fact for fact, _ in facts])
+        meetings = [fact for fact, _ in facts]
+        account = loaded.placer.account
+        self._programs = Programs(rules, loaded.furniture, loaded.lengths, account, meetings)
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house in the plan; raises as ``Planner.made``."""
@@ -84,6 +87,8 @@ class OwnPlanner(Planner):
         doors = doors_of(plan, place)
         room = LooseRoom(given_room(plan, place), [self._span(plan, door) for door in doors])
         furniture: list[Symbol] | None = None
+        doors_elsewhere = f"the furniture of {room.room}, its doors elsewhere (clingo and CLP(Q))"
+        self._placer.account.at(FURNITURE, doors_elsewhere)
         for windows in (False, True):
             try:
                 furniture = room.furniture(self._programs, self._placer, rng, request, windows)

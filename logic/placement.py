@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from clingo import Function, Symbol, parse_term
 
-from logic import prolog
-from logic.errors import GrammarError, LimitReached
+from logic import account, prolog
+from logic.account import Account
+from logic.errors import GrammarError, OutOfInferences, Reason
 from logic.fixed import FixedRoom
 from logic.grammar import RULES, Grammar
 from logic.inexpressible import inexpressible
@@ -86,6 +87,7 @@ class Placer:
         ``problems`` holds what is wrong with them.
         """
         self._directory = grammar.directory
+        self.account = Account(self._located)
         prolog.load(RULES / "core.pl")
         files = [str(file) for file in grammar.prolog]
         self._walls = "shared" if grammar.shares_walls else "apart"
@@ -160,13 +162,14 @@ class Placer:
             else Term("room", room.number, room.type, room.side, room.furniture, room.seed)
             for room in layout.rooms
         ]
+        self.account.at(account.LENGTHS, "the lengths of the rooms and of their furniture (CLP(R))")
         seed, proof = int(rng.integers(2**63)), "minimal" if minimal else "quick"
         answer = self._ask("placed", Term("layout", rooms, layout.corners, seed, proof), inferences)
         if "wrong" in answer:
             file, line, column, text = answer["wrong"]
             raise GrammarError(text, file, line, column)
         if "limit" in answer:
-            raise LimitReached(f"a house reached its limit of {inferences} inferences")
+            raise OutOfInferences
         if "misfit" in answer:
             raise Misfit(answer["misfit"], answer["inferences"])
         if "infeasible" in answer:
@@ -189,8 +192,9 @@ class Placer:
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
         """
+        self.account.at(account.LENGTHS, "the lengths of walls (CLP(R))")
         plan = Term("plan", layout, list(given), seed, "minimal")
-        return self._walls_answer(self._ask("plan_placed", plan, inferences), inferences)
+        return self._walls_answer(self._ask("plan_placed", plan, inferences))
 
     def unit_range(
         self, layout: Iterable[Symbol], axis: str, depth: float, inferences: int
@@ -199,17 +203,18 @@ class Placer:
 
         Raises as ``walls``.
         """
+        self.account.at(account.LENGTHS, "the lengths of a unit's walls (CLP(R))")
         unit = Term("unit", layout, axis, depth, "minimal")
-        return self._walls_answer(self._ask("unit_extremes", unit, inferences), inferences)
+        return self._walls_answer(self._ask("unit_extremes", unit, inferences))
 
     def unit_depths(self) -> tuple[float, float] | None:
         """How deep units may be, metres; None where no clause bounds it."""
         range_ = self._ask("unit_depths")
         return range_ and tuple(range_)
 
-    def _walls_answer(self, answer: dict[str, Any], inferences: int) -> dict[str, Any]:
+    def _walls_answer(self, answer: dict[str, Any]) -> dict[str, Any]:
         if "limit" in answer:
-            raise LimitReached(f"the walls of a house reached their limit of {inferences} inferences")
+            raise OutOfInferences
         if "infeasible" in answer:
             raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"])
         return answer
@@ -252,7 +257,7 @@ class Placer:
         proof = "minimal" if minimal else "quick"
         answer = self._ask("rooms_furnished", rooms, proof, inferences)
         if "limit" in answer:
-            raise LimitReached(f"the furniture of a house reached its limit of {inferences} inferences")
+            raise OutOfInferences
         conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
         return answer["rooms"], conflicts, answer["inferences"]
 
@@ -304,6 +309,10 @@ class Placer:
         found = self._ask("grammar_origins", clauses)
         return {parse_term(clause): (file, line) for clause, file, line in found}
 
+    def _located(self, clauses: Iterable[Symbol]) -> dict[Symbol, Reason]:
+        """Clauses with their text, by where they stand."""
+        return {clause: located(*place) for clause, place in self.origins(clauses).items()}
+
     def conflict(
         self, type_: Symbol, furniture: Iterable[Symbol], without: Iterable[Symbol]
     ) -> Conflict | None:
@@ -322,6 +331,18 @@ class Placer:
             return prolog.ask(predicate, *arguments)
         except prolog.PrologError as error:
             raise GrammarError(f"a clause raises an error: {error}", self._directory) from None
+
+
+def located(file: str, line: int) -> Reason:
+    """The clause at a line, with its source from its first line to the full stop."""
+    with open(file, encoding="utf-8") as rules:
+        lines = rules.read().split("\n")[line - 1 :]
+    text = ""
+    for part in lines:
+        text += " " + part.partition("%")[0].strip()
+        if text.endswith("."):
+            break
+    return Reason(" ".join(text.split()), file, line, 1)
 
 
 def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:

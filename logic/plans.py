@@ -11,7 +11,8 @@ import msgspec
 import numpy as np
 from clingo import Symbol
 
-from logic.errors import LimitReached, RequestError
+from logic.account import LAYOUT, PROOF
+from logic.errors import LimitReached, OutOfInferences, RequestError
 from logic.given_rooms import Furnished, GivenRoom, Unfurnishable, furnished
 from logic.grammar import GUARD, Grammar
 from logic.house import House
@@ -81,7 +82,9 @@ class Planner:
             except Unfurnishable as proof:
                 name = plan["rooms"][proof.place].get("name", f"R{proof.place}")
                 last = f"{name}, {proof}"
+                self._placer.account.unfurnished(proof.room.type)
                 # At this size and with these doors; or with one door at any size, and then nowhere.
+                self._placer.account.at(PROOF, f"whether a {proof.room.type} can be furnished at any size")
                 if not self._prover.is_furnishable(request, proof.room.type):
                     unfurnishable.add(proof.room.type)
                 continue
@@ -90,7 +93,7 @@ class Planner:
             return plan, pieces, inferences
         raise LimitReached(
             f"{MOST_TRIES} times a room could not be furnished at its size (the last time {last}), though it "
-            f"might be otherwise: try {self.advice}"
+            f"might be otherwise: try {self.advice}. {self._placer.account.refutations}"
         )
 
     def bare(
@@ -112,11 +115,12 @@ class Planner:
             except Infeasible as proof:
                 inferences -= proof.inferences
                 nogoods.append(proof.conflicts[0].atoms)
+                self._placer.account.refuted(proof.conflicts[0].clauses)
             else:
                 self._require_plan(plan)
                 return plan, layout, inferences - plan["inferences"]
             if inferences <= 0:
-                raise LimitReached("the walls of a house reached their limit of inferences")
+                raise OutOfInferences
 
     def _require_plan(self, plan: dict[str, Any]) -> None:
         """Refuse a topology of the user's own whose rooms are no plan: see ``tiling.py``."""
@@ -154,9 +158,11 @@ class Planner:
         """A layout outside the nogoods, without rooms of some types."""
         program, holds, fails = self._program(request)
         without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
+        self._placer.account.at(LAYOUT, "types, walls and doors of the rooms (clingo)")
         layout = program.sample(rng, holds, [*without, *fails], nogoods)
         if layout is None:
             raise self._unsatisfiable(request, unfurnishable)
+        self._placer.account.sampled()
         return layout
 
     def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:

@@ -1,10 +1,12 @@
 """The programs of stage 1 for one grammar: the rooms of a house, and the furniture of a room of each type."""
 
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 
 from clingo import Symbol
 
+from logic.account import GROUNDING, LAYOUT, Account
 from logic.errors import GrammarError
 from logic.grammar import Grammar
 from logic.layout import EVERY, Program
@@ -31,9 +33,14 @@ class Programs:
         grammar: Grammar,
         furniture: Mapping[str, Iterable[str]],
         lengths: Lengths,
+        account: Account,
         walls: Iterable[Symbol] = (),
     ) -> None:
-        """Know a grammar's files, the pieces of each of its room types, their lengths, and those of walls."""
+        """Know a grammar's files, the pieces of each of its room types, their lengths, and those of walls.
+
+        ``account`` hears what is ground.
+        """
+        self._account = account
         self._grammar, self._furniture, self._lengths, self._walls = grammar, furniture, lengths, tuple(walls)
 
     @cache  # noqa: B019 (the programs live as long as their process)
@@ -41,6 +48,7 @@ class Programs:
         self, rooms: int, required: tuple[Symbol, ...] = (), arguments: tuple[str, ...] = ()
     ) -> Program:
         """The program of a house's rooms, with these requirements and arguments for clingo."""
+        self._account.at(GROUNDING, f"grounding the rules for {rooms} rooms (clingo)")
         return Program(
             self._grammar.asp,
             {"rooms": rooms},
@@ -54,6 +62,7 @@ class Programs:
     ) -> Program:
         """The program of the units of a house, for a topology that has units: as ``rooms``."""
         stages = [("units", []), *parts(required)]
+        self._account.at(GROUNDING, f"grounding the rules for units of {rooms} rooms in all (clingo)")
         return Program(self._grammar.asp, {"rooms": rooms}, stages, arguments=arguments)
 
     def unit_sizes(self, rooms: int) -> list[int]:
@@ -66,6 +75,7 @@ class Programs:
     ) -> Program:
         """The program of a room's furniture, with the extremes of its lengths as facts."""
         facts = [fact for fact, _ in self._lengths[type_]]
+        self._account.at(GROUNDING, f"grounding the rules for the furniture of a {type_} (clingo)")
         return Program(
             self._grammar.asp,
             {"this_room": type_},
@@ -77,6 +87,7 @@ class Programs:
     def given(self, type_: str, doorways: tuple[Symbol, ...], required: tuple[Symbol, ...] = ()) -> Program:
         """The program of a room's furniture whose size, doors and windows are given: ``doors.lp``."""
         facts = [fact for fact, _ in self._lengths[type_] if fact.name != "reach"]
+        self._account.at(GROUNDING, f"grounding the rules for the furniture of a {type_} (clingo)")
         return Program(
             self._grammar.asp,
             {"this_room": type_, **GIVEN},
@@ -129,16 +140,19 @@ class Programs:
     def counts(self, request: Request, seconds: float) -> Iterator[tuple[str, int, bool | None]]:
         """How many layouts there are: of the rooms, and of the furniture of each type of room.
 
-        A name, the number, and whether it is all of them: False where the seconds for each ran out, None
+        A name, the number, and whether it is all of them: False where its share of the seconds ran out, None
         where the count goes on.
         """
+        end = time.monotonic() + seconds
         named = [(str(request), self.rooms_for(request, EVERY))]
         if sizes := self.unit_sizes(request.rooms):
             named = [(f"units of {request}", self.units_for(request, arguments=EVERY))]
             named += [(f"a unit of {size} rooms", self.rooms_for(Request(size), EVERY)) for size in sizes]
         named += [(type_, self.furniture_for(type_, request, EVERY)) for type_ in sorted(self._furniture)]
-        for name, (program, assumed) in named:
-            for count in program.count(assumed, seconds):
+        for place, (name, (program, assumed)) in enumerate(named):
+            self._account.at(LAYOUT, f"counting layouts: {name} (clingo)")
+            share = max(0.0, end - time.monotonic()) / (len(named) - place)
+            for count in program.count(assumed, share):
                 yield (name, *count)
 
     def remarks(self) -> Iterator[GrammarError]:

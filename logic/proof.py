@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 from clingo import Function, Number, Symbol
 
+from logic.account import PROOF
 from logic.errors import Reason, Unsatisfiable, VitruviusError
 from logic.explain import Relaxed, Source, Statement, minimal
 from logic.fixed import FixedRoom
 from logic.grammar import Grammar
 from logic.loose_rooms import Refuted
-from logic.placement import Conflict, Infeasible, Layout, Placer, RoomLayout
+from logic.placement import Conflict, Infeasible, Layout, Placer, RoomLayout, located
 from logic.programs import GIVEN
 from logic.request import MOST_ROOMS, Range, Request, as_option
 from logic.terms import (
@@ -73,6 +74,7 @@ class Prover:
         And where these orders of the rooms are proved not to fit between the fixed rooms, or these rooms of a
         plan to have no furniture.
         """
+        self._placer.account.at(PROOF, f"the proof that there is no house with {request}")
         relaxed, statements = self.house(request, unfurnishable)
         bare_rooms: dict[Reason, list[Refuted]] = defaultdict(list)
         for each in refuted:
@@ -369,15 +371,3 @@ def _fixed(fixed: FixedRoom) -> Reason:
 
 def _bare(type_: str) -> Reason:
     return Reason(f"no room of type {type_} can be furnished")
-
-
-def located(file: str, line: int) -> Reason:
-    """The clause at a line, with its source from its first line to the full stop."""
-    with open(file, encoding="utf-8") as rules:
-        lines = rules.read().split("\n")[line - 1 :]
-    text = ""
-    for part in lines:
-        text += " " + part.partition("%")[0].strip()
-        if text.endswith("."):
-            break
-    return Reason(" ".join(text.split()), file, line, 1)

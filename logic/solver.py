@@ -13,10 +13,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from logic.account import GROUNDING
 from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
 
 START_UP = 60.0
@@ -27,6 +28,9 @@ LOADING = 4.0
 
 STEP = 1.0
 """Seconds of processor time for one of these steps (``logic.trial``), which take some hundredths."""
+
+GRACE = 1.0
+"""Seconds past a limit in which a process may say what it was doing."""
 
 MOST_IDLE = 2
 """Solver processes kept for the next request for the same rules: to start one takes half a second."""
@@ -70,6 +74,7 @@ class Solver:
 
     def _start(self) -> None:
         self._step: VitruviusError | None = None
+        self._trial: Solver | None = None
         package, path = Path(__file__).with_name("__init__.py"), os.environ.get("PYTHONPATH", "")
         # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
         self._process = subprocess.Popen(
@@ -110,6 +115,7 @@ class Solver:
         step is named (see ``logic.trial``). Past the seconds ``LimitReached``.
         """
         late = f"{self._grammar}: loading took {seconds:g} s: do its rules recur without end?"
+        end = time.monotonic() + seconds
         try:
             return self.answer(seconds, late)
         except VitruviusError as error:
@@ -119,39 +125,55 @@ class Solver:
         self.end()
         self._start()
         self.open(self._opening | {"trial": [], "step": STEP})
-        return self.answer(seconds, late)
+        return self.answer(max(0.0, end - time.monotonic()), late)
 
-    def blamed(self, limit: LimitReached, rooms: int) -> LimitReached:
-        """The same limit, with the rule at fault where a trial finds one for a house of so many rooms."""
-        trial = Solver(self._opening | {"trial": [rooms], "step": STEP})
+    def _suspect(self, rooms: Sequence[int]) -> None:
+        """Let another process find out which rule takes too much in houses of so many rooms."""
+        if self._trial is None and rooms:
+            self._trial = Solver(self._opening | {"trial": [*rooms], "step": STEP})
+
+    def _blamed(self) -> GrammarError | None:
+        """What that other process has found so far, if there is one, and anything."""
+        trial, self._trial = self._trial, None
+        if trial is None:
+            return None
         try:
-            trial.loaded()
+            trial.answer(-GRACE, "")
         except VitruviusError as error:
-            return LimitReached(f"{limit}: {error}") if isinstance(error, GrammarError) else limit
-        else:
-            return limit
+            return error if isinstance(error, GrammarError) else None
         finally:
             trial.end()
+        return None
 
-    def answer(self, seconds: float, late: str) -> dict[str, Any]:
-        """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``."""
-        deadline = time.monotonic() + seconds
+    def answer(self, seconds: float, late: str, rooms: Sequence[int] = ()) -> dict[str, Any]:
+        """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``,
+        what the process was doing, and what a trial with so many ``rooms`` found, if rules were ground.
+        """
+        deadline = time.monotonic() + seconds + GRACE
         while True:
             while b"\n" not in self._received:
                 if not self._answers.select(max(0.0, deadline - time.monotonic())):
-                    raise self._step or LimitReached(late)
+                    raise LimitReached(late)
                 part = os.read(self._output, 1 << 20)
                 if not part:
                     raise self._step or self._died(late)
                 self._received += part
             line, self._received = self._received.split(b"\n", 1)
             record = json.loads(line)
-            if "trial" not in record:
+            if "trial" in record:
+                self._step = record["trial"] and from_record(record["trial"])
+            elif record.get("working") == GROUNDING:
+                self._suspect(rooms)
+            elif "limit" in record:
+                at_fault = self._blamed()
+                raise LimitReached(f"{late}: {at_fault}" if at_fault else f"{late}. {record['limit']}")
+            elif "working" not in record:
                 break
-            self._step = record["trial"] and from_record(record["trial"])
         self.unanswered -= 1
+        self._blamed()
         if "error" in record:
-            raise self._step or from_record(record["error"])
+            error = from_record(record["error"])
+            raise (self._step if isinstance(error, LimitReached) else None) or error
         return record
 
     def is_alive(self) -> bool:
@@ -175,6 +197,7 @@ class Solver:
 
     def end(self) -> None:
         """Kill the process: it holds nothing that anyone needs."""
+        self._blamed()
         self._kill()
         self._process.communicate()
         self._answers.close()

@@ -16,10 +16,12 @@ from clingo import Function, ast
 from clingo.ast import ASTType
 
 from logic.audit import audit, unreadable
+from logic.differences import STATING
 from logic.errors import GrammarError
 from logic.explain import HERE
-from logic.grammar import Grammar
+from logic.grammar import RULES, Grammar
 from logic.layout import CORE, Part, Program
+from logic.linter import SIZES
 from logic.loaded import furniture_of
 from logic.messages import written
 from logic.placement import Placer
@@ -32,13 +34,14 @@ TOO_MUCH = "takes too much time or memory"
 
 
 def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
-    """Do what loading a grammar does, and making houses of so many rooms; say each step before it is done.
+    """Do what loading a grammar does, or grounding houses of so many rooms; say each step before it is done.
 
     What is said is the error that it is not to end. Stops where the grammar has another one.
     """
     try:
-        yield from _reading(grammar)
-        for rooms in sizes:
+        if not sizes:
+            yield from _reading(grammar)
+        for rooms in sizes or SIZES:
             yield from _grounding(grammar.asp, {"rooms": rooms}, [("house", [])])
         placer = Placer(grammar)
         pieces = {} if placer.problems else furniture_of(Program(grammar.asp, {"rooms": 1}, [("house", [])]))
@@ -78,23 +81,30 @@ def _grounding(
     files: Sequence[Path], constants: Mapping[str, object], parts: Sequence[Part]
 ) -> Iterator[GrammarError]:
     """Ground these parts of the core and the files."""
-    given, derived, constraints = _by_kind(read(files))
+    shared, own = ([file for file in files if (RULES in file.parents) == known] for known in (True, False))
+    # Differences restrict what is ground, and add little to it.
+    core = _by_kind(read(file for file in shared if file not in STATING))
+    given, derived, constraints = _by_kind(read(own))
+    given = [*core[0], *core[1], *given]
     for number in range(len(derived) + 1):
-        if number:
-            yield _slow(derived[number - 1])
+        yield _slow(derived[number - 1]) if number else _large(own[0].parent)
         control = clingo.Control([f"-c{name}={value}" for name, value in constants.items()], logger=_silent)
         control.load(str(CORE))
         with ast.ProgramBuilder(control) as builder:
             for each in given + derived[:number]:
                 _add(builder, each.node, each.program)
-            for place, each in enumerate(constraints):
-                _add(builder, each.node, f"constraint_{place}")
+            for place, each in enumerate(core[2] + constraints):
+                name = f"constraint_{max(0, place + 1 - len(core[2]))}"
+                _add(builder, each.node, f"{name}_{each.program}")
         control.ground([("base", []), *parts, ("pick", [])])
         if number == len(derived):
-            for place, each in enumerate(constraints):
-                yield _slow(each)
-                if each.program in {"base", *(name for name, _ in parts)}:
-                    control.ground([(f"constraint_{place}", [])])
+            programs = {"base", *(name for name, _ in parts)}
+            yield _large(own[0].parent)
+            control.ground([(f"constraint_0_{program}", []) for program in sorted(programs)])
+            for place, each in enumerate(constraints, start=1):
+                if each.program in programs:
+                    yield _slow(each)
+                    control.ground([(f"constraint_{place}_{each.program}", [])])
 
 
 def _by_kind(statements: Iterable[Statement]) -> tuple[list[Statement], list[Statement], list[Statement]]:
@@ -116,6 +126,12 @@ def _by_kind(statements: Iterable[Statement]) -> tuple[list[Statement], list[Sta
 def _add(builder: ast.ProgramBuilder, node: ast.AST, program: str) -> None:
     builder.add(ast.Program(HERE, program, []))
     builder.add(node)
+
+
+def _large(directory: Path) -> GrammarError:
+    """What is wrong where the shared rules take too much with what the grammar states."""
+    why = f"to ground the shared rules with what this grammar states {TOO_MUCH}"
+    return GrammarError(f"{why}: ask for fewer rooms, or state fewer types and pieces", directory)
 
 
 def _slow(rule: Statement) -> GrammarError:

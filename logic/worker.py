@@ -6,7 +6,8 @@ line names the grammar, after one that says to ``prepare`` for it, if any; each 
 house, why one is as it is, what houses promise, or for warnings. Each is answered by: ``{"versions": ...}``,
 ``{"house": ...}``, ``{"why": ...}``, ``{"promises": ...}``, ``{"findings": ...}`` or
 ``{"error": ...}``; a count of layouts by several, of which ``{"count": null}`` is the last. Lines
-``{"trial": ...}`` before an answer say what is wrong if it does not come.
+``{"trial": ...}`` before an answer say what is wrong if it does not come, ``{"working": ...}`` which stage
+is at work on it. ``{"limit": ...}`` instead of an answer says what the process did when its time was over.
 """
 
 import contextlib
@@ -16,8 +17,9 @@ import queue
 import signal
 import sys
 import threading
+import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -25,6 +27,15 @@ import msgspec
 
 from logic import confinement
 from logic.errors import GrammarError, LimitReached, VitruviusError, to_record
+
+EARLY = 4.0
+"""Seconds after which it is said which stage is at work, or a fourth of those that there are."""
+
+GRACE = 1.0
+"""Seconds of processor time beyond the limit of a request, in which the process says what it was doing."""
+
+SHARED = 10
+"""How much longer than a rule of the grammar's all shared rules may take in a trial."""
 
 
 def main() -> None:
@@ -34,10 +45,61 @@ def main() -> None:
     requests: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(questions, requests), daemon=True).start()
     worker = Worker()
+    parent = Answers(answers)
     while True:
-        for answer in _with_errors(worker.answers(json.loads(requests.get()))):
-            answers.write(json.dumps(answer) + "\n")
-            answers.flush()
+        request = json.loads(requests.get())
+        with parent.within(worker.seconds(request), worker.account):
+            for answer in _with_errors(worker.answers(request)):
+                parent.write(answer)
+
+
+class Answers:
+    """The lines to the parent, the last of which says at a limit of seconds what the process is doing."""
+
+    def __init__(self, pipe: TextIO) -> None:
+        """Write to this pipe."""
+        self._pipe, self._lock, self._asked = pipe, threading.Lock(), 0
+
+    def write(self, answer: dict[str, Any]) -> None:
+        """A line."""
+        with self._lock:
+            self._line(answer)
+
+    def _line(self, answer: dict[str, Any]) -> None:
+        self._pipe.write(json.dumps(answer) + "\n")
+        self._pipe.flush()
+
+    @contextlib.contextmanager
+    def within(self, seconds: float | None, account: Callable[[], Any]) -> Iterator[None]:
+        """Answer in these seconds, if any, or end the process: the solvers cannot be interrupted, but leave
+        Python's other threads to run.
+        """
+        timers = []
+        if seconds is not None:
+            early = min(seconds / 4, EARLY)
+            timers = [
+                threading.Timer(early, self._say, [self._asked, lambda: {"working": account().stage}]),
+                threading.Timer(seconds, self._end, [self._asked, account]),
+            ]
+        for timer in timers:
+            timer.daemon = True
+            timer.start()
+        yield
+        with self._lock:
+            self._asked += 1
+        for timer in timers:
+            timer.cancel()
+
+    def _say(self, asked: int, line: Callable[[], dict[str, Any]]) -> None:
+        with self._lock:
+            if asked == self._asked:
+                self._line(line())
+
+    def _end(self, asked: int, account: Callable[[], Any]) -> None:
+        with self._lock:
+            if asked == self._asked:
+                self._line({"limit": str(account())})
+                os._exit(0)
 
 
 class Worker:
@@ -46,6 +108,14 @@ class Worker:
     def __init__(self) -> None:
         """Begin with none."""
         self._builder: Any = None
+
+    def account(self) -> Any:
+        """What is done: see ``account.py``."""
+        return self._builder.account
+
+    def seconds(self, request: dict[str, Any]) -> float | None:
+        """How long a request may take: to load has limits of its own."""
+        return None if self._builder is None else request["seconds"]
 
     def answers(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
         """The lines that answer a request."""
@@ -58,7 +128,8 @@ class Worker:
             return
         from logic.request import Request
 
-        confinement.allow_seconds(request["seconds"])
+        self._builder.account.begin()
+        confinement.allow_seconds(request.get("processor", request["seconds"]) + GRACE)
         if "why" in request:
             from logic.house import House
             from logic.plan_witness import PlanWitness
@@ -93,7 +164,7 @@ class Worker:
         _prepare(request["grammar"])
         from logic.builder import Builder
         from logic.grammar import find
-        from logic.linter import SIZES, errors
+        from logic.linter import errors
         from logic.loaded import LoadedGrammar
 
         grammar = find(request["grammar"])
@@ -101,8 +172,11 @@ class Worker:
         if "trial" in request:
             from logic.trial import steps
 
-            for error in steps(grammar, request["trial"] or SIZES):
-                confinement.allow_seconds(request["step"])
+            last = time.process_time()
+            for error in steps(grammar, request["trial"]):
+                # A step may begin by what those before it did: that is no fault of its own.
+                taken, last = time.process_time() - last, time.process_time()
+                confinement.allow_seconds(request["step"] * (1 if error.line else SHARED) + 2 * taken)
                 yield {"trial": to_record(error)}
             yield {"trial": None}
         confinement.allow_seconds(request["seconds"])

@@ -75,7 +75,8 @@ class Generate:
     """Most Prolog inferences for a house."""
 
     seconds: float = 60.0
-    """Most seconds for a house."""
+    """Most seconds for a house, or for all counts; those to start and to load the rules, a few, are not among
+    them."""
 
     count_layouts: bool = False
     """Make no houses, but count the layouts from which they are sampled."""

@@ -120,6 +120,9 @@ class Lint:
     grammar: tyro.conf.Positional[str] = "family"
     """A shipped grammar's name, or a directory of rules."""
 
+    seconds: float = 60.0
+    """Most seconds."""
+
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): all findings."""
 
@@ -128,7 +131,7 @@ class Lint:
         from logic import lint
         from logic.answers import Linted
 
-        found = list(lint(self.grammar))
+        found = list(lint(self.grammar, self.seconds))
         errors = sum(finding.severity == "error" for finding in found)
         if self.json:
             answer = Linted(self.grammar, errors, len(found) - errors, found)

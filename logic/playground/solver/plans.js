@@ -37,11 +37,11 @@ function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
     const layout = grammar.rooms(request).sample(rng, holds, fails, nogoods);
     if (!layout) throw new Unsatisfiable([...unfurnishable].sort());
     const answer = grammar.prolog.ask("plan_placed", compound("plan", terms(layout), [], rng.seed(), "minimal"), inferences);
-    if (answer.limit) throw new LimitReached("the walls of a house reached their limit of inferences");
+    if (answer.limit) throw new LimitReached("the Prolog inferences for a house ran out");
     inferences -= answer.inferences;
     if (!answer.infeasible) return { plan: answer, layout, inferences };
     nogoods.push(nogood(answer.infeasible));
-    if (inferences <= 0) throw new LimitReached("the walls of a house reached their limit of inferences");
+    if (inferences <= 0) throw new LimitReached("the Prolog inferences for a house ran out");
   }
 }
 
@@ -77,7 +77,7 @@ function furnished(grammar, bare, request, rng, inferences) {
     const again = waiting.some((number) => nogoods[number].length);
     const answer = grammar.prolog.ask("rooms_furnished", list(asked), again ? "minimal" : "quick", inferences);
     if (answer.limit || (inferences -= answer.inferences) <= 0)
-      throw new LimitReached("the furniture of a house reached its limit of inferences");
+      throw new LimitReached("the Prolog inferences for a house ran out");
     const conflicts = new Map(answer.infeasible);
     for (const [place, number] of waiting.entries())
       if (conflicts.has(place)) nogoods[number].push(nogood(conflicts.get(place)));

@@ -47,10 +47,10 @@ export function star(grammar, request, rng, inferences) {
     const term = compound("layout", rooms, corners, rng.seed(), count > 1 ? "minimal" : "quick");
     const answer = grammar.prolog.ask("placed", term, inferences);
     if (answer.wrong) throw wrong(answer.wrong);
-    if (answer.limit) throw new LimitReached(`a house reached its limit of ${inferences} inferences`);
+    if (answer.limit) throw new LimitReached("the Prolog inferences for a house ran out");
     if (!answer.infeasible) return { floor: answer.floor, rooms: answer.rooms };
     inferences -= answer.inferences;
-    if (inferences <= 0) throw new LimitReached("the house reached its limit of inferences");
+    if (inferences <= 0) throw new LimitReached("the Prolog inferences for a house ran out");
     for (const [number, reasons] of answer.infeasible) {
       of(grammar.room(found.rooms[number].type, request)).push(nogood(reasons));
       count++;

@@ -1,0 +1,93 @@
+"""What a solver process does for a house, and what it has refuted: said where a limit ends the work."""
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from logic.errors import Reason
+
+if TYPE_CHECKING:
+    from clingo import Symbol
+
+GROUNDING, LAYOUT, LENGTHS, FURNITURE, PROOF = "grounding", "layout", "lengths", "furniture", "proof"
+"""The stages of the work."""
+
+EASE = {
+    GROUNDING: "ask for fewer rooms, or let no rule join many values",
+    LAYOUT: "ask for fewer rooms, or let the rules require less of types, doors and neighbours",
+    LENGTHS: "ask for fewer rooms, or give these lengths wider bounds",
+    FURNITURE: "require fewer pieces, or larger rooms",
+    PROOF: "ask for fewer rooms, or require less, so that less is to be proved",
+}
+"""For each stage what may be changed."""
+
+MOST = 3
+"""Of so many rules and lengths it is said how often they refuted something."""
+
+
+class Account:
+    """The work for one house."""
+
+    def __init__(self, located: "Callable[[Iterable[Symbol]], Mapping[Symbol, Reason]]") -> None:
+        """``located`` says where clauses stand, which takes Prolog: so each is asked for when it is met."""
+        self._located = located
+        self._reasons: dict[Symbol, Reason | None] = {}
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin another house."""
+        self.stage, self._at = "", ""
+        self._layouts = self._plans = self._rooms = 0
+        self._by: Counter[Reason] = Counter()
+        self._bare: Counter[str] = Counter()
+
+    def at(self, stage: str, what: str) -> None:
+        """This is what is done now."""
+        self.stage, self._at = stage, what
+
+    def sampled(self) -> None:
+        """Another layout of the rooms is found."""
+        self._layouts += 1
+
+    def refuted(self, clauses: "Collection[Symbol]", furniture: bool = False) -> None:
+        """A layout of the rooms, or of the ``furniture`` of one, is infeasible by these clauses."""
+        if furniture:
+            self._rooms += 1
+        else:
+            self._plans += 1
+        if new := [clause for clause in clauses if clause not in self._reasons]:
+            found = self._located(new)
+            self._reasons |= {clause: found.get(clause) for clause in new}
+        # A clause is named in several ways, as of each piece of a room.
+        self._by.update({reason for clause in clauses if (reason := self._reasons[clause])})
+
+    def unfurnished(self, type_: str) -> None:
+        """A room of this type, at its size and with its doors, is proved to have no furniture."""
+        self._bare[type_] += 1
+
+    @property
+    def refutations(self) -> str:
+        """What was refuted, and by what, as far as anything was."""
+        said = []
+        if self._plans:
+            said.append(f"{self._plans:,} of {self._layouts:,} layouts of the rooms were refuted.")
+        if self._rooms:
+            said.append(f"{self._rooms:,} layouts of furniture were refuted.")
+        if self._bare:
+            types = ", ".join(f"a {type_} {number:,} times" for type_, number in self._bare.most_common(MOST))
+            said.append(f"No furniture fitted in {types}.")
+        lines = [f"  {number:,} times: {reason}" for reason, number in self._by.most_common(MOST)]
+        if lines:
+            said.append("Most were refuted by")
+        return "\n".join([" ".join(said), *lines]).strip()
+
+    def __str__(self) -> str:
+        """The stage at work, what was refuted by what, and what to ease."""
+        if not self.stage:
+            return ""
+        said = f"It was at work on {self._at}."
+        if self.stage == LAYOUT and not self._layouts:
+            said += " None was found yet, nor proved impossible."
+        ease = EASE[LENGTHS if self._by else self.stage]
+        refutations = self.refutations and f" {self.refutations}"
+        return f"{said}{refutations}{chr(10) if self._by else ' '}To ease it, {ease}."
