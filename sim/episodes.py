@@ -42,7 +42,7 @@ State = ti.types.struct(
     cell=ti.math.ivec3,  # steps east and south, heading
     house=ti.i32,
     time=ti.i32,  # steps in this episode
-    found=ti.i32,  # targets sampled in this episode
+    found=ti.i32,  # targets picked up in this episode, and one
     over=ti.i32,  # whether the episode has ended
     episode=ti.i32,
     seed=ti.u64,
@@ -128,7 +128,10 @@ class Episodes:
         truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
         state.over = terminated | truncated
         if picked:
-            state = self.sample_target(places, state, ti.static(self.apart))
+            if state.over:
+                state.found += 1  # Its target stays: what is seen last, and said of the end, is what was reached.
+            else:
+                state = self.sample_target(places, state, ti.static(self.apart))
         return state, picked, terminated, truncated, blocked
 
     @ti.func
