@@ -46,7 +46,9 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
             for name in kwargs.keys() - names:
                 close = meant.get(name) or closest(name, names)
                 hint = f"did you mean {close}?" if close else f"it has {', '.join(names)}"
-                raise TypeError(f"{function.__qualname__}() has no argument {name}: {hint}")
+                raise TypeError(
+                    f"{function.__qualname__}() got an unexpected keyword argument '{name}': {hint}"
+                )
             return function(*args, **kwargs)
 
         return call

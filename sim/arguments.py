@@ -2,16 +2,18 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from gymnasium import spaces
 
 from logic import House, load
 from logic.spelling import unknown
 from sim.backend import METHODS, Backend
 from sim.config import PRESETS, Config
-from sim.tasks import PAPER, named
+from sim.tasks import PAPER, AnyTask, Targets, named, task
 
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
@@ -21,7 +23,57 @@ BANK = Path(__file__).with_name("houses.jsonl.gz")
 PAPER_HOUSE = "paper-house"
 """The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
 
+DEVICES = ("cpu", "cuda")
+
+ACTIONS = 3
+"""Turn left, turn right, forward."""
+
+METADATA = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
+
 BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
+
+
+class Arguments(NamedTuple):
+    """What environments are made of, read and checked without Taichi."""
+
+    config: Config
+    backend: type[Backend]
+    houses: list[House]
+    task: AnyTask
+
+
+def read_arguments(
+    houses: Houses,
+    backend: str,
+    targets: Targets,
+    preset: str | Config,
+    max_episode_steps: int | None,
+    render_mode: str | None,
+    device: str,
+) -> Arguments:
+    """Read the arguments of ``HouseVectorEnv``. ``ValueError`` says which is wrong.
+
+    ``config`` is the backend's for these houses. Whether they have places for the targets is seen when they
+    are packed.
+    """
+    require("device", device, DEVICES)
+    config = configuration(preset, max_episode_steps)
+    if render_mode not in (None, *METADATA["render_modes"]):
+        raise ValueError(f"unknown render_mode {render_mode!r}: there are {METADATA['render_modes']}")
+    make, bank = backend_class(backend), house_list(houses)
+    wanted = task(targets)
+    check_lengths(bank)
+    return Arguments(make.fit(config, bank), make, bank, wanted)
+
+
+def single_spaces(config: Config) -> tuple[spaces.Box, spaces.Discrete]:
+    """The spaces of one environment's observations and actions."""
+    shape = (config.rays, config.channels)
+    # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
+    high = np.ones(shape, np.float32)
+    if config.sees_angle:
+        high[:, 0] = 360 / 359
+    return spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32), spaces.Discrete(ACTIONS)
 
 
 def house_list(houses: Houses) -> list[House]:
@@ -85,3 +137,26 @@ def require(name: str, value: Any, known: Any) -> None:
     """Raise ``ValueError`` unless the value is one of those known."""
     if value not in known:
         raise ValueError(unknown(name, value, known))
+
+
+FARTHEST = 100.0
+"""Metres from the origin that a house may reach: beyond, float32 places are coarser than the body's skin."""
+
+
+def check_lengths(houses: Sequence[House]) -> None:
+    """Raise ``ValueError`` where a length of a house is none, or too far off, before memory is taken."""
+    for index, house in enumerate(houses):
+        rects: list[tuple[str, Any]] = []
+        for room in sorted(house.rooms, key=lambda room: room.name != house.hub):
+            rects.append(("the main room" if room.name == "main" else f"room {room.name}", room))
+            rects += [(f"a {piece.type} in room {room.name}", piece) for piece in room.pieces]
+        rects += [(f"the door of room {door.between[0]}", door) for door in house.doors]
+        for name, rect in rects:
+            if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
+                raise ValueError(
+                    f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
+                    f"{rect.height}: all must be finite numbers of metres, sides not negative"
+                )
+            if max(map(abs, rect.box)) > FARTHEST:
+                at = f"house {index} of {len(houses)}: {name}"
+                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin")

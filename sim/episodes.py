@@ -129,7 +129,9 @@ class Episodes:
         state.over = terminated | truncated
         if picked:
             if state.over:
-                state.found += 1  # Its target stays: what is seen last, and said of the end, is what was reached.
+                state.found += (
+                    1  # Its target stays: what is seen last, and said of the end, is what was reached.
+                )
             else:
                 state = self.sample_target(places, state, ti.static(self.apart))
         return state, picked, terminated, truncated, blocked

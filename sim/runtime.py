@@ -27,6 +27,7 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
+    from taichi._lib import core
     from taichi.lang import impl, kernel_impl
     from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 
@@ -128,15 +129,26 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
     arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
     with _compiling:
         if impl.get_runtime().prog is None:
-            _owner = _Owner(device)
-            _owner.call(lambda: _begin(arch, threads))
-            _owner.program = impl.get_runtime().prog
+            if device == "cuda" and not has_cuda():  # Taichi would take the CPU in its place
+                raise ValueError(
+                    "device 'cuda' cannot be had: no GPU with a CUDA driver was found here: take device 'cpu'"
+                )
+            owner = _Owner(device)
+            owner.call(lambda: _begin(arch, threads))
+            owner.program = impl.get_runtime().prog
+            _owner = owner
     running = impl.current_cfg().arch
     if (running == ti.cuda) != (device == "cuda"):
         names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
         now = names.get(running, running.name)
         raise ValueError(f"device {device!r} cannot be had: Taichi runs on {now} in this process")
     return impl.get_runtime().prog
+
+
+def has_cuda() -> bool:
+    """Whether Taichi finds a GPU with a CUDA driver."""
+    ti.set_logging_level(ti.ERROR)  # Taichi warns where there is no driver.
+    return bool(core.with_cuda())
 
 
 def _begin(arch: Any, threads: int | None) -> None:

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from gymnasium import spaces
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from logic import House
 from logic.spelling import keywords
-from sim.arguments import BANK, Houses, backend_class, configuration, house_list, require
+from sim.arguments import ACTIONS, BANK, METADATA, Houses, house_list, read_arguments, single_spaces
 from sim.backend import Backend
 from sim.config import Config
 from sim.episodes import HOUSE, MOST_CELLS
@@ -21,6 +20,7 @@ from sim.options import read_options, read_seeds
 from sim.outputs import Outputs
 from sim.runtime import start
 from sim.tasks import Targets
+from sim.window import Window
 from sim.world import TABLES, World
 
 if TYPE_CHECKING:
@@ -28,17 +28,11 @@ if TYPE_CHECKING:
 
     from sim.film import Camera, Scene
 
-DEVICES = ("cpu", "cuda")
 MODES = {
     AutoresetMode.NEXT_STEP: NEXT_STEP,
     AutoresetMode.SAME_STEP: SAME_STEP,
     AutoresetMode.DISABLED: DISABLED,
 }
-
-ACTIONS = 3
-"""Turn left, turn right, forward."""
-
-METADATA = {"render_modes": ["rgb_array"], "render_fps": 30}
 
 
 class HouseVectorEnv(VectorEnv):
@@ -99,6 +93,7 @@ class HouseVectorEnv(VectorEnv):
     ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.
     ``max_episode_steps``: in place of the preset's.
     ``seed``: of the first reset, if that is given none.
+    ``render_mode``: ``rgb_array``, or ``human``, which shows each step in a window (pygame).
     """
 
     @keywords(config="preset", bank="houses", task="targets", n_envs="num_envs")
@@ -120,34 +115,24 @@ class HouseVectorEnv(VectorEnv):
         """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}: at least one environment")
-        require("device", device, DEVICES)
-        config = configuration(preset, max_episode_steps)
-        if render_mode not in (None, *METADATA["render_modes"]):
-            raise ValueError(f"unknown render_mode {render_mode!r}: try {METADATA['render_modes'][0]!r}")
+        asked = read_arguments(houses, backend, targets, preset, max_episode_steps, render_mode, device)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = METADATA | {"autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs, self.device = render_mode, num_envs, device
 
-        make = backend_class(backend)
         start(device)
         self.world = World(
-            config,
-            make,
-            house_list(houses),
-            targets,
+            asked.config,
+            asked.backend,
+            asked.houses,
+            asked.task,
             num_envs,
             mode=MODES[self.autoreset_mode],
             by_ray=device != "cpu" if by_ray is None else by_ray,
         )
-        self.config = config = self.world.config
+        self.config = self.world.config
 
-        self.single_action_space = spaces.Discrete(ACTIONS)
-        shape = (config.rays, config.channels)
-        # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
-        high = np.ones(shape, np.float32)
-        if config.sees_angle:
-            high[:, 0] = 360 / 359
-        self.single_observation_space = spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32)
+        self.single_observation_space, self.single_action_space = single_spaces(self.config)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
@@ -166,6 +151,7 @@ class HouseVectorEnv(VectorEnv):
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
         self._cameras: list[Camera] | None = None
+        self._window = Window(METADATA["render_fps"]) if render_mode == "human" else None
 
     @property
     def houses(self) -> list[House]:
@@ -214,6 +200,7 @@ class HouseVectorEnv(VectorEnv):
         flags[:, asked.mask] = False
         self.world.arrays["flags"].fill(flags.view(np.uint8).ravel())
         self._ready = True
+        self._show()
         return self._outputs.observation(), self._outputs.info(flags)
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
@@ -235,6 +222,7 @@ class HouseVectorEnv(VectorEnv):
         reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED], info)
+        self._show()
         return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
 
     def step_torch(
@@ -320,18 +308,34 @@ class HouseVectorEnv(VectorEnv):
     def render(self) -> tuple[np.ndarray, ...] | None:
         """A picture of each environment, (height, width, 3) uint8, all as large as the largest house's.
 
-        ``None`` where ``render_mode`` is. ``sim.film.mosaic`` makes one picture of them.
+        ``None`` where ``render_mode`` is, and where it is ``human``: then ``reset`` and ``step`` show the
+        pictures in a window. ``sim.film.mosaic`` makes one picture of them.
         """
         if self.render_mode is None:
             return None
         if not self._ready:
             raise ResetNeeded("call reset() before render()")
+        if self._window:
+            self._window.show(self._pictures())
+            return None
+        return tuple(self._pictures())
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the window, if there is one."""
+        if self._window:
+            self._window.close()
+
+    def _show(self) -> None:
+        if self._window:
+            self._window.show(self._pictures())
+
+    def _pictures(self) -> list[np.ndarray]:
         if self._cameras is None:
             from sim.film import Camera, largest
 
             frame = largest(self.houses)
             self._cameras = [Camera(self, index, frame=frame) for index in range(self.num_envs)]
-        return tuple(np.asarray(camera.shoot()) for camera in self._cameras)
+        return [np.asarray(camera.shoot()) for camera in self._cameras]
 
     def scene(self, index: int) -> "Scene":
         """What there is to see of one environment, for ``sim.film``."""
@@ -357,7 +361,8 @@ class HouseVectorEnv(VectorEnv):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arguments and the state: what is read goes on bit for bit."""
         arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
-        return _remade, (type(self), arguments, self._np_random, self.state if self._ready else None)
+        state = self.state if self._ready else None
+        return _remade, (type(self), arguments, self._np_random, state, self.closed)
 
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, cannot be done now."""
@@ -386,10 +391,13 @@ def _remade(
     arguments: dict[str, Any],
     np_random: np.random.Generator | None,
     state: dict[str, np.ndarray] | None,
+    closed: bool,
 ) -> HouseVectorEnv:
     """The environments that were pickled."""
     envs = kind(**arguments)
     envs._np_random = np_random
     if state is not None:
         envs.state = state
+    if closed:
+        envs.close()
     return envs

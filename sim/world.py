@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-from math import isfinite
-from typing import Any
 
 import numpy as np
 
 from logic import House
+from sim.arguments import check_lengths
 from sim.backend import Backend, Bank, Lattice
 from sim.config import Config
 from sim.doors import door_arrays
@@ -49,7 +48,7 @@ class World:
         a GPU; the results are the same, bit for bit.
         """
         self.task, self.num_envs, self.mode = task(targets), num_envs, mode
-        _check(houses)
+        check_lengths(houses)
         self.config = backend.fit(config, houses)
         self.kernels = kernels(start(), self.config, backend, mode, by_ray, bool(self.task.ends_on_pick_up))
         self.backend: Backend = self.kernels.backend
@@ -87,7 +86,7 @@ class World:
 
         Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
         """
-        _check(houses)
+        check_lengths(houses)
         wanted = self.task if targets is None else task(targets)
         if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
             raise ValueError("episodes of that task end otherwise: make a new environment for it")
@@ -263,26 +262,3 @@ class World:
     @property
     def _state_names(self) -> tuple[str, ...]:
         return (*STATE, "pushes") if self.config.closed_doors else STATE
-
-
-FARTHEST = 100.0
-"""Metres from the origin that a house may reach: beyond, float32 places are coarser than the body's skin."""
-
-
-def _check(houses: Sequence[House]) -> None:
-    """Raise ``ValueError`` where a length of a house is none, or too far off, before memory is taken."""
-    for index, house in enumerate(houses):
-        rects: list[tuple[str, Any]] = []
-        for room in sorted(house.rooms, key=lambda room: room.name != house.hub):
-            rects.append(("the main room" if room.name == "main" else f"room {room.name}", room))
-            rects += [(f"a {piece.type} in room {room.name}", piece) for piece in room.pieces]
-        rects += [(f"the door of room {door.between[0]}", door) for door in house.doors]
-        for name, rect in rects:
-            if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
-                raise ValueError(
-                    f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
-                    f"{rect.height}: all must be finite numbers of metres, sides not negative"
-                )
-            if max(map(abs, rect.box)) > FARTHEST:
-                at = f"house {index} of {len(houses)}: {name}"
-                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin")

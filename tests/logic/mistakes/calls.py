@@ -42,12 +42,16 @@ class Call:
 
 MISTAKES = (
     # keywords
-    Call(generate, {"room": 4}, ("generate() has no argument room: did you mean rooms?",)),
+    Call(
+        generate, {"room": 4}, ("generate() got an unexpected keyword argument 'room': did you mean rooms?",)
+    ),
     Call(generate, {"rooms": 4, "type": {}}, ("no argument type: did you mean types?",)),
     Call(generate, {"rooms": 4, "pieces": {}}, ("no argument pieces: did you mean furniture?",)),
     Call(generate, {"rooms": 4, "n": 9}, ("no argument n: did you mean count?",)),
     Call(generate, {"rooms": 4, "theme": 9}, ("no argument theme: it has rooms, types",)),
-    Call(count_layouts, {"rooms": 4, "seed": 1}, ("count_layouts() has no argument seed",)),
+    Call(
+        count_layouts, {"rooms": 4, "seed": 1}, ("count_layouts() got an unexpected keyword argument 'seed'",)
+    ),
     Call(check, {"house": [HOUSE]}, ("check() takes one House, not list",)),
     Call(HouseVectorEnv, {"config": "paper"}, ("no argument config: did you mean preset?",)),
     Call(HouseEnv, {"config": "paper"}, ("no argument config: did you mean preset?",)),
@@ -56,7 +60,11 @@ MISTAKES = (
     Call(gymnasium.make_vec, {"id": ENVIRONMENT, "houzes": "a"}, ("houzes: did you mean houses?",)),
     Call(HouseVectorEnv, {"houses": {"room": 4}}, ("no argument room: did you mean rooms?",)),
     Call(make_envs, {"houses": [HOUSE], "config": "paper"}, ("no argument config: did you mean preset?",)),
-    Call(run, {"houses": [HOUSE], "preset": "pqn"}, ("run() has no argument preset: did you mean config?",)),
+    Call(
+        run,
+        {"houses": [HOUSE], "preset": "pqn"},
+        ("run() got an unexpected keyword argument 'preset': did you mean config?",),
+    ),
     Call(measure, {"agents": {}, "targets": ["main"]}, ("no argument targets: did you mean modes?",)),
     # values
     Call(generate, {"rooms": "4"}, ("rooms must be a whole number", "'4'"), RequestError),
