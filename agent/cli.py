@@ -6,6 +6,7 @@ making a house needs no simulator, and help comes at once.
 
 import contextlib
 import io
+import os
 import pkgutil
 import re
 import sys
@@ -90,7 +91,17 @@ docs/command-line.md has all of it."""
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
+    _open_streams()
     sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
+
+
+def _open_streams() -> None:
+    """Let nothing be read or written where a standard stream was closed, as by services: else the next file
+    that is opened takes its place.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as we run
 
 
 def top(width: int | None = None) -> str:
@@ -191,8 +202,10 @@ def _quick(arguments: list[str]) -> str | None:
 
 def _exit_code(arguments: list[str]) -> int:
     if text := _quick(arguments):
-        with contextlib.suppress(BrokenPipeError):
+        try:
             print(text, flush=True)
+        except OSError as error:
+            return _unwritten(error)
         return 0
     if arguments[0] == "help":
         arguments = [*arguments[1:], "--help"]
@@ -219,15 +232,25 @@ def _exit_code(arguments: list[str]) -> int:
         code = failed(error, error.exit_code, f"{what}: {error}")
     except KeyboardInterrupt as end:
         code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
-    except BrokenPipeError:
-        # The reader of our output is gone, as in `vitruvius generate ... | head`.
-        sys.stdout, code = None, 0
     except OSError as error:
-        code = failed(error, 5, f"error: {error.filename or 'a file'}: {error.strerror}")
+        if error.filename is None:
+            return _unwritten(error)
+        code = failed(error, 5, f"error: {error.filename}: {error.strerror}")
     except Exception as error:
         traceback.print_exc()
         code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
     return code
+
+
+def _unwritten(error: OSError) -> int:
+    """What follows where the output cannot be written. No more is, not even as Python ends."""
+    sys.stdout = None
+    if isinstance(error, BrokenPipeError):  # Its reader is gone, as in `vitruvius generate ... | head`.
+        return 0
+    from logic.commands import say
+
+    say(f"error: the standard output: {error.strerror}")
+    return 5
 
 
 if __name__ == "__main__":

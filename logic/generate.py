@@ -22,7 +22,7 @@ from logic.grammar import SHIPPED, find
 from logic.house import House
 from logic.own_plan import OwnPlan, keeping, read_plan
 from logic.parts import BODY
-from logic.request import MOST_ROOMS, Count, Request
+from logic.request import MOST_ROOMS, Count, Request, whole
 from logic.solver import GRACE, LOADING, START_UP, Idle, Solver
 from logic.spelling import keywords
 
@@ -86,17 +86,14 @@ def generate(
         rooms = _rooms_of(own, rooms, cell, keep)
     if rooms is None:
         raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
-    for counts, least in (
-        ({"rooms": rooms, "count": count, "workers": workers, "inferences": inferences}, 1),
-        ({"seed": seed, "start": start}, 0),
-    ):
-        for name, value in counts.items():
-            if type(value) is not int or not least <= value < 2**31:
-                raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}")
-    if rooms > MOST_ROOMS:
-        raise RequestError(f"rooms must be at most {MOST_ROOMS}, not {rooms}")
+    rooms = whole("rooms", rooms, 1, MOST_ROOMS)
+    count, workers = whole("count", count, 1), whole("workers", workers, 1)
+    inferences = whole("inferences", inferences, 1)
+    seed, start = whole("seed", seed, 0), whole("start", start, 0)
+    whole("the index of the last house", start + count - 1, 0)
     if not 0 < seconds < 1e6:
         raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
+    seconds, cell = float(seconds), float(cell)
     if cell and not BODY <= cell <= 2:
         raise RequestError(f"cell must be {BODY} m (the body's width) to 2 m, not {cell!r}")
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}, "cell": cell})

@@ -1,5 +1,6 @@
 """What a house must have: the user's choices, beside what the grammar says."""
 
+import operator
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -20,6 +21,22 @@ Count = int | tuple[int, int | None]
 MOST_ROOMS = 128
 MOST = 2**31 - 1
 """The greatest number of clingo: no bound."""
+
+
+def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+    """A whole number of any library, as Python's. Raises ``RequestError`` for another value, and out of
+    ``least`` to ``most``.
+    """
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}") from None
+    if not least <= number <= most:
+        bounds = f"a whole number, {least} or more" if number < least else f"at most {most}"
+        raise RequestError(f"{name} must be {bounds}, not {number}")
+    return number
 
 
 @dataclass(frozen=True)
@@ -102,6 +119,7 @@ class Request:
 
 def as_range(name: str, count: Any) -> Range:
     """A count as a range; raises ``RequestError`` where it is none."""
+    count = _plain(count)
     least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
     if type(least) is not int or not (most is None or type(most) is int):
         raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
@@ -143,3 +161,10 @@ def _is_pair(count: Any) -> bool:
 
 def _counts(ranges: Mapping[str, Range]) -> dict[str, Any]:
     return {name: least if least == most else [least, most] for name, (least, most) in ranges.items()}
+
+
+def _plain(count: Any) -> Any:
+    """A count with Python's numbers in the place of another library's."""
+    if isinstance(count, tuple | list):
+        return type(count)(_plain(each) for each in count)
+    return operator.index(count) if hasattr(count, "__index__") and not isinstance(count, bool) else count

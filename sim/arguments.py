@@ -28,7 +28,10 @@ DEVICES = ("cpu", "cuda")
 ACTIONS = 3
 """Turn left, turn right, forward."""
 
-METADATA = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
+METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}
+"""Of one environment; Gymnasium shows it in a window where ``human`` is asked for."""
+
+METADATA_OF_MANY: dict[str, Any] = METADATA | {"render_modes": ["human", "rgb_array"]}
 
 BACKENDS = {"continuous": "sim.continuous:Continuous", "grid": "sim.grid:Grid"}
 
@@ -50,6 +53,7 @@ def read_arguments(
     max_episode_steps: int | None,
     render_mode: str | None,
     device: str,
+    metadata: dict[str, Any] = METADATA,
 ) -> Arguments:
     """Read the arguments of ``HouseVectorEnv``. ``ValueError`` says which is wrong.
 
@@ -58,8 +62,8 @@ def read_arguments(
     """
     require("device", device, DEVICES)
     config = configuration(preset, max_episode_steps)
-    if render_mode not in (None, *METADATA["render_modes"]):
-        raise ValueError(f"unknown render_mode {render_mode!r}: there are {METADATA['render_modes']}")
+    if render_mode not in (None, *metadata["render_modes"]):
+        raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
     make, bank = backend_class(backend), house_list(houses)
     wanted = task(targets)
     check_lengths(bank)

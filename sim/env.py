@@ -93,7 +93,7 @@ class HouseEnv(gymnasium.Env):
 
     def _require_open(self) -> None:
         if self._closed:
-            raise ClosedEnvironmentError("this environment was closed: make a new one")
+            raise ClosedEnvironmentError("this environment was closed: make new ones")
 
 
 def _only(info: dict[str, Any]) -> dict[str, Any]:

@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sim import cache
+
 if TYPE_CHECKING:
     import torch
 
@@ -25,6 +27,8 @@ os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 # Taichi would ask its makers for a newer version once a day, by a name that it keeps for this machine.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
+KEEPS_KERNELS = cache.provide()
+"""Whether what is compiled can be kept on disk for the next process."""
 with contextlib.redirect_stdout(io.StringIO()):
     import taichi as ti
     from taichi._lib import core
@@ -157,10 +161,11 @@ def _begin(arch: Any, threads: int | None) -> None:
     options = {"arch": arch, "fast_math": False, "log_level": ti.ERROR}
     options |= {"advanced_optimization": False, "cfg_optimization": False}
     # Kernels are kept on disk for the next process. Ours take more than the 100 MB that Taichi keeps.
-    options["offline_cache_max_size_of_files"] = 1 << 30
+    options |= {"offline_cache": KEEPS_KERNELS, "offline_cache_max_size_of_files": 1 << 30}
     if threads is not None:
         options["cpu_max_num_threads"] = threads
-    drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
+    if KEEPS_KERNELS:
+        drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
     before = _threads()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(**options)

@@ -10,7 +10,7 @@ from gymnasium.vector.utils import batch_space
 
 from logic import House
 from logic.spelling import keywords
-from sim.arguments import ACTIONS, BANK, METADATA, Houses, house_list, read_arguments, single_spaces
+from sim.arguments import ACTIONS, BANK, METADATA_OF_MANY, Houses, house_list, read_arguments, single_spaces
 from sim.backend import Backend
 from sim.config import Config
 from sim.episodes import HOUSE, MOST_CELLS
@@ -115,9 +115,11 @@ class HouseVectorEnv(VectorEnv):
         """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}: at least one environment")
-        asked = read_arguments(houses, backend, targets, preset, max_episode_steps, render_mode, device)
+        asked = read_arguments(
+            houses, backend, targets, preset, max_episode_steps, render_mode, device, METADATA_OF_MANY
+        )
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = METADATA | {"autoreset_mode": self.autoreset_mode}
+        self.metadata = METADATA_OF_MANY | {"autoreset_mode": self.autoreset_mode}
         self.render_mode, self.num_envs, self.device = render_mode, num_envs, device
 
         start(device)
@@ -151,7 +153,7 @@ class HouseVectorEnv(VectorEnv):
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
         self._cameras: list[Camera] | None = None
-        self._window = Window(METADATA["render_fps"]) if render_mode == "human" else None
+        self._window = Window(METADATA_OF_MANY["render_fps"]) if render_mode == "human" else None
 
     @property
     def houses(self) -> list[House]:

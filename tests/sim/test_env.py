@@ -358,7 +358,7 @@ WRONG_ARGUMENTS = {
     "max_episode_steps is 0": {"max_episode_steps": 0},
     "max_episode_steps is 2147483648: from 1 to 2,147,483,647": {"max_episode_steps": 2**31},
     "max_episode_steps must be a whole number, not 1.5": {"max_episode_steps": 1.5},
-    "unknown render_mode 'human'": {"render_mode": "human"},
+    "unknown render_mode 'ansi'": {"render_mode": "ansi"},
     "there is no device tpu: did you mean cpu": {"device": "tpu"},
     "device 'cuda' cannot be had": {"device": "cuda"},
     "'Sometimes' is not a valid AutoresetMode": {"autoreset_mode": "Sometimes"},

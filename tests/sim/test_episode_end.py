@@ -53,7 +53,7 @@ def test_pick_ups_are_counted_to_the_last_step() -> None:
     task, config = TASKS["reach"]
     env = HouseEnv([HOUSE], targets=task, preset=config)
     env.reset(seed=3)
-    oracle, over = Oracle(env.envs), False
+    oracle, over, reward = Oracle(env.envs), False, 0.0
     while not over:
         _, reward, over, _, _ = env.step(oracle.act()[0])
     assert reward == 1

@@ -82,7 +82,9 @@ def test_a_window_shows_many_environments(monkeypatch: pytest.MonkeyPatch) -> No
     assert envs.render_mode == "human"
     envs.reset(seed=0)
     envs.step(np.array([2, 0]))
-    shown = pygame.surfarray.array3d(pygame.display.get_surface())
+    surface = pygame.display.get_surface()
+    assert surface
+    shown = pygame.surfarray.array3d(surface)
     assert len(np.unique(shown.reshape(-1, 3), axis=0)) > 10
     envs.close()
 

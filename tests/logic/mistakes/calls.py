@@ -45,27 +45,43 @@ MISTAKES = (
     Call(
         generate, {"room": 4}, ("generate() got an unexpected keyword argument 'room': did you mean rooms?",)
     ),
-    Call(generate, {"rooms": 4, "type": {}}, ("no argument type: did you mean types?",)),
-    Call(generate, {"rooms": 4, "pieces": {}}, ("no argument pieces: did you mean furniture?",)),
-    Call(generate, {"rooms": 4, "n": 9}, ("no argument n: did you mean count?",)),
-    Call(generate, {"rooms": 4, "theme": 9}, ("no argument theme: it has rooms, types",)),
+    Call(generate, {"rooms": 4, "type": {}}, ("unexpected keyword argument 'type': did you mean types?",)),
+    Call(
+        generate,
+        {"rooms": 4, "pieces": {}},
+        ("unexpected keyword argument 'pieces': did you mean furniture?",),
+    ),
+    Call(generate, {"rooms": 4, "n": 9}, ("unexpected keyword argument 'n': did you mean count?",)),
+    Call(generate, {"rooms": 4, "theme": 9}, ("unexpected keyword argument 'theme': it has rooms, types",)),
     Call(
         count_layouts, {"rooms": 4, "seed": 1}, ("count_layouts() got an unexpected keyword argument 'seed'",)
     ),
     Call(check, {"house": [HOUSE]}, ("check() takes one House, not list",)),
-    Call(HouseVectorEnv, {"config": "paper"}, ("no argument config: did you mean preset?",)),
-    Call(HouseEnv, {"config": "paper"}, ("no argument config: did you mean preset?",)),
-    Call(gymnasium.make, {"id": ENVIRONMENT, "config": "paper"}, ("config: did you mean preset?",)),
-    Call(gymnasium.make_vec, {"id": ENVIRONMENT, "task": "main"}, ("task: did you mean targets?",)),
-    Call(gymnasium.make_vec, {"id": ENVIRONMENT, "houzes": "a"}, ("houzes: did you mean houses?",)),
-    Call(HouseVectorEnv, {"houses": {"room": 4}}, ("no argument room: did you mean rooms?",)),
-    Call(make_envs, {"houses": [HOUSE], "config": "paper"}, ("no argument config: did you mean preset?",)),
+    Call(
+        HouseVectorEnv, {"config": "paper"}, ("unexpected keyword argument 'config': did you mean preset?",)
+    ),
+    Call(HouseEnv, {"config": "paper"}, ("unexpected keyword argument 'config': did you mean preset?",)),
+    Call(gymnasium.make, {"id": ENVIRONMENT, "config": "paper"}, ("'config': did you mean preset?",)),
+    Call(gymnasium.make_vec, {"id": ENVIRONMENT, "task": "main"}, ("'task': did you mean targets?",)),
+    Call(gymnasium.make_vec, {"id": ENVIRONMENT, "houzes": "a"}, ("'houzes': did you mean houses?",)),
+    Call(
+        HouseVectorEnv, {"houses": {"room": 4}}, ("unexpected keyword argument 'room': did you mean rooms?",)
+    ),
+    Call(
+        make_envs,
+        {"houses": [HOUSE], "config": "paper"},
+        ("unexpected keyword argument 'config': did you mean preset?",),
+    ),
     Call(
         run,
         {"houses": [HOUSE], "preset": "pqn"},
         ("run() got an unexpected keyword argument 'preset': did you mean config?",),
     ),
-    Call(measure, {"agents": {}, "targets": ["main"]}, ("no argument targets: did you mean modes?",)),
+    Call(
+        measure,
+        {"agents": {}, "targets": ["main"]},
+        ("unexpected keyword argument 'targets': did you mean modes?",),
+    ),
     # values
     Call(generate, {"rooms": "4"}, ("rooms must be a whole number", "'4'"), RequestError),
     Call(generate, {"rooms": 4, "types": {"hall": "2"}}, ("type hall: a count is a", "'2'"), RequestError),

@@ -1,0 +1,132 @@
+"""Claims about machines without what a person's has, as containers are: a home, open streams."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from agent.banks import TEST
+from logic import RequestError, generate, load, save
+from logic.request import Request, whole
+
+STEP = """
+import numpy as np, sim
+envs = sim.HouseVectorEnv(num_envs=2)
+envs.reset(seed=0)
+print(envs.step(np.array([2, 2]))[0].shape, sim.runtime.KEEPS_KERNELS)
+"""
+
+HOMES = {
+    "no home": {},
+    "a home that is no folder": {"HOME": "/dev/null"},
+    "a home where nothing can be made": {"HOME": "/proc"},
+    "a cache where nothing can be made": {"XDG_CACHE_HOME": "/proc/cache"},
+}
+
+
+@pytest.mark.parametrize("name", HOMES)
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder in which nobody can write")
+def test_the_simulator_runs_without_a_home_that_can_be_written(name: str, tmp_path: Path) -> None:
+    plain = {key: value for key, value in os.environ.items() if key not in {"HOME", "XDG_CACHE_HOME"}}
+    environment = plain | {"TMPDIR": str(tmp_path)} | HOMES[name]
+    made = subprocess.run(
+        [sys.executable, "-c", STEP],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert (made.returncode, made.stdout) == (0, "(2, 40, 2) True\n"), made.stderr
+    assert any(tmp_path.rglob("*.lock")) or any(tmp_path.rglob("ticache"))
+
+
+def command(words: str, streams: str, folder: Path) -> tuple[int, str]:
+    """Run a command with streams as a shell has them: its exit code, and what it says on stderr."""
+    line = f'exec "$0" -m agent.cli {words} {streams}'
+    made = subprocess.run(
+        ["bash", "-c", line, sys.executable],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    return made.returncode, made.stderr
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("machine")
+    save(generate(rooms=1), made / "houses.jsonl")
+    return made
+
+
+CLOSED = {
+    "generate --rooms 1 --out new.jsonl": ">&-",
+    "generate --rooms 1 --json": ">&- <&-",
+    "check houses.jsonl": "<&- 2>&-",
+    "check houses.jsonl --json": ">&-",
+    "--help": ">&-",
+    "help check": ">&- 2>&-",
+}
+
+
+@pytest.mark.parametrize("words", CLOSED)
+def test_closed_streams_take_nothing_and_change_nothing(words: str, folder: Path) -> None:
+    assert command(words, CLOSED[words], folder)[0] == 0
+    if "new.jsonl" in words:
+        assert load(folder / "new.jsonl") == load(folder / "houses.jsonl")
+
+
+@pytest.mark.parametrize("words", ["generate --rooms 1", "check houses.jsonl --json", "--version"])
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_an_output_that_is_full_is_one_line(words: str, folder: Path) -> None:
+    code, said = command(words, ">/dev/full", folder)
+    assert code == 5
+    assert said == "error: the standard output: No space left on device\n"
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    ours = list(generate(rooms=2, types={"bedroom": 1}, furniture={"bed": (1, 2)}, seed=3, count=2, start=1))
+    asked: dict[str, Any] = {
+        "rooms": np.int64(2),
+        "types": {"bedroom": np.uint8(1)},
+        "furniture": {"bed": (np.int32(1), np.int16(2))},
+        "seed": np.uint64(3),
+        "count": np.int32(2),
+        "start": np.int8(1),
+        "inferences": np.int64(10**8),
+        "seconds": np.float32(60),
+    }
+    theirs = generate(**asked)
+    assert [house.rooms for house in theirs] == [house.rooms for house in ours]
+
+
+@pytest.mark.parametrize(
+    ("asked", "reason"),
+    [
+        ({"rooms": 2.0}, r"rooms must be a whole number, 1 or more, not 2\.0"),
+        ({"rooms": np.float64(2)}, "rooms must be a whole number, 1 or more, not"),
+        ({"rooms": True}, "rooms must be a whole number, 1 or more, not True"),
+        ({"rooms": 129}, "rooms must be at most 128, not 129"),
+        ({"rooms": 2, "seed": 2**31}, "seed must be at most 2147483647, not 2147483648"),
+        ({"rooms": 2, "seed": -1}, "seed must be a whole number, 0 or more, not -1"),
+        (
+            {"rooms": 2, "start": 2**31 - 1, "count": 2},
+            "the index of the last house must be at most 2147483647",
+        ),
+    ],
+)
+def test_a_number_that_is_refused_is_told_the_bound_that_it_breaks(asked: dict, reason: str) -> None:
+    with pytest.raises(RequestError, match=reason):
+        generate(**asked)
+
+
+def test_every_seed_of_the_banks_is_one_that_the_generator_takes() -> None:
+    assert whole("seed", TEST.stop - 1, 0) == TEST.stop - 1
+    assert Request.read({"rooms": 1, "types": {"bedroom": np.int64(1)}}).to_dict()["types"] == {"bedroom": 1}
