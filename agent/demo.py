@@ -34,6 +34,7 @@ from logic import House, RequestError, VitruviusError, check, generate, save
 from logic.draw import contact_sheet
 from logic.files import write_whole
 from sim.furniture_tasks import pieces_in
+from sim.task_words import in_words
 
 SEARCH = "home"
 """The grammar of the houses in which a piece is sought: flats and small houses."""
@@ -259,12 +260,12 @@ def _measured(
     episodes: int = 1,
 ) -> Part:
     """Measure an agent beside the baselines, and film a typical episode; its trace lies beside the film."""
-    with progress(f"measuring, {mode}", LINES) as report:
+    with progress(f"measuring, {in_words(mode)}", LINES) as report:
         how = {"baselines": BASELINES, "episodes": episodes}
         [result] = measure({name: [agent]}, houses, [mode], seed, report, **how)
     filmed = _typical(result, name)
     recorder = Recorder(name, mode, seed + filmed)
-    with progress(f"filming, {mode}", LINES) as report:
+    with progress(f"filming, {in_words(mode)}", LINES) as report:
         how = {"targets": mode, "seed": seed + filmed, "watchers": [recorder]}
         record(agent, houses[filmed % len(houses)], film, report=report, **how)
     trace.save(recorder.trace, film.with_suffix(trace.ENDING))

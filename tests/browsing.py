@@ -37,10 +37,16 @@ def axe() -> str:
 
 
 def findings(page: Page) -> list[str]:
-    """What axe says is wrong, its rules of best practice and of names that match their labels included."""
+    """What axe says is wrong, its rules of best practice and of names that match their labels included, and
+    what of colours in a dark theme.
+    """
     page.evaluate(axe())
-    rules = {"label-content-name-mismatch": {"enabled": True}}
-    found: dict[str, Any] = page.evaluate("(rules) => axe.run(document, { rules })", rules)
+    every = {"rules": {"label-content-name-mismatch": {"enabled": True}}}
+    found: dict[str, Any] = page.evaluate("(how) => axe.run(document, how)", every)
+    page.emulate_media(color_scheme="dark")
+    dark = page.evaluate("() => axe.run(document, { runOnly: ['color-contrast'] })")
+    page.emulate_media(color_scheme="light")
+    found["violations"] += dark["violations"]
     return [
         f"{each['id']}: {node['target']} {node['html'][:120]} {node['failureSummary'][-120:]}"
         for each in found["violations"]

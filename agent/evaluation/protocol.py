@@ -25,6 +25,7 @@ from sim import HouseVectorEnv
 from sim.config import PRESETS, Config
 from sim.lookout import Lookout
 from sim.oracle import Oracle
+from sim.task_words import in_words
 from sim.tasks import task
 
 
@@ -66,7 +67,7 @@ def measure(
         ]
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
         for place, (name, setting, make) in enumerate(policies):
-            report((number + place / len(policies)) / len(modes), f"{mode}: {name}")
+            report((number + place / len(policies)) / len(modes), f"{in_words(mode)}: {name}")
             played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.lookout)
             scores[name] = (*scores.get(name, ()), played)
         rooms = np.array([len(house.secondary) for house in suited])[numbers]

@@ -6,6 +6,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table as RichTable
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
+from sim.task_words import in_words
 from sim.tasks import PAPER_TASKS
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
@@ -97,7 +98,7 @@ def score_table(result: Result) -> Table:
             (human_name(result.mode), f"{human.targets} of {human.oracle}", f"{HUMAN_RATIO}", "", "", "")
         )
         headings += (f"> {human.targets}",)
-    return Table(f"Targets in {_where(result)}, {_count(result)}", headings, rows)
+    return Table(f"{capital(in_words(result.mode))}, {_count(result)}", headings, rows)
 
 
 def find_table(result: Result) -> Table:
@@ -108,7 +109,7 @@ def find_table(result: Result) -> Table:
         rows.append((
             label, figures["success"].text(2), figures["spl"].text(2), f"{figures['first_find'].value:.0f}"
         ))  # fmt: skip
-    title = f"One target in {_where(result)}, {_count(result)}"
+    title = f"{capital(in_words(result.mode))}, {_count(result)}"
     return Table(title, ("policy", "success", "SPL", "steps to find"), rows)
 
 
@@ -128,7 +129,7 @@ def behaviour_table(result: Result) -> Table:
         counts = (f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))
         rows.append((label, *shares, *counts))
     headings = ("policy", "seen by 500", "by 1500", "rooms", "blocked", "overruled")
-    return Table(f"Behaviour, targets in {_where(result)}", headings, rows)
+    return Table(f"Behaviour, {in_words(result.mode)}", headings, rows)
 
 
 def rooms_table(result: Result) -> Table:
@@ -136,11 +137,12 @@ def rooms_table(result: Result) -> Table:
     by_rooms = {label: result.by_rooms(name) for name, label in _labels(result).items() if name != "oracle"}
     headings = ("policy", *map(str, sorted(set(result.rooms.tolist()))))
     rows = [(label, *(f"{each.value:.2f}" for each in row.values())) for label, row in by_rooms.items()]
-    return Table(f"Ratio by number of secondary rooms, targets in {_where(result)}", headings, rows)
+    return Table(f"Ratio by number of secondary rooms, {in_words(result.mode)}", headings, rows)
 
 
-def _where(result: Result) -> str:
-    return WHERE.get(result.mode, result.mode)
+def capital(words: str) -> str:
+    """Words as a title begins."""
+    return words[:1].upper() + words[1:]
 
 
 def _labels(result: Result) -> dict[str, str]:

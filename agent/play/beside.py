@@ -11,13 +11,14 @@ from agent.checkpoint import Checkpoint
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.evaluation.statistics import interquartile_mean, paired_difference
-from agent.evaluation.tables import WHERE, Table
+from agent.evaluation.tables import Table
 from agent.play.game import replayed
 from agent.play.results import PlayedGame, ResultsError, load
 from agent.simulator import sensor
 from agent.world import make_envs
 from logic import House
 from sim.config import DEFAULT
+from sim.task_words import in_words
 
 BESIDE = "explorer", "searcher", "oracle"
 """The baselines that are shown, the oracle last."""
@@ -53,7 +54,7 @@ def people_tables(
         oracle = scores["oracle"][0]
         reachable = oracle > 0
         if not reachable.any():
-            raise ResultsError(f"{path}: no game of targets in {targets} has a target that can be reached")
+            raise ResultsError(f"{path}: {in_words(targets)}: no game has a target that can be reached")
         ratios = {name: runs[:, reachable] / oracle[reachable] for name, runs in scores.items()}
         rows = []
         for name, runs in scores.items():
@@ -64,7 +65,7 @@ def people_tables(
         players, places = len({game.player for game in played}), len({game.index for game in played})
         title = (
             f"People, {SEES[view]}: {_count(len(played), 'game')} of {_count(players, 'player')} in "
-            f"{_count(places, 'house')}, {seconds:g} s, targets in {WHERE.get(targets, targets)}"
+            f"{_count(places, 'house')}, {seconds:g} s, {in_words(targets)}"
         )
         yield Table(title, ("policy", "targets", "ratio", "ahead"), rows)
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import msgspec
 
-from agent.evaluation.tables import WHERE
 from agent.report.page import Section
 from agent.report.trace import AROUND, Trace, load
 from logic import House
 from logic.canvas import Drawing, svg
 from logic.labels import background
 from logic.plan import Frame, extent
+from sim.task_words import in_words
 
 SIZE = 640
 """CSS pixels of the longer side of a plan."""
@@ -33,9 +33,10 @@ def _player(path: Path, trace: Trace) -> str:
     frame = Frame(scale, scale * (AROUND - west), scale * (AROUND - north))
     width, height = (round(scale * (side + 2 * AROUND)) for side in (east - west, south - north))
     plan = svg([((0, 0), Drawing(width, height, background(house, frame)))], width, height)
-    where = WHERE.get(trace.mode, trace.mode)
     found = int(trace.column("found")[-1])
-    title = f"{trace.agent}, targets in {where}: {found} target{'s' * (found != 1)} in {trace.length} steps"
+    title = (
+        f"{trace.agent}, {in_words(trace.mode)}: {found} target{'s' * (found != 1)} in {trace.length} steps"
+    )
     # No HTML in it can end the script: < is written as JavaScript writes it.
     content = msgspec.json.encode(trace).decode().replace("<", "\\u003c")
     return (

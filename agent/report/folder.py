@@ -10,7 +10,8 @@ from pathlib import Path
 
 import msgspec
 
-from agent.report.page import ReportError, Section, page
+from agent.report.measured import lead
+from agent.report.page import ReportError, Section, inline, page
 from logic.files import write_whole
 
 NAME = "report.html"
@@ -19,9 +20,9 @@ ABOUT = "about.json"
 """What the run says of itself: see ``About``."""
 
 SECTIONS = (
+    (("*.trace.json",), "agent.report.episodes:section"),
     (("evaluation.json",), "agent.report.measured:section"),
     (("config.json", "metrics.jsonl"), "agent.report.learning:section"),
-    (("*.trace.json",), "agent.report.episodes:section"),
     (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
     (("homes.json",), "benchmarks.generator.section:homes"),
     (("*.jsonl", "*.jsonl.gz", "evaluation.json"), "agent.report.plans:section"),
@@ -35,14 +36,14 @@ DEPTH = "", "*/", "*/*/"
 
 
 class About(msgspec.Struct):
-    """A title and paragraphs, as ``agent.report.page.inline`` takes them."""
+    """A title, and paragraphs for the last section, as ``agent.report.page.inline`` takes them."""
 
     title: str
     words: list[str] = []
 
 
 def describe(folder: Path, title: str, *words: str) -> None:
-    """Say what a run is, above its report."""
+    """Say what a run is, for its report."""
     write_whole(folder / ABOUT, msgspec.json.format(msgspec.json.encode(About(title, list(words)))) + b"\n")
 
 
@@ -67,7 +68,10 @@ def report(folder: Path) -> bytes:
         kinds = "metrics.jsonl, evaluation.json, *.trace.json, house files"
         raise ReportError(f"{folder}: is no run: nothing here can be reported ({kinds})")
     about = _about(folder)
-    return page(about.title, about.words, sections)
+    if about.words:
+        words = "\n".join(f"<p>{inline(each)}</p>" for each in about.words)
+        sections.append(Section("about", "What was done", words))
+    return page(about.title, lead(found(folder, ("evaluation.json",))), sections)
 
 
 def _sections(folder: Path) -> Iterator[Section]:

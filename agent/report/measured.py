@@ -1,17 +1,20 @@
 """The section of what was measured: each policy's figures with their intervals, as plots and tables."""
 
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 
 import numpy as np
 
 from agent.evaluation import scores
+from agent.evaluation.baselines import REFERENCES
 from agent.evaluation.result import HUMAN, HUMAN_RATIO
 from agent.evaluation.scores import ModeScores, PolicyScores
 from agent.evaluation.statistics import Estimate, interquartile_mean
-from agent.evaluation.tables import LABELS, SCORE_NOTE, WHERE, human_name
+from agent.evaluation.tables import LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
 from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
+from sim.task_words import in_words
 
 COLUMNS = {
     "targets": ("targets", 1),
@@ -26,6 +29,42 @@ COLUMNS = {
     "human": ("> human", 2),
 }
 """By figure, its heading and its digits."""
+
+
+def lead(files: Sequence[Path]) -> str:
+    """How well an agent did, in one sentence: the best one, where any was measured first; else nothing."""
+    for path in files:
+        file = scores.load(path)
+        for name, mode in file.targets.items():
+            figures = {policy: _figures(each) for policy, each in mode.policies.items()}
+            agents = {policy: each for policy, each in figures.items() if policy not in REFERENCES}
+            if agents:
+                return _sentence(name, mode, agents, figures.get("oracle", {}), file.bank.houses)
+    return ""
+
+
+def _sentence(
+    task: str,
+    mode: ModeScores,
+    agents: dict[str, dict[str, Estimate]],
+    oracle: dict[str, Estimate],
+    houses: int,
+) -> str:
+    words, key = in_words(task), "targets"
+    if mode.ends_on_pick_up and all("success" in each for each in agents.values()):
+        key = "success"
+    best = max(agents, key=lambda name: agents[name][key].value)
+    if key == "success":
+        verb, what = words.split(" ", 1)
+        verbs = {"find": "finds", "reach": "reaches"}
+        does = f"{verbs[verb]} {what}" if verb in verbs else f"does its task ({words})"
+        said = f"{best} {does} in {agents[best][key].value:.0%} of its episodes"
+    else:
+        said = f"{best} picks up {agents[best][key].value:.1f} {words} in an episode"
+    if key in oracle:
+        form = "{:.0%}" if key == "success" else "{:.1f}"
+        said += f"; the oracle, which knows house and target, {form.format(oracle[key].value)}"
+    return f"In {houses} house{'s' * (houses != 1)}, {said}."
 
 
 def section(files: Sequence[Path], folder: Path) -> Section:
@@ -44,27 +83,25 @@ def _mode(name: str, mode: ModeScores, definitions: dict[str, str]) -> str:
     """What all policies did where targets lay in one kind of room."""
     figures = {policy: _figures(each) for policy, each in mode.policies.items()}
     labels = {policy: _label(policy, each) for policy, each in mode.policies.items()}
-    where, colours = WHERE.get(name, name), slots(figures)
+    words, colours = in_words(name), slots(figures)
     human = HUMAN.get(name)
     ratios = [
         (labels[policy], found["ratio"], colours[policy])
         for policy, found in figures.items()
         if "ratio" in found
     ]
-    parts = [f"<h3>Targets in {where}</h3>", '<div class="figures-row">']
+    parts = [f"<h3>{escape(capital(words))}</h3>", '<div class="figures-row">']
     if ratios:
         mark = (HUMAN_RATIO, human_name(name)) if human else None
-        parts.append(
-            interval_plot(f"Ratio to the oracle, targets in {where}", "ratio to the oracle", ratios, mark)
-        )
-    parts += [_by_rooms(mode, where, labels, colours), "</div>"]
+        parts.append(interval_plot(f"Ratio to the oracle, {words}", "ratio to the oracle", ratios, mark))
+    parts += [_by_rooms(mode, words, labels, colours), "</div>"]
     columns = [key for key in COLUMNS if any(key in found for found in figures.values())]
     rows = [
         [Cell(labels[policy]), *(_cell(found.get(key), COLUMNS[key][1]) for key in columns)]
         for policy, found in figures.items()
     ]
     headings = ["policy", *(COLUMNS[key][0] for key in columns)]
-    parts.append(table(f"Targets in {where}: figures with 95 % intervals", headings, rows))
+    parts.append(table(f"{capital(words)}: figures with 95 % intervals", headings, rows))
     if human:
         parts.append(
             f"<p>The paper's human ({human_name(name)}) picked up {human.targets} targets, its oracle "
@@ -76,7 +113,7 @@ def _mode(name: str, mode: ModeScores, definitions: dict[str, str]) -> str:
     return "\n".join([*parts, details("What each column means", f"<dl>{meanings}</dl>")])
 
 
-def _by_rooms(mode: ModeScores, where: str, labels: dict[str, str], colours: dict[str, int]) -> str:
+def _by_rooms(mode: ModeScores, words: str, labels: dict[str, str], colours: dict[str, int]) -> str:
     """The ratio against the number of rooms; nothing where houses have one number of rooms."""
     found = []
     for policy, each in mode.policies.items():
@@ -90,7 +127,7 @@ def _by_rooms(mode: ModeScores, where: str, labels: dict[str, str], colours: dic
     ticks = sorted({rooms for each in found for rooms in each.x})
     x = Axis("rooms of the house", ticks=ticks)
     y = Axis("ratio to the oracle", least=0.0, most=1.0)
-    return line_plot(f"Ratio by number of rooms, targets in {where}", x, y, found)
+    return line_plot(f"Ratio by number of rooms, {words}", x, y, found)
 
 
 def estimate(figure: dict[str, float]) -> Estimate:

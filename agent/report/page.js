@@ -118,9 +118,12 @@ async function showPlans(place) {
 
   function card(plan, place) {
     const where = `${plan.file}, house ${plan.index}`;
-    const button = made("button", { type: "button", "aria-label": `${where}: ${plan.rooms} rooms, ${plan.area} m²` });
     const ratio = plan.ratios[fields.order.value];
-    button.append(picture(plan.svg), made("span", {}, ratio === undefined ? where : `${where}: ratio ${ratio ?? "none"}`));
+    const words = ratio === undefined ? where : `${where}: ratio ${ratio ?? "none"}`;
+    const button = made("button", { type: "button", "aria-label": `${words}: ${plan.rooms} rooms, ${plan.area} m²` });
+    const drawn = picture(plan.svg);
+    drawn.setAttribute("aria-hidden", "true");
+    button.append(drawn, made("span", {}, words));
     button.addEventListener("click", () => enlarge(place));
     return made("li", {}, button);
   }
@@ -384,7 +387,6 @@ class Episode {
   label(words) {
     const button = this.article.querySelector("[data-do=play]");
     button.textContent = words;
-    button.setAttribute("aria-label", words);
   }
 
   go(by) {

@@ -45,15 +45,18 @@ class Cell:
     """What rows are sorted by in this column; by default the words."""
 
 
-def page(title: str, words: Iterable[str], sections: Sequence[Section]) -> bytes:
-    """The file. Its policy lets a browser fetch nothing, and run no script but its own."""
+def page(title: str, lead: str, sections: Sequence[Section]) -> bytes:
+    """The file; ``lead`` is the sentence below its title, if it has one.
+
+    Its policy lets a browser fetch nothing, and run no script but its own.
+    """
     style, script = (FOLDER.joinpath(name).read_text() for name in ("page.css", "page.js"))
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return (
         Template(FOLDER.joinpath("page.html").read_text())
         .substitute(
             title=escape(title),
-            words="\n".join(f"<p>{inline(each)}</p>" for each in words),
+            lead=f'<p class="lead">{escape(lead)}</p>' if lead else "",
             links="\n".join(f'<li><a href="#{each.name}">{escape(each.title)}</a></li>' for each in sections),
             sections="\n".join(
                 f'<section id="{each.name}"><h2>{escape(each.title)}</h2>\n{each.html}\n</section>'

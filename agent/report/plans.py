@@ -10,10 +10,11 @@ import numpy as np
 
 from agent.banks import BANKS, bank_hash, benchmark
 from agent.evaluation import scores
-from agent.evaluation.tables import LABELS, WHERE
+from agent.evaluation.tables import LABELS
 from agent.report.page import Section, data
 from logic import House, load
 from logic.draw import plan_svg
+from sim.task_words import in_words
 
 MOST = 1000
 """Plans in a report; of more houses, some of each file, evenly."""
@@ -74,7 +75,7 @@ def _ratios(file: scores.ScoreFile, houses: int) -> dict[str, list[float | None]
         oracle = counts.pop("oracle").mean(axis=(0, 1))
         for policy, each in counts.items():
             ratio = each.mean(axis=(0, 1)) / np.where(oracle > 0, oracle, np.nan)
-            found[f"{LABELS.get(policy, policy)}, targets in {WHERE.get(mode, mode)}"] = [
+            found[f"{LABELS.get(policy, policy)}, {in_words(mode)}"] = [
                 None if np.isnan(value) else round(float(value), 3) for value in ratio
             ]
     return found

@@ -106,7 +106,7 @@ def line_plot(title: str, x: Axis, y: Axis, series: Sequence[Series], note: str 
         for each in series
         for k in some(len(each.x), LISTED)
     ]
-    headings = ["", x.label, y.label, *(["from", "to"] if any(each.low for each in series) else [])]
+    headings = ["line", x.label, y.label, *(["from", "to"] if any(each.low for each in series) else [])]
     return (
         f"<figure><figcaption>{escape(title)}</figcaption>{picture}{_legend(series)}"
         + (f"<p>{escape(note)}</p>" if note else "")

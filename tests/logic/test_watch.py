@@ -270,13 +270,6 @@ def test_on_a_telephone_what_is_tapped_is_answered_in_its_place(server: Watched,
 def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(watched: Watched, page: Page) -> None:
     page.locator("#sheet [data-part*='.bed']").first.click()
     expect(page.locator("#answer section").first).to_be_visible()
-    page.get_by_label("hall", exact=True).fill("abc")
-    expect(page.locator("#answer")).to_be_hidden()
-    assert findings(page) == []
-    page.get_by_label("hall", exact=True).fill("")
-    drawn(page, 4)
-    page.locator("#sheet [data-part*='.bed']").first.click()
-    page.emulate_media(color_scheme="dark")
     assert findings(page) == []
     assert too_wide(page) == []
     assert cut_on_paper(page) == []

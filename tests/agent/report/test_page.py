@@ -16,6 +16,7 @@ from agent.report.trace import Trace
 from logic import House, save
 from tests.agent.report.conftest import STEPS, recorded, untrained
 from tests.agent.report.test_report import LINE, measured, metrics
+from tests.browsing import cut_on_paper, findings, too_wide
 
 
 @pytest.fixture(scope="module")
@@ -295,6 +296,29 @@ def test_on_a_telephone_the_plan_its_controls_and_what_is_said_of_the_step_are_s
             path.tap()
             expect(path).to_be_checked(checked=not before)
     context.close()
+
+
+def test_the_first_screen_is_an_episode_that_can_be_played_under_one_sentence(opened: Page) -> None:
+    lead = opened.locator("header p:visible")
+    expect(lead).to_have_count(1)
+    expect(lead).to_contain_text("agent picks up 6.5 targets in secondary rooms in an episode")
+    for width, height in ((1280, 800), (390, 844)):
+        opened.set_viewport_size({"width": width, "height": height})
+        play = opened.locator(".episode").first.get_by_role("button", name="Play")
+        expect(opened.locator(".stage").first).to_be_in_viewport(ratio=0.99)
+        expect(play).to_be_in_viewport(ratio=0.99)
+
+
+def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(opened: Page) -> None:
+    opened.locator("summary").first.click()
+    assert findings(opened) == []
+    assert too_wide(opened) == []
+    assert cut_on_paper(opened) == []
+    # All tables are whole: those that are folded on the screen too.
+    assert (
+        opened.locator("table.figures tbody tr:visible").count()
+        == opened.locator("table.figures tbody tr").count()
+    )
 
 
 def test_a_browser_that_cannot_unpack_says_so_in_one_line(page: Page, file: Path) -> None:

@@ -3,11 +3,13 @@
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
 
 import msgspec
+import numpy as np
 import pytest
 
 from agent.banks import bank_hash, benchmark
@@ -92,7 +94,7 @@ class Outline(HTMLParser):
 
 def test_a_report_has_a_section_for_each_kind_of_file(run) -> None:
     outline = Outline(report(run).decode())
-    assert outline.sections == ["evaluation", "learning", "episodes", "scaling", "homes", "plans"]
+    assert outline.sections == ["episodes", "evaluation", "learning", "scaling", "homes", "plans", "about"]
     assert "A <run>" in outline.text
     assert "x < y" in outline.text
     for said in (
@@ -205,6 +207,23 @@ def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, mon
     outline = Outline(report(tmp_path).decode())
     assert outline.sections == ["evaluation", "plans"]
     assert "256 houses in 1 file. Of each file every 13th house is shown." in outline.text
+
+
+def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
+    measured(tmp_path)
+    said = (
+        "In 2 houses, agent picks up 6.5 targets in secondary rooms in an episode; "
+        "the oracle, which knows house and target, 15.0."
+    )
+    assert said in report(tmp_path).decode()
+    mode = '{"task": "object", "piece": "coffeeTable"}'
+    one = result(scores([1, 0], first=[30, np.inf]), oracle=(1, 1), mode=mode)
+    found = modes_of([replace(one, ends_on_pick_up=True)])
+    (tmp_path / "evaluation.json").write_bytes(ScoreFile(Bank("abc", "b.jsonl", 2), 0, found).json())
+    page = report(tmp_path).decode()
+    assert "In 2 houses, agent finds a coffee table in 50% of its episodes; the oracle" in page
+    assert "<h3>Find a coffee table</h3>" in page
+    assert "coffeeTable" not in page
 
 
 def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:
