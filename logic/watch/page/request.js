@@ -37,7 +37,7 @@ export function initRequest(onChange, onWrong) {
     lost = [];
     label();
     clearTimeout(pause);
-    if (target.name === "size") write(null);
+    if (target.name === "size") note({ size: target.value }, null);
     else pause = setTimeout(ask, PAUSE);
   });
   form.addEventListener("change", () => left++);
@@ -73,7 +73,8 @@ export function showKinds(newKinds) {
   kinds = newKinds;
   byId("request").elements.rooms.max = Math.min(kinds.most_rooms, 32);
   label();
-  write(null);
+  // Nothing else: what the user changes just now is a step of its own.
+  note(Object.fromEntries(dropped.map((name) => [name, null])), null);
   tellWrong();
   return dropped.length > 0;
 }
