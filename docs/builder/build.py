@@ -30,7 +30,9 @@ LINK = re.compile(r"(?<=\]\()(?!\w+:|#)([^)\s#]+)(#[^)]*)?(?=\))")
 ITEM = re.compile(r"^([-*]|\d+\.) ")
 SOURCES = {".lp", ".pl", ".py", ".toml"}
 """Files that a link leads to as pages of code."""
-STATIC = ("iframe-worker.js", "site.css")
+HEADING = re.compile(r"<th( [^>]*)?></th>")
+"""A heading without words, which is none: Markdown's tables cannot do without a row of them."""
+STATIC = ("buttons.js", "iframe-worker.js", "site.css")
 
 
 @dataclass
@@ -141,6 +143,8 @@ def build(out: Path) -> None:
         ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if ended.returncode:
             raise RequestError(f"the site was not built:\n{ended.stderr.partition('Traceback')[0]}")
+        for page in (folder / "site").rglob("*.html"):
+            page.write_text(HEADING.sub(r"<td\1></td>", page.read_text()))
         shutil.rmtree(out, ignore_errors=True)
         shutil.move(folder / "site", out)
 

@@ -12,6 +12,7 @@ from playwright.sync_api import Page
 
 from docs.builder.build import Copy
 from logic.errors import RequestError
+from tests.browsing import cut_on_paper, findings, too_wide
 from tests.docs.reader import ROOT
 
 BUILD = [sys.executable, "-m", "docs.builder.build"]
@@ -92,14 +93,14 @@ def test_opened_as_a_file_it_finds_words_and_asks_nothing_of_a_network(site: Pat
 
 
 @pytest.mark.parametrize(
-    "name", ["index", "docs/gallery", "docs/reference/logic", "docs/tutorials/first_house"]
+    "name",
+    ["index", "docs/gallery", "docs/command-line", "docs/reference/schema", "docs/tutorials/first_house"],
 )
-def test_on_a_telephone_nothing_but_code_and_tables_is_wider_than_the_screen(
-    site: Path, page: Page, name: str
-) -> None:
-    page.set_viewport_size({"width": 390, "height": 800})
+def test_pages_fit_screens_and_paper_and_axe_finds_nothing(site: Path, page: Page, name: str) -> None:
     page.goto((site / f"{name}.html").as_uri())
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert findings(page) == []
+    assert too_wide(page) == []
+    assert cut_on_paper(page) == []
 
 
 def test_a_link_that_leads_nowhere_stops_the_build(tmp_path: Path) -> None:
