@@ -41,6 +41,10 @@ class GrammarWarning(UserWarning):
     """A rule of a grammar has no effect: its place and what is said of it, as ``lint`` says it."""
 
 
+class PlanWarning(UserWarning):
+    """What was moved in a user's plan, or passed over, so that it could be read."""
+
+
 class RequestError(VitruviusError, ValueError):
     """The request makes no sense, whatever the rules: a count below zero, an unknown type."""
 

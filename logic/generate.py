@@ -20,7 +20,7 @@ from logic.errors import (
 from logic.fixed import fixed_rooms
 from logic.grammar import SHIPPED, find
 from logic.house import House
-from logic.own_plan import OwnPlan, keeping, read_plan
+from logic.own_plan import SNAP, OwnPlan, keeping, read_plan
 from logic.parts import BODY
 from logic.request import MOST_ROOMS, Count, Request, whole
 from logic.solver import GRACE, LOADING, START_UP, Idle, Solver
@@ -43,6 +43,8 @@ def generate(
     furniture: Mapping[str, Count] | None = None,
     cell: float = 0.0,
     plan: str | Path | House | Mapping[str, Any] | None = None,
+    plan_unit: str = "m",
+    snap: float = SNAP,
     keep: House | None = None,
     grammar: str | Path = "family",
     seed: int = 0,
@@ -64,7 +66,8 @@ def generate(
     are kept in a ``plan`` with doors, of the same house.
     ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, or
     a file of either (``docs/house-file.md``). Doors, windows and furniture are generated in it, and ``rooms``
-    may be left out.
+    may be left out. ``plan_unit`` is GeoJSON's: ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges
+    within ``snap`` metres of each other are one wall, of which is warned (``PlanWarning``).
     ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
     request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
     ``inferences`` (of Prolog) and ``seconds`` bound each house; to start processes and to load the rules,
@@ -74,7 +77,7 @@ def generate(
     Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
     ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
     """
-    own = None if plan is None else read_plan(plan)
+    own = None if plan is None else read_plan(plan, plan_unit, snap)
     if keep is not None and not keep.is_star:
         if own is None:
             raise RequestError(

@@ -5,7 +5,8 @@ or leave gaps. Which rules it breaks is found later, as a proof (``own_planner.p
 """
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, combinations
@@ -17,15 +18,20 @@ import shapely
 
 from logic.boxes import TOLERANCE, Box, overlap
 from logic.check_plan import gaps
-from logic.errors import RequestError
+from logic.errors import PlanWarning, RequestError
+from logic.figures import figure
 from logic.files import load
-from logic.geojson import GEOJSON, from_geojson
+from logic.geojson import from_geojson, is_geojson
 from logic.house import House
 from logic.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
+from logic.snapping import snapped
 from logic.walls import remaining
 
 MOST_BYTES = 1 << 24
 """What is read of a GeoJSON file."""
+
+SNAP, MOST_SNAP = 0.01, 0.5
+"""Metres within which edges are one wall, and how much that may be."""
 
 SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
 """The sides of a room, and the place of each in its box."""
@@ -111,18 +117,31 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
             yield Wall(number, side, None, box[k], start, end)
 
 
-def read_plan(source: str | Path | House | Mapping[str, Any]) -> OwnPlan:
+def read_plan(source: str | Path | House | Mapping[str, Any], unit: str = "m", snap: float = SNAP) -> OwnPlan:
     """A plan from a house, from GeoJSON as a dict, or from a file of either.
 
-    Raises ``HouseFileError`` for a file that cannot be read, ``RequestError`` for what is no plan.
+    ``unit`` of GeoJSON: see ``from_geojson``. ``snap``: metres within which edges are one wall. Warns
+    (``PlanWarning``) of what was moved or passed over. Raises ``HouseFileError`` for a file that cannot be
+    read, ``RequestError`` for what is no plan.
     """
+    if not 0 <= snap <= MOST_SNAP:
+        raise RequestError(f"snap must be 0 to {MOST_SNAP:g} m, not {snap!r}")
     if isinstance(source, str | Path):
         source = _from_file(Path(source))
     if isinstance(source, House):
-        bare = tuple(msgspec.structs.replace(room, children=()) for room in source.rooms)
-        plan = OwnPlan(bare, source.doors, source.windows)
+        rooms = [msgspec.structs.replace(room, children=()) for room in source.rooms]
+        doors, windows, notes = source.doors, source.windows, list[str]()
     else:
-        plan = OwnPlan(tuple(from_geojson(source)))
+        rooms, notes = from_geojson(source, unit, snap)
+        doors, windows = (), ()
+    _require_rooms(rooms)
+    on_lines = snapped(rooms, doors, windows, snap)
+    if on_lines.moved:
+        how_many = f"{on_lines.moved} edge{'s' * (on_lines.moved > 1)} of rooms"
+        notes.append(f"{how_many} moved by {on_lines.farthest:.2g} m at most, onto walls beside them: --snap")
+    for note in notes:
+        warnings.warn(f"plan: {note}", PlanWarning, stacklevel=3)
+    plan = OwnPlan(on_lines.rooms, on_lines.doors, on_lines.windows)
     _require_plan(plan)
     return plan
 
@@ -156,7 +175,7 @@ def _from_file(path: Path) -> House | dict[str, Any]:
             record = json.loads(file.read(MOST_BYTES))
     except (OSError, ValueError, RecursionError):
         record = None  # A file that is absent or no JSON; JSON Lines and packed files are no GeoJSON.
-    if isinstance(record, dict) and record.get("type") == GEOJSON:
+    if isinstance(record, dict) and is_geojson(record):
         return record
     houses = load(path)
     if len(houses) > 1:
@@ -166,12 +185,12 @@ def _from_file(path: Path) -> House | dict[str, Any]:
     return houses[0]
 
 
-def _require_plan(plan: OwnPlan) -> None:
-    """Refuse rooms that are no plan, each by its name."""
-    if len(plan.rooms) > MOST_ROOMS:
-        raise RequestError(f"plan: it has {len(plan.rooms):,} rooms: at most {MOST_ROOMS:,} are read")
-    names = [room.name for room in plan.rooms]
-    for room in plan.rooms:
+def _require_rooms(rooms: Sequence[Room]) -> None:
+    """Refuse rooms that are none, each by its name."""
+    if len(rooms) > MOST_ROOMS:
+        raise RequestError(f"plan: it has {len(rooms):,} rooms: at most {MOST_ROOMS:,} are read")
+    names = [room.name for room in rooms]
+    for room in rooms:
         if names.count(room.name) > 1 or room.name == OUTSIDE:
             raise RequestError(f"plan: the name {room.name!r} is another room's: give each room its own")
         if not max(map(abs, room.box)) <= FARTHEST or min(room.width, room.height) < TOLERANCE:
@@ -179,6 +198,10 @@ def _require_plan(plan: OwnPlan) -> None:
             raise RequestError(
                 f"plan: {room.name} is {size}: a room has a size, within {FARTHEST:g} m of (0, 0)"
             )
+
+
+def _require_plan(plan: OwnPlan) -> None:
+    """Refuse rooms that are no plan, each by its name."""
     for fault in chain(_overlaps(plan), _apart(plan), _gaps(plan)):
         raise RequestError(f"plan: {fault}: {HINT}")
     for fault in _misplaced(plan):
@@ -188,7 +211,7 @@ def _require_plan(plan: OwnPlan) -> None:
 def _overlaps(plan: OwnPlan) -> Iterator[str]:
     for one, other in combinations(plan.rooms, 2):
         if (depth := overlap(one.box, other.box)) > TOLERANCE:
-            yield f"{one.name} overlaps {other.name} by {depth:.2f} m"
+            yield f"{one.name} overlaps {other.name} by {figure(depth, digits=3)} m{_by_snap(depth)}"
 
 
 def _apart(plan: OwnPlan) -> Iterator[str]:
@@ -209,8 +232,17 @@ def _gaps(plan: OwnPlan) -> Iterator[str]:
     """What lies between rooms and is none, as the check finds it too."""
     for gap in shapely.get_parts(gaps(House(plan.rooms, (), ()))):
         if gap.area > 1e-4:
+            west, north, east, south = gap.bounds
+            wide = min(east - west, south - north)
             around = [room.name for room in plan.rooms if shapely.box(*room.box).distance(gap) < 1e-4]
-            yield f"{gap.area:.2f} m² between {', '.join(around)} are no room's"
+            size = f"{figure(gap.area)} m² between {', '.join(around)} are no room's"
+            yield f"{size}, {figure(wide, digits=3)} m wide{_by_snap(wide)}"
+
+
+def _by_snap(off: float) -> str:
+    """What to do about walls that are so far apart, if they may be meant to be one."""
+    more = figure(off + 0.001, digits=3)
+    return f" (--snap {more} takes these walls for one)" if off < MOST_SNAP / 4 else ""
 
 
 def _misplaced(plan: OwnPlan) -> Iterator[str]:

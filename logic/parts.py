@@ -43,8 +43,14 @@ FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS = 1000.0, 1024, 256, 4096
 Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
 Length = Annotated[float, Meta(extra_json_schema={"minimum": 0, "maximum": 2 * FARTHEST})]
 
-Name = Annotated[str, Meta(pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
-"""Of a room: as ``explain`` takes it, in ``R3.bed``."""
+LONGEST_NAME = 64
+"""Characters."""
+
+WORDS = r"^[^\s\x00-\x1f\x7f]([^\x00-\x1f\x7f]*[^\s\x00-\x1f\x7f])?$"
+"""Any letters, with spaces between them."""
+
+Name = Annotated[str, Meta(pattern=WORDS, max_length=LONGEST_NAME)]
+"""Of a room, in words: as ``explain`` takes it, in ``R3.bed`` or ``Living Room.sofa``."""
 
 Orientation = Literal["", "N", "E", "S", "W"]
 

@@ -51,6 +51,8 @@ def read(record: dict[str, Any]) -> tuple[Record, Any]:
     """
     if not isinstance(record, dict):
         raise msgspec.ValidationError(f"a house is a JSON object, not {type(record).__name__}")
+    if "format" not in record and "roomNumber" not in record and "rooms" in record:
+        record = {"format": FORMAT, "doors": [], **_known(record)}
     if record.get("format") == FORMAT:
         found, format_ = msgspec.convert(record, Record), FORMAT
         _require_names(found)
@@ -60,6 +62,19 @@ def read(record: dict[str, Any]) -> tuple[Record, Any]:
         found = Record(FORMAT, "m", *star.parts(), (), MAIN, topology, provenance)
     _require_sizes(found, format_ != FORMAT)
     return found, format_
+
+
+def _known(record: dict[str, Any]) -> dict[str, Any]:
+    """A record that names no format, if its rooms are as ours are: it is read as of today's."""
+    rooms = record["rooms"] if isinstance(record["rooms"], list) else []
+    first = rooms[0] if rooms and isinstance(rooms[0], dict) else {}
+    lacking = [key for key in ("name", "type", "x", "y", "width", "height") if key not in first]
+    if lacking:
+        raise msgspec.ValidationError(
+            f"it names no format, and its rooms have {', '.join(map(str, [*first][:5])) or 'nothing'}, not "
+            f"{', '.join(lacking)}: of another program, as it looks: give its rooms as GeoJSON"
+        )
+    return record
 
 
 def schema() -> dict[str, Any]:

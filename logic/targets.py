@@ -25,8 +25,8 @@ def target_in(house: House, target: str) -> tuple[int | None, Part]:
 
 
 def _in_star(house: House, target: str) -> tuple[int | None, Part]:
-    name, _, part = target.partition(".")
     rooms = [room.name for room in house.counted]
+    name, part = _split(target, [house.hub, *rooms])
     _require(name, [house.hub, *rooms])
     if name not in rooms:
         if part:
@@ -37,11 +37,11 @@ def _in_star(house: House, target: str) -> tuple[int | None, Part]:
 
 def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
     rooms, doors = [room.name for room in house.rooms], doors_of_plan(house)
-    either_way = {"-".join(reversed(name.split("-"))): door for name, door in doors.items()}
+    either_way = _numbered(("-".join(reversed(door.between)), door) for door in doors.values())
     outside = {"-".join(door.between): door for door in doors.values() if door.is_entrance}
     if door := (either_way | outside | doors).get(target):
         return None, door
-    name, _, part = target.partition(".")
+    name, part = _split(target, [*rooms, *doors])
     _require(name, [*rooms, *doors])
     if name not in rooms:
         raise RequestError(f"{target}: a door has no parts: ask for {name}")
@@ -50,6 +50,15 @@ def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
     if part == DOOR:
         raise RequestError(f"{target}: ask for a door by both its rooms: {name} has {', '.join(own)}")
     return rooms.index(name), _part(name, part, windows | _pieces(house, name))
+
+
+def _split(target: str, names: Iterable[str]) -> tuple[str, str]:
+    """The name of a target, which may have dots in it, and the part that is named after it."""
+    for name in sorted(names, key=len, reverse=True):
+        if target == name or target.startswith(f"{name}."):
+            return name, target[len(name) + 1 :]
+    name, _, part = target.partition(".")
+    return name, part
 
 
 def doors_of_plan(house: House) -> dict[str, Door]:

@@ -20,6 +20,7 @@ from logic import House, RequestError
 from logic.errors import VitruviusError
 from logic.geojson import from_geojson
 from logic.grammar import find, shipped
+from logic.own_plan import SNAP
 
 MOST_TEXT = 1 << 20
 """What is read of a run's ``config.json``, and of the end of its reports."""
@@ -68,7 +69,7 @@ def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) 
 def read_plan(name: str, record: dict[str, Any]) -> Plan:
     """A plan of GeoJSON. Raises ``UnknownFileError`` for other GeoJSON."""
     try:
-        rooms = list(from_geojson(record))
+        rooms = from_geojson(record, snap=SNAP)[0]
     except RequestError as error:
         raise UnknownFileError(f"{name}: GeoJSON, but no plan: {error}") from None
     size = max(room.box[2] for room in rooms), max(room.box[3] for room in rooms)

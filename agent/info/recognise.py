@@ -31,7 +31,7 @@ from agent.presets import PRESETS
 from agent.released import located, released
 from logic import HouseFileError, load
 from logic.files import HOUSE_FILES, PACKED, STANDARD, opened
-from logic.geojson import GEOJSON
+from logic.geojson import is_geojson
 from logic.grammar import shipped
 from logic.spelling import closest, unknown
 
@@ -142,7 +142,7 @@ def _json(name: str, path: Path) -> Kind:
         return read_games(name, path)
     if format_.startswith("vitruvius-trace-"):
         return read_trace(name, record)
-    if record.get("type") == GEOJSON:
+    if is_geojson(record):
         return read_plan(name, record)
     if {"bank", "targets"} <= record.keys():
         return read_scores(name, record)

@@ -46,6 +46,12 @@ class Generate:
     plan: Path | None = None
     """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
 
+    plan_unit: str = "m"
+    """Of GeoJSON: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02."""
+
+    snap: float = 0.01
+    """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
+
     keep: Path | None = None
     """House file: a house of it keeps its rooms, and the rest is generated around them. Where rooms share
     walls, all walls, doors and windows stay; types and furniture of the other rooms are generated."""
@@ -111,6 +117,8 @@ class Generate:
             furniture=counts("--piece", self.piece),
             cell=self.cell,
             plan=self.plan or self._plan_kept(),
+            plan_unit=self.plan_unit,
+            snap=self.snap,
             keep=self._kept(),
             grammar=self.grammar,
             seed=self.seed,

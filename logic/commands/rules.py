@@ -39,6 +39,12 @@ class Explain:
     plan: Path | None = None
     """A house file of one house, or GeoJSON, with all rooms in their places."""
 
+    plan_unit: str = "m"
+    """Of GeoJSON: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02."""
+
+    snap: float = 0.01
+    """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
+
     cell: float = 0.0
     """Side of a grid's cell in metres; 0 for none."""
 
@@ -69,6 +75,8 @@ class Explain:
             types=counts("--type", self.type),
             furniture=counts("--piece", self.piece),
             plan=self.plan,
+            plan_unit=self.plan_unit,
+            snap=self.snap,
             cell=self.cell,
             grammar=self.grammar or "family",
             seconds=self.seconds,

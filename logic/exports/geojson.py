@@ -32,7 +32,9 @@ def to_geojson(house: House) -> dict[str, Any]:
 
 def _feature(rect: Rect, kind: str, **properties: Any) -> dict[str, Any]:
     """A polygon anticlockwise, as RFC 7946 asks, or a line where a side is zero."""
-    west, north, east, south = rect.x, -rect.y, rect.x + rect.width, -rect.y - rect.height
+    # Edges are rounded, not sizes: what two rooms share stays shared. Adding 0.0 makes -0.0 a plain 0.0.
+    edges = (rect.x, -rect.y, rect.x + rect.width, -rect.y - rect.height)
+    west, north, east, south = (round(edge, 9) + 0.0 for edge in edges)
     if rect.width and rect.height:
         ring = [(west, south), (east, south), (east, north), (west, north), (west, south)]
         geometry = {"type": "Polygon", "coordinates": [ring]}
