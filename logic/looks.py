@@ -19,6 +19,7 @@ from logic.encoding import illegible
 from logic.errors import GrammarError
 from logic.grammar import SHIPPED, shipped
 from logic.house import House
+from logic.parts import ORIGINAL
 from logic.spelling import closest
 
 NAME = "looks.json"
@@ -57,10 +58,16 @@ class Looks:
     heights: dict[str, float] = field(default_factory=dict)
     """Heights of pieces in metres, for files of solids; plans do not show them."""
     symbols: dict[str, tuple[Form, ...]] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+    """What people call a type whose name in files is another."""
 
     def symbol(self, kind: str) -> tuple[Form, ...] | None:
         """The symbol of a piece type, if it has one."""
         return self.symbols[self.pieces[kind]] if kind in self.pieces else None
+
+    def name(self, kind: str) -> str:
+        """What people call a type: by default its name, as words. ``coffeeTable`` is a coffee table."""
+        return self.names.get(kind) or spaced(kind)
 
     def __or__(self, other: Looks) -> Looks:
         """These looks with others over them."""
@@ -68,15 +75,21 @@ class Looks:
         return Looks(*(mine | its for mine, its in parts))
 
 
+def spaced(name: str) -> str:
+    """A name as words."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", name).lower()
+
+
 def looks_of(house: House, grammar: str | Path | None = None) -> Looks:
     """How the types of a house look: by the folder of its grammar, which its provenance names if it is a
-    shipped one.
+    shipped one. Houses in the original's files are of the paper's.
 
     Raises ``GrammarError`` for a file of looks that is wrong: file, line, column.
     """
     if grammar is not None:
         return folder_looks(SHIPPED / grammar if str(grammar) in shipped() else Path(grammar))
     named = house.provenance.grammar if house.provenance else ""
+    named = "paper" if house.topology == ORIGINAL else named
     return _shipped_looks(named) if named in shipped() else DEFAULT
 
 
@@ -144,7 +157,8 @@ def unused(file: Path, rooms: Iterable[str], pieces: Iterable[str]) -> Iterator[
     """Types that a grammar's file of looks names, and the grammar does not have; by line and column."""
     looks, _ = read_looks(file, DEFAULT)
     at = _places(file.read_text("utf-8-sig")) if looks != Looks() else {}
-    for key, known in (("rooms", set(rooms)), ("pieces", set(pieces)), ("heights", set(pieces))):
+    rooms, pieces = set(rooms), set(pieces)
+    for key, known in (("rooms", rooms), ("pieces", pieces), ("heights", pieces), ("names", rooms | pieces)):
         for name in getattr(looks, key):
             if name not in known:
                 close = closest(name, known)
@@ -199,6 +213,8 @@ def _wrong(key: str, name: str, value: Any, symbols: set[str]) -> Iterator[Fault
         why = _wrong_colour(value)
     elif key == "pieces" and not (isinstance(value, str) and value in symbols):
         why = f"there is no symbol {shown}{_meant(str(value), symbols)}"
+    elif key == "names" and not (isinstance(value, str) and re.fullmatch(r"\S[^\n]{0,39}", value)):
+        why = f"{shown} is no name: some words, at most 40 letters"
     elif key == "heights" and not (_is_number(value) and 0 < value <= 10):
         why = f"{shown} is no height: metres, more than 0 and at most 10"
     elif key == "symbols" and isinstance(value, list):

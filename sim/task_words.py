@@ -1,16 +1,11 @@
 """What a task is called in words, the same in reports, tables, plots and games."""
 
 import json
-import re
 from collections.abc import Callable, Sequence
 
+from logic.looks import spaced
 from sim.furniture_tasks import Habit, Object
 from sim.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Rooms, Targets, task
-
-
-def spaced(name: str) -> str:
-    """The name of a type as people write it: ``coffeeTable`` is a coffee table."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", name).lower()
 
 
 def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:

@@ -11,6 +11,7 @@ from agent.report.trace import AROUND, Trace, load
 from logic import House
 from logic.canvas import Drawing, svg
 from logic.labels import background
+from logic.looks import looks_of
 from logic.plan import Frame, extent
 from sim.task_words import in_words
 
@@ -34,9 +35,8 @@ def _player(path: Path, trace: Trace) -> str:
     width, height = (round(scale * (side + 2 * AROUND)) for side in (east - west, south - north))
     plan = svg([((0, 0), Drawing(width, height, background(house, frame)))], width, height)
     found = int(trace.column("found")[-1])
-    title = (
-        f"{trace.agent}, {in_words(trace.mode)}: {found} target{'s' * (found != 1)} in {trace.length} steps"
-    )
+    task = in_words(trace.mode, looks_of(house).name)
+    title = f"{trace.agent}, {task}: {found} target{'s' * (found != 1)} in {trace.length} steps"
     # No HTML in it can end the script: < is written as JavaScript writes it.
     content = msgspec.json.encode(trace).decode().replace("<", "\\u003c")
     return (

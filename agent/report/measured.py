@@ -1,19 +1,22 @@
 """The section of what was measured: each policy's figures with their intervals, as plots and tables."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
+from agent.banks import BANKS, benchmark
 from agent.evaluation import scores
 from agent.evaluation.baselines import REFERENCES
 from agent.evaluation.result import HUMAN, HUMAN_RATIO
-from agent.evaluation.scores import ModeScores, PolicyScores
+from agent.evaluation.scores import Bank, ModeScores, PolicyScores
 from agent.evaluation.statistics import Estimate, interquartile_mean
 from agent.evaluation.tables import LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
 from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
+from logic import load
+from logic.looks import looks_of, spaced
 from sim.task_words import in_words
 
 COLUMNS = {
@@ -39,18 +42,29 @@ def lead(files: Sequence[Path]) -> str:
             figures = {policy: _figures(each) for policy, each in mode.policies.items()}
             agents = {policy: each for policy, each in figures.items() if policy not in REFERENCES}
             if agents:
-                return _sentence(name, mode, agents, figures.get("oracle", {}), file.bank.houses)
+                words = in_words(name, _naming(path, file.bank))
+                return _sentence(words, mode, agents, figures.get("oracle", {}), file.bank.houses)
     return ""
 
 
+def _naming(path: Path, bank: Bank) -> Callable[[str], str]:
+    """What the types of a bank are called, by its first house's looks, where it is here."""
+    beside = [folder / bank.file for folder in (path.parent, path.parent.parent)] if bank.file else []
+    file = next((each for each in beside if each.is_file()), None)
+    if file is None and bank.file not in BANKS:
+        return spaced
+    houses = load(file) if file else benchmark(bank.file)
+    return looks_of(houses[0]).name
+
+
 def _sentence(
-    task: str,
+    words: str,
     mode: ModeScores,
     agents: dict[str, dict[str, Estimate]],
     oracle: dict[str, Estimate],
     houses: int,
 ) -> str:
-    words, key = in_words(task), "targets"
+    key = "targets"
     if mode.ends_on_pick_up and all("success" in each for each in agents.values()):
         key = "success"
     best = max(agents, key=lambda name: agents[name][key].value)
@@ -75,15 +89,18 @@ def section(files: Sequence[Path], folder: Path) -> Section:
         bank = file.bank
         houses = f"{bank.houses} houses" + (f" of {bank.file}" if bank.file else "")
         parts.append(f"<p>{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}.</p>")
-        parts += [_mode(name, mode, file.definitions) for name, mode in file.targets.items()]
+        named = _naming(path, bank)
+        parts += [
+            _mode(name, in_words(name, named), mode, file.definitions) for name, mode in file.targets.items()
+        ]
     return Section("evaluation", "How well they do", "\n".join([*parts, f"<p>{inline(SCORE_NOTE)}</p>"]))
 
 
-def _mode(name: str, mode: ModeScores, definitions: dict[str, str]) -> str:
+def _mode(name: str, words: str, mode: ModeScores, definitions: dict[str, str]) -> str:
     """What all policies did where targets lay in one kind of room."""
     figures = {policy: _figures(each) for policy, each in mode.policies.items()}
     labels = {policy: _label(policy, each) for policy, each in mode.policies.items()}
-    words, colours = in_words(name), slots(figures)
+    colours = slots(figures)
     human = HUMAN.get(name)
     ratios = [
         (labels[policy], found["ratio"], colours[policy])

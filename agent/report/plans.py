@@ -14,6 +14,7 @@ from agent.evaluation.tables import LABELS
 from agent.report.page import Section, data
 from logic import House, load
 from logic.draw import plan_svg
+from logic.looks import looks_of
 from sim.task_words import in_words
 
 MOST = 1000
@@ -83,7 +84,7 @@ def _ratios(file: scores.ScoreFile, houses: int) -> dict[str, list[float | None]
 
 def plan_of(file: str, index: int, house: House) -> dict[str, Any]:
     """A plan, and what it is filtered by."""
-    provenance = house.provenance
+    provenance, named = house.provenance, looks_of(house).name
     return {
         "file": file,
         "index": index,
@@ -91,6 +92,6 @@ def plan_of(file: str, index: int, house: House) -> dict[str, Any]:
         "rooms": len(house.counted),
         "area": round(sum(room.area for room in house.rooms), 1),
         "types": Counter(room.type for room in house.counted),
-        "pieces": Counter(piece.type for room in house.rooms for piece in room.pieces),
+        "pieces": Counter(named(piece.type) for room in house.rooms for piece in room.pieces),
         "svg": plan_svg(house, WIDTH),
     }

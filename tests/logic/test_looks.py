@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from logic import GrammarError, House, RequestError, Room, lint
+from logic import GrammarError, House, Piece, RequestError, Room, lint
 from logic.canvas import Block, Part, Strokes
 from logic.draw import draw, plan
 from logic.grammar import SHIPPED, shipped
 from logic.looks import DEFAULT, READABLE, contrast, folder_looks, looks_of
 from logic.palettes import PALETTES, Palette, style
-from logic.parts import Provenance
+from logic.parts import ORIGINAL, Provenance
 from tests.plans import PLANS
 
 APART = 15
@@ -64,7 +64,26 @@ def test_houses_of_a_shipped_grammar_have_its_looks_whatever_folder_is_here(
     assert looks_of(replace(made, provenance=Provenance("../clinic", "", {}, 0, 0, {}))) is DEFAULT
 
 
+def test_a_desk_is_a_worktop_in_the_grammars_that_call_it_so_alone() -> None:
+    kitchen = House((Room(0, 0, 3, 3, "R0", "kitchen", (Piece(0, 0, 2, 0.6, "desk", "S"),)),))
+
+    def forms(house: House, kind: str = "desk") -> object:
+        return looks_of(house).symbol(kind)
+
+    for named in ("family", "paper"):
+        theirs = replace(kitchen, provenance=Provenance(named, "", {}, 0, 0, {}))
+        assert looks_of(theirs).name("desk") == "worktop"
+        assert forms(theirs) != forms(kitchen)
+    assert looks_of(replace(kitchen, topology=ORIGINAL)).name("desk") == "worktop"
+    for named in ("mine", "home", "clinic"):
+        theirs = replace(kitchen, provenance=Provenance(named, "", {}, 0, 0, {}))
+        assert looks_of(theirs).name("desk") == "desk"
+        assert forms(theirs) == forms(theirs, "writingDesk")
+    assert looks_of(kitchen).name("coffeeTable") == "coffee table"
+
+
 MISTAKES = [
+    ('{"names": {"desk": ""}}', 1, 12, '"" is no name'),
     ('{"rooms": {\n  "living": "green"}}', 2, 3, "living: .green. is no colour: write it as"),
     (
         '{"rooms": {"living": "#303030"}}',

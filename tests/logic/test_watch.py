@@ -27,6 +27,7 @@ from logic import generate
 from logic.canvas import svg
 from logic.draw import plan
 from logic.grammar import SHIPPED
+from logic.palettes import style
 from logic.request import Request
 from logic.watch.pool import SIZE, Pool, Spares, Stale
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
@@ -52,7 +53,6 @@ class Watched:
 
     def restore(self) -> None:
         """All files as they are shipped."""
-        (self.folder / "looks.json").unlink(missing_ok=True)
         for file in (SHIPPED / "family").iterdir():
             if (self.folder / file.name).read_text() != file.read_text():
                 self.save(file.name, file.read_text())
@@ -147,7 +147,7 @@ def test_a_colour_of_the_looks_is_saved_and_seen(watched: Watched, page: Page) -
     before = floor.get_attribute("fill")
     watched.save("looks.json", '{"rooms": {"kitchen": "#ffe0b0"}}')
     expect(floor).to_have_attribute("fill", "#ffe0b0")
-    (watched.folder / "looks.json").unlink()
+    watched.restore()
     expect(floor).to_have_attribute("fill", before or "")
     drawn(page, 4)
 
@@ -198,7 +198,7 @@ def test_all_of_it_works_by_the_keyboard(watched: Watched, page: Page) -> None:
     )
     page.get_by_role("tab").first.focus()
     page.keyboard.press("End")
-    expect(page.locator('[role="tab"][aria-selected="true"]')).to_have_text("sizes.pl")
+    expect(page.locator('[role="tab"][aria-selected="true"]')).to_have_text("looks.json")
     page.get_by_role("slider", name="Rooms").focus()
     page.keyboard.press("ArrowRight")
     expect(page.locator("#sheet li").first).to_contain_text("5 rooms")
@@ -230,7 +230,8 @@ def test_the_page_shows_the_houses_that_generate_makes(watched: Watched, page: P
     houses = list(generate(rooms=4, seed=7, count=3, grammar=watched.folder))
     parts = sorted((part for part in answer if "house" in part), key=lambda part: part["index"])
     assert [part["house"] for part in parts] == [json.loads(json.dumps(house.to_dict())) for house in houses]
-    assert parts[0]["svg"] == svg([((0, 0), plan(houses[0], 300, 300))], 300, 300)
+    look = style(houses[:1], grammar=watched.folder)
+    assert parts[0]["svg"] == svg([((0, 0), plan(houses[0], 300, 300, look=look))], 300, 300)
 
 
 def versions(watched: Watched) -> Iterator[dict[str, Any]]:

@@ -17,6 +17,7 @@ from agent.evaluation.scores import Bank, ScoreFile, modes_of
 from agent.report import plans, trace
 from agent.report.commands import Report
 from agent.report.folder import describe, report, write_report
+from agent.report.measured import section as measured_section
 from agent.report.page import ReportError
 from agent.report.plots import Axis, Series, line_plot, some
 from agent.report.trace import Trace, TraceError
@@ -224,6 +225,11 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     assert "In 2 houses, agent finds a coffee table in 50% of its episodes; the oracle" in page
     assert "<h3>Find a coffee table</h3>" in page
     assert "coffeeTable" not in page
+    # In houses of a grammar that calls its worktop so.
+    desk = modes_of([replace(one, mode='{"task": "object", "piece": "desk"}', ends_on_pick_up=True)])
+    bank = Bank(bank_hash(benchmark()), "test-v1", 2)
+    (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, desk).json())
+    assert "<h3>Find a worktop</h3>" in measured_section([tmp_path / "evaluation.json"], tmp_path).html
 
 
 def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:
