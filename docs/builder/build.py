@@ -50,8 +50,13 @@ class Copy:
         self.write(path, "\n".join(_outside_code(text, lambda line: self.line(path, line))))
 
     def line(self, page: Path, line: str) -> str:
-        """A line of a page with links that lead to pages of the site."""
-        return LINK.sub(lambda link: self.link(page, link[1]) + (link[2] or ""), line)
+        """A line of a page with links that lead to pages of the site; what is code has none."""
+
+        def leads(link: re.Match[str]) -> str:
+            return self.link(page, link[1]) + (link[2] or "")
+
+        parts = line.split("`")
+        return "`".join(part if place % 2 else LINK.sub(leads, part) for place, part in enumerate(parts))
 
     def link(self, page: Path, address: str) -> str:
         """The address on the site of what a page links to, which is copied."""
