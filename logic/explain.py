@@ -6,19 +6,22 @@ Every rule and fact of the grammar's files gets one more condition, ``stated(N)`
 is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
 something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
-is anything from nothing to very much. And without its fact there may be any number of what a request asks for
-too many of, and a type of room opens into all others: so the fact that bounds it is among the reasons.
+is anything from nothing to very much. What a fact bounds or allows is wider without it, and what no fact
+allows can be added, as ``rules/left_out.lp`` says: so the fact that stands there, or that does not, is among
+the reasons.
 """
 
 import contextlib
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
+from msgspec import structs
 
 from logic.differences import Differences
 from logic.errors import Reason
@@ -30,11 +33,13 @@ from logic.placement import Conflict
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
 
-COUNTS = {("may", 4), ("beside", 4), ("around", 4)}
-"""Facts that bound how many there are of their second argument: by the third and the fourth."""
+LEFT_OUT = RULES / "left_out.lp"
+"""What there could be where a fact is left out or added."""
 
-OPENS = ("opens", 2)
-"""Facts of which each says all that a type opens into: without it, the type opens into everything."""
+Signature = tuple[str, int]
+
+ABSENT = " is not stated"
+"""What is said of a fact that a grammar lacks, at the first of its facts of the same kind."""
 
 FAR = 1_000_000
 """Millimetres, more than anything measures; small enough for clingo to add up."""
@@ -56,20 +61,25 @@ class Source:
     def __init__(self, files: Sequence[Path]) -> None:
         """Know the files: the core's own are read beside them."""
         self.files = tuple(files)
-        self._read: dict[tuple[Any, ...], tuple[list[ast.AST], list[Reason]]] = {}
+        self._read: dict[tuple[Any, ...], Conditional] = {}
 
-    def conditional(
-        self, files: Sequence[Path], more: bool, laws: bool
-    ) -> tuple[list[ast.AST], list[Reason]]:
-        """The statements of some of the files, each rule with its condition; a reason for each of these.
+    def conditional(self, files: Sequence[Path], laws: bool) -> "Conditional":
+        """The statements of some of the files, each rule with its condition.
 
-        Of the core's rules, with ``laws``, those alone that require something. With ``more``, what bounds a
-        number is followed by a rule with wider bounds for where it is left out.
+        Of the core's rules, with ``laws``, those alone that require something.
         """
-        key = tuple(files), more, laws
+        key = tuple(files), laws
         if key not in self._read:
-            self._read[key] = _conditional((CORE, *files) if laws else files, more, laws)
+            self._read[key] = _conditional((CORE, *files) if laws else files, laws)
         return self._read[key]
+
+
+class Conditional(NamedTuple):
+    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first."""
+
+    rules: list[ast.AST]
+    reasons: list[Reason]
+    first: dict[str, Reason]
 
 
 class Relaxed:
@@ -81,16 +91,14 @@ class Relaxed:
         constants: dict[str, Any],
         parts: Iterable[Part],
         lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
-        more: bool = False,
         laws: bool = False,
         most: int | None = None,
     ) -> None:
         """Ground these parts of the core and of the source's files.
 
         ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
-        With ``more`` there may be more of a piece where what bounds it is left out, see ``rules/request.lp``.
         With ``laws`` what the core requires can be left out too. With ``most`` ground rules are counted,
-        which takes its time, and those past them are left out.
+        which takes its time, and those past them are left out: of the files alone, nothing wider or added.
         """
         self._control = clingo.Control(
             [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
@@ -102,7 +110,9 @@ class Relaxed:
         self._differences = Differences(self._control, source.files, parts, lambda _: None)
         if not laws:
             self._control.load(str(CORE))
-        rules, reasons = source.conditional(self._differences.files, more, laws)
+        if not most:
+            self._control.load(str(LEFT_OUT))
+        rules, reasons, first = source.conditional(self._differences.files, laws)
         found: list[tuple[Reason, Symbol | None]] = [(reason, None) for reason in reasons]
         with ast.ProgramBuilder(self._control) as builder:
             for rule in rules:
@@ -133,6 +143,12 @@ class Relaxed:
             for number, (reason, clause) in enumerate(found)
             if _stated_symbol(number) in self._literal_of
         ]
+        for atom in self._control.symbolic_atoms.by_signature("added'", 1):
+            (fact,) = atom.symbol.arguments
+            place = first.get(fact.name, Reason(""))
+            self.statements.append(
+                Statement(structs.replace(place, text=f"{fact}{ABSENT}"), (-atom.literal,))
+            )
 
     def choice(self, reason: Reason, holds: Iterable[Symbol] = (), fails: Iterable[Symbol] = ()) -> Statement:
         """A choice of the request's: that some atoms hold, and others do not."""
@@ -246,60 +262,57 @@ def preferred(
     return needed([], False, core(statements))
 
 
-def _conditional(files: Sequence[Path], more: bool, laws: bool) -> tuple[list[ast.AST], list[Reason]]:
+def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
     """See ``Source.conditional``."""
-    rules, found = [ast.Program(HERE, "base", [])], list[Reason]()
+    found = Conditional([ast.Program(HERE, "base", [])], [], {})
+    kinds = _left_out_facts()
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
         own = RULES not in Path(begin.filename).parents
         if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
-            stated = _stated(len(found))
-            left_out = _literal(stated, ast.Sign.Negation)
-            if more and _signature(statement.head) in COUNTS:
-                rules.append(_wider(statement, left_out))
-            if _signature(statement.head) == OPENS:
-                rules.append(_open(statement, left_out))
-            condition = _literal(stated)
-            text = written(statement)
-            found.append(Reason(text, begin.filename, begin.line, begin.column))
-            statement = statement.update(body=[*statement.body, condition])
-        rules.append(statement)
+            stated = _stated(len(found.reasons))
+            found.reasons.append(Reason(written(statement), begin.filename, begin.line, begin.column))
+            if (signature := _signature(statement.head)) in kinds:
+                found.first.setdefault(signature[0], found.reasons[-1])
+                found.rules.append(_about("listed'", statement, []))
+                found.rules.append(_about("without'", statement, [_literal(stated, ast.Sign.Negation)]))
+            statement = statement.update(body=[*statement.body, _literal(stated)])
+        found.rules.append(statement)
 
     for file in files:
         ast.parse_files([str(file)], take)
-    return rules, found
+    return found
 
 
-def _signature(head: ast.AST) -> tuple[str, int] | None:
-    if head.ast_type != ast.ASTType.Literal or head.atom.ast_type != ast.ASTType.SymbolicAtom:
+@cache
+def _left_out_facts() -> set[Signature]:
+    """The facts that ``rules/left_out.lp`` asks for."""
+    found = set[Signature]()
+
+    def take(statement: ast.AST) -> None:
+        for literal in statement.body if statement.ast_type == ast.ASTType.Rule else ():
+            if _signature(literal) in {("listed'", 1), ("without'", 1)}:
+                fact = literal.atom.symbol.arguments[0]
+                found.add((fact.name, len(fact.arguments)))
+
+    ast.parse_files([str(LEFT_OUT)], take)
+    return found
+
+
+def _signature(literal: ast.AST) -> Signature | None:
+    """Of an atom, or of all in a pool as ``lit(hall;study)``, in a head or a body; None for anything else."""
+    if literal.ast_type != ast.ASTType.Literal or literal.atom.ast_type != ast.ASTType.SymbolicAtom:
         return None
-    symbol = head.atom.symbol
-    return (symbol.name, len(symbol.arguments)) if symbol.ast_type == ast.ASTType.Function else None
+    symbol = literal.atom.symbol
+    one = symbol.arguments[0] if symbol.ast_type == ast.ASTType.Pool else symbol
+    return (one.name, len(one.arguments)) if one.ast_type == ast.ASTType.Function else None
 
 
-def _wider(rule: ast.AST, condition: ast.AST) -> ast.AST:
-    """The rule under another condition, with wider bounds: from none to some more of the piece."""
-    symbol = rule.head.atom.symbol
-    what, piece, _, most = symbol.arguments
-    extra = ast.Variable(HERE, "_More")
-    bounds = [
-        ast.SymbolicTerm(HERE, Number(0)),
-        ast.BinaryOperation(HERE, ast.BinaryOperator.Plus, most, extra),
-    ]
-    wider = symbol.update(arguments=[what, piece, *bounds])
-    known = _literal(ast.SymbolicAtom(ast.Function(HERE, "more", [piece, extra], False)))
-    head = rule.head.update(atom=rule.head.atom.update(symbol=wider))
-    return rule.update(head=head, body=[*rule.body, condition, known])
-
-
-def _open(rule: ast.AST, condition: ast.AST) -> ast.AST:
-    """The rule under another condition, for rooms of all types as its second argument."""
-    symbol, anything = rule.head.atom.symbol, ast.Variable(HERE, "_Type")
-    opens = symbol.update(arguments=[symbol.arguments[0], anything])
-    known = _literal(ast.SymbolicAtom(ast.Function(HERE, "type", [anything], False)))
-    head = rule.head.update(atom=rule.head.atom.update(symbol=opens))
-    return rule.update(head=head, body=[*rule.body, condition, known])
+def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:
+    """The rule with its head as a term of an atom of this name, under more conditions."""
+    atom = ast.SymbolicAtom(ast.Function(HERE, name, [rule.head.atom.symbol], False))
+    return rule.update(head=_literal(atom), body=[*rule.body, *conditions])
 
 
 def _stated(number: int) -> ast.AST:

@@ -166,7 +166,8 @@ class LoadedGrammar:
         names = {name for mistake in strange for name in mistake.about or ()}
         values, wrong = self._facts.wrong(probe, names)
         wrong += map(Mistake, self._facts.misnamed(probe))
-        absent = self._gone(strange, ("may", 4)) if wrong else []
+        types, empty = ({each.arguments[0] for each in probe.atoms(name, 1)} for name in ("type", "empty"))
+        absent = self._gone(strange, ("may", 4)) if wrong and types - empty else []
         yield from [*gone, *values, *meant, *absent, *wrong, *others]
         self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
         if strange or gone or values or wrong:
@@ -177,9 +178,11 @@ class LoadedGrammar:
     def _unstated(self, stated: set[str]) -> Iterator[Mistake]:
         """What no ``.pl`` file has a clause of, so that a file is likely to be gone."""
         lengths = [Function("length", [Function(name)]) for name in LENGTHS]
-        found = self.placer.origins(lengths)
-        names = ["room_size/3"] if "room_size" not in stated else []
-        if "piece_size" not in stated and ("may", 4) in self._words.derived:
+        anything = Function("any")  # A clause for all names has none of its own.
+        room, piece = Function("size", [anything]), Function("size", [anything, anything])
+        found = self.placer.origins([*lengths, room, piece])
+        names = ["room_size/3"] if "room_size" not in stated and room not in found else []
+        if "piece_size" not in stated and piece not in found and ("may", 4) in self._words.derived:
             names.append("piece_size/4")
         absent = [f"{each.arguments[0].name}/1" for each in lengths if each not in found]
         if names or len(absent) > 1:

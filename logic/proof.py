@@ -253,7 +253,6 @@ class Prover:
                 *parts(more),
             ],
             lengths,
-            more=True,
             laws=laws,
         )
         statements = list(relaxed.statements)
