@@ -16,7 +16,7 @@ from agent.report.trace import Trace
 from logic import House, save
 from tests.agent.report.conftest import STEPS, recorded, untrained
 from tests.agent.report.test_report import LINE, measured, metrics
-from tests.browsing import cut_on_paper, findings, too_wide
+from tests.browsing import box, cut_on_paper, findings, too_wide
 
 
 @pytest.fixture(scope="module")
@@ -280,10 +280,10 @@ def test_on_a_telephone_the_plan_its_controls_and_what_is_said_of_the_step_are_s
                 episode.locator(seen).last.evaluate("(each, block) => each.scrollIntoView({ block })", block)
                 parts = [episode.locator(each).last for each in (seen, ".stage", ".controls")]
                 boxes = [part.bounding_box() for part in parts]
-                for box in boxes:
-                    assert box
-                    assert box["y"] >= -1
-                    assert box["y"] + box["height"] <= height + 1
+                for each in boxes:
+                    assert each
+                    assert each["y"] >= -1
+                    assert each["y"] + each["height"] <= height + 1
                 for one, other in ((0, 1), (0, 2), (1, 2)):
                     a, b = boxes[one], boxes[other]
                     assert a
@@ -314,6 +314,8 @@ def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(opened: Page) -> 
     assert findings(opened) == []
     assert too_wide(opened) == []
     assert cut_on_paper(opened) == []
+    stage, drawn = (box(opened.locator(each).first) for each in (".stage", ".stage canvas"))
+    assert drawn["height"] <= stage["height"]
     # All tables are whole: those that are folded on the screen too.
     assert (
         opened.locator("table.figures tbody tr:visible").count()
