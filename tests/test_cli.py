@@ -260,7 +260,7 @@ def test_a_full_disk_keeps_what_fits_and_is_named(tmp_path: Path, monkeypatch: p
         fsync(number)
 
     monkeypatch.setattr(os, "fsync", full)
-    room = 20_000
+    room = 30_000
     ended = vitruvius("generate", "--rooms", 6, "--count", 12, "--out", file)
     assert ended.returncode == 5
     assert ended.stderr.splitlines()[-1] == f"error: {file}: No space left on device"

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import msgspec
 
-from agent.report.measured import lead
 from agent.report.page import ReportError, Section, inline, page
 from logic.files import write_whole
 
@@ -71,7 +70,16 @@ def report(folder: Path) -> bytes:
     if about.words:
         words = "\n".join(f"<p>{inline(each)}</p>" for each in about.words)
         sections.append(Section("about", "What was done", words))
-    return page(about.title, lead(found(folder, ("evaluation.json",))), sections)
+    return page(about.title, _lead(found(folder, ("evaluation.json",))), sections)
+
+
+def _lead(files: Sequence[Path]) -> str:
+    """How a report of agents begins; a study of houses has none, and needs nothing of agents."""
+    if not files:
+        return ""
+    from agent.report.measured import lead  # here: it imports torch
+
+    return lead(files)
 
 
 def _sections(folder: Path) -> Iterator[Section]:
