@@ -89,17 +89,6 @@ CASES: dict[str, tuple[Edits, dict[str, Any], list[str]]] = {
             TOILET,
         ],
     ),
-    "a door too wide for the room": (
-        {"sizes.pl": ("door_width(0.762)", "door_width(3.9)")},
-        {"rooms": 3},
-        [
-            "--rooms 3",
-            BASIC,
-            EACH,
-            "sizes.pl: door_width(3.9).",
-            BATHROOM,
-        ],
-    ),
     "a table with no way round it": (
         {
             "sizes.pl": (
