@@ -44,7 +44,9 @@ class Scene:
         )
         assert worker.stdin
         assert worker.stdout
-        worker.stdin.write(json.dumps({"grammar": "family", "lint": True, "seconds": 9}) + "\n")
+        worker.stdin.write(
+            json.dumps({"grammar": "family", "cell": 0.0, "errors": True, "seconds": 9}) + "\n"
+        )
         worker.stdin.flush()
         found = json.loads(worker.stdout.readline())["findings"]
         worker.communicate()
