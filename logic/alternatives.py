@@ -1,14 +1,19 @@
 """What could be in a house instead: other values, all other choices as they are, or what forbids them."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
+from time import monotonic
+from typing import Any
 
 from clingo import Function, Symbol
 
 from logic.errors import Reason
-from logic.explain import Relaxed, Statement, minimal, preferred
+from logic.explain import Late, Relaxed, Statement, minimal, preferred
 from logic.why import Alternative, Choice
+
+OTHERS = "other choices"
+"""Where it is not found in time which."""
 
 
 @dataclass(frozen=True)
@@ -17,6 +22,10 @@ class Chosen:
 
     picks: Mapping[Symbol, Sequence[Symbol]]
     options: Mapping[Symbol, Sequence[Symbol]]
+
+
+Tried = tuple[Choice | None, int]
+"""What is found of a choice, if anything, and of how many other values."""
 
 
 class Search:
@@ -45,30 +54,65 @@ class Search:
             for value in values
         }
 
-    def choices(self, variables: Iterable[Symbol]) -> list[Choice]:
-        """These variables, each of which picks one value, with their other values.
+    def others(self, variables: Iterable[Symbol]) -> int:
+        """How many other values these variables have."""
+        return sum(len(self._chosen.options[each]) - 1 for each in variables)
 
-        Without those that make no difference: values that give the same layout, variables with no other.
+    def choices(self, variables: Iterable[Symbol], until: float) -> Iterator[Tried]:
+        """These variables, each of which picks one value, with their other values as they come: of each
+        variable first those that are possible, then one by one those that are not.
+
+        Without those that make no difference: values that give the same layout, variables with no other. All
+        but those that are possible share the time ``until`` then, of ``time.monotonic``.
         """
-        found = []
-        for variable in variables:
+        asked = list(variables)
+        left = self.others(asked)
+        for variable in asked:
             (value,) = self._chosen.picks[variable]
             others = [each for each in self._chosen.options[variable] if each != value]
-            tried = [self._try(str(other), _pick(variable, other), variable) for other in others]
-            instead = tuple(each for each in tried if each is not None)
-            if instead or not others:
-                found.append(Choice(str(variable), str(value), instead))
-        return found
+            wanted = [(str(other), _pick(variable, other)) for other in others]
+            yield from self._instead(str(variable), str(value), variable, wanted, until, left)
+            left -= len(others)
 
-    def of_atom(self, atom: Symbol, others: Iterable[Symbol]) -> Choice:
+    def of_atom(self, atom: Symbol, others: Iterable[Symbol], until: float) -> Iterator[Tried]:
         """An atom that holds by several picks, and others that could instead: the last term differs."""
         *subject, value = atom.arguments
-        tried = [self._try(str(each.arguments[-1]), each, atom) for each in sorted(others) if each != atom]
-        name = Function(atom.name, subject)
-        return Choice(str(name), str(value), tuple(each for each in tried if each is not None))
+        wanted = [(str(each.arguments[-1]), each) for each in sorted(others) if each != atom]
+        name = str(Function(atom.name, subject))
+        yield from self._instead(name, str(value), atom, wanted, until, len(wanted))
 
-    def _try(self, value: str, atom: Symbol, variable: Symbol) -> Alternative | None:
-        """Whether an atom could hold where all picks but the variable's stay; None if nothing changes."""
+    def _instead(
+        self,
+        name: str,
+        value: str,
+        variable: Symbol,
+        wanted: Sequence[tuple[str, Symbol]],
+        until: float,
+        left: int,
+    ) -> Iterator[Tried]:
+        """A choice with the atoms wanted instead, of so many that are left to be tried ``until`` then."""
+        able, rest, same = [], [], 0
+        for other, atom in wanted:
+            self._relaxed.until = until
+            try:
+                kind = self._kind(atom, variable)
+            except Late:
+                return
+            if kind is None:
+                same += 1
+                continue
+            (able if kind else rest).append((other, atom))
+        shown = Choice(name, value, tuple(Alternative(other, True) for other, _ in able))
+        yield shown if able or rest or not wanted else None, len(able) + same
+        for place, (other, atom) in enumerate(rest):
+            now = monotonic()
+            self._relaxed.until = now + max(0.0, until - now) / max(1, left - len(able) - same - place)
+            yield Choice(name, value, (self._forbidden(other, atom, variable),)), 1
+
+    def _posed(
+        self, atom: Symbol, variable: Symbol
+    ) -> tuple[Statement, list[Statement], dict[Any, Statement]]:
+        """The wish that an atom holds, all that must hold with it, and the picks that shall stay."""
         asked = self._relaxed.choice(Reason(str(atom)), [atom])
         hard, kept = [*self._statements, asked], {}
         for key, pick in self._kept.items():
@@ -76,22 +120,40 @@ class Search:
                 hard.append(pick)
             elif key[0] != variable:
                 kept[key] = pick
+        return asked, hard, kept
+
+    def _kind(self, atom: Symbol, variable: Symbol) -> bool | None:
+        """Whether an atom could hold where all picks but the variable's stay; None if nothing changes."""
+        _, hard, kept = self._posed(atom, variable)
         layout = self._relaxed.model([*hard, *kept.values()])
         if layout is not None and set(layout) == self._layout:
             return None
-        if self._possible([*hard, *kept.values()]):
-            return Alternative(value, True)
-        able = self._possible(hard)
-        if self._most is None:
-            needed = minimal([*hard, *kept.values()], self._possible, self._relaxed.core)
-        else:
-            picks = kept.values() if able else ()
-            needed = preferred([*picks, *hard], self._possible, self._relaxed.core)
-        because = tuple(dict.fromkeys(each.reason for each in needed if each is not asked))
-        if not able:
-            return Alternative(value, False, (), because)
-        if self._most is not None:
-            return Alternative(value, False, self._fewest(hard, kept), because)
+        return layout is not None and self._possible([*hard, *kept.values()])
+
+    def _forbidden(self, value: str, atom: Symbol, variable: Symbol) -> Alternative:
+        """Why an atom cannot hold where all picks but the variable's stay, as far as it is found in time."""
+        asked, hard, kept = self._posed(atom, variable)
+        because: tuple[Reason, ...] = ()
+        able = None
+        try:
+            able = self._possible(hard)
+            if self._most is None:
+                needed = minimal([*hard, *kept.values()], self._possible, self._relaxed.core)
+            else:
+                picks = kept.values() if able else ()
+                needed = preferred([*picks, *hard], self._possible, self._relaxed.core)
+            because = tuple(dict.fromkeys(each.reason for each in needed if each is not asked))
+            if not able:
+                return Alternative(value, False, (), because)
+            also = self._fewest(hard, kept) if self._most is not None else self._changed(hard, kept, variable)
+        except Late:
+            return Alternative(value, False, (OTHERS,) if able else (), because, known=False)
+        return Alternative(value, False, also, because)
+
+    def _changed(
+        self, hard: Sequence[Statement], kept: dict[tuple[Symbol, Symbol], Statement], variable: Symbol
+    ) -> tuple[str, ...]:
+        """Variables with whose change, and not without, the rest is possible: of the same thing first."""
         given_up: list[tuple[Symbol, Symbol]] = []
         while not self._possible([*hard, *kept.values()]):
             core = self._relaxed.core([*hard, *kept.values()])
@@ -101,8 +163,7 @@ class Search:
         for key in given_up[-2::-1]:  # The last one is needed.
             if self._possible([*hard, *kept.values(), self._kept[key]]):
                 kept[key] = self._kept[key]
-        also = tuple(dict.fromkeys(str(key[0]) for key in given_up if key not in kept))
-        return Alternative(value, False, also, because)
+        return tuple(dict.fromkeys(str(key[0]) for key in given_up if key not in kept))
 
     def _fewest(
         self, hard: Sequence[Statement], picks: Mapping[tuple[Symbol, Symbol], Statement]

@@ -13,10 +13,12 @@ the reasons.
 
 import contextlib
 import itertools
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from time import monotonic
 from typing import Any, NamedTuple
 
 import clingo
@@ -82,6 +84,10 @@ class Conditional(NamedTuple):
     first: dict[str, Reason]
 
 
+class Late(Exception):
+    """The time to try something is over."""
+
+
 class Relaxed:
     """A ground program in which each statement of the user's can be left out."""
 
@@ -138,6 +144,8 @@ class Relaxed:
         self._differences.prepare()
         self._literal_of = Literals(self._control.symbolic_atoms)
         self._given: list[int] = []
+        self.until = math.inf
+        """When no more layouts are looked for, by ``time.monotonic``."""
         self.statements = [
             Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
             for number, (reason, clause) in enumerate(found)
@@ -188,7 +196,9 @@ class Relaxed:
         return max(self.statements, key=lambda statement: self._instances.of[statement.literals[0]])
 
     def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
-        """The shown atoms of a layout under these statements; None if there is none."""
+        """The shown atoms of a layout under these statements; None if there is none. Raises ``Late``."""
+        if monotonic() > self.until:
+            raise Late
         with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
             model = handle.model()
             return None if model is None else sorted(model.symbols(shown=True))

@@ -1,7 +1,10 @@
 """Why a part of a plan is as it is: a room, a door, the entrance, a window, a piece."""
 
+import math
+from collections.abc import Iterator
 from functools import cache, cached_property
 
+import msgspec
 from clingo import Function, Number, Symbol
 
 from logic.alternatives import Search
@@ -13,7 +16,7 @@ from logic.parts import OUTSIDE, Door, Provenance, Window
 from logic.support import Support
 from logic.targets import target_in
 from logic.why import Length, Why
-from logic.witness import Witness
+from logic.witness import Lengths, Witness
 
 MOST = 5
 """How many other choices may have to change before they are no longer named."""
@@ -22,20 +25,24 @@ MOST = 5
 class PlanWitness(Witness):
     """A plan that is made again."""
 
-    def why(self, target: str) -> Why:
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
         """Why a room, a door, the entrance, a window or a piece is as it is."""
         room, part = target_in(self._house, target)
         if isinstance(part, Door):
-            return self._entrance(target, part) if part.is_entrance else self._door(target, part)
+            yield from (self._entrance if part.is_entrance else self._door)(target, part, until)
+            return
         assert room is not None
         if isinstance(part, Window):
-            return self._window(target, room, part)
-        if isinstance(part, int):
-            if room not in self._making.furniture:
-                about = f"in {self._named(self._house.rooms[room].name)}; the request keeps it (keep)"
-                return Why(target, f"{about} ({self._origin})")
-            return self._piece(target, self._making.furniture[room].layout, part, *self._of_furniture(room))
-        return self._room(target, room)
+            yield from self._window(target, room, part, until)
+        elif part is None:
+            yield from self._room(target, room, until)
+        elif room not in self._making.furniture:
+            about = f"in {self._named(self._house.rooms[room].name)}; the request keeps it (keep)"
+            yield Why(target, f"{about} ({self._origin})")
+        else:
+            assert isinstance(part, int)
+            layout, search = self._making.furniture[room].layout, lambda: self._search_in(room)
+            yield from self._piece(target, layout, part, self._support_in(room), search, until)
 
     def _made_again(self, made: Provenance, inferences: int) -> House:
         planner = self._builder.planner_of(self._request)
@@ -52,27 +59,33 @@ class PlanWitness(Witness):
         self._making = planner.making
         return again
 
-    def _room(self, target: str, room: int) -> Why:
+    def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
         """Why a room has its type, and walls on these lines."""
-        rect, number = self._house.rooms[room], Number(room)
+        rect, number, support = self._house.rooms[room], Number(room), self._support
         about = f"a {rect.type}, {rect.width:.3f} by {rect.height:.3f} m ({self._origin})"
-        support, search = self._of_rooms
-        atoms = [each for name in ("room", "runs", "edge") for each in self._atoms(name, number)]
-        own = [each for each in support.variables([number]) if len(each.arguments) == 1]
-        choices = [
-            self._furnishable(self._making.prover, each) if each.name == f"type({number})" else each
-            for each in search.choices(sorted(own, key=lambda each: each.name != "type"))
-        ]
-        lengths, tight = (), ()
         if self._request.plan:
             about += "; the plan says where it is"
-        else:
-            rooms = self._house.rooms
-            found = self._builder.placer.wall_bounds(self._making.layout, rooms, room)
-            lengths, tight = self._bounds(found, {})
-        return Why(target, about, support.trees(atoms), tuple(choices), lengths, tight)
+        atoms = [each for name in ("room", "runs", "edge") for each in self._atoms(name, number)]
+        own = [each for each in support.variables([number]) if len(each.arguments) == 1]
 
-    def _door(self, target: str, door: Door) -> Why:
+        def lengths() -> Lengths:
+            if self._request.plan:
+                return (), ()
+            return self._bounds(
+                self._builder.placer.wall_bounds(self._making.layout, self._house.rooms, room), {}
+            )
+
+        why = Why(target, about, support.trees(atoms))
+        variables = sorted(own, key=lambda each: each.name != "type")
+        for part in self._answer(why, support, variables, lengths, lambda: self._search, until):
+            types = (
+                self._furnishable(self._making.prover, each)
+                for each in part.choices
+                if each.name == f"type({number})"
+            )
+            yield msgspec.structs.replace(part, choices=tuple(types) or part.choices)
+
+    def _door(self, target: str, door: Door, until: float) -> Iterator[Why]:
         """Why two rooms have a door between them."""
         names = [room.name for room in self._house.rooms]
         one, other = (Number(names.index(name)) for name in door.between)
@@ -80,35 +93,46 @@ class PlanWitness(Witness):
         by_it = Function("from", [one, other]) in self._model
         variable = Function("entry", [one]) if by_it else Function("also", [one, other])
         about = f"the door between {' and '.join(self._named(name) for name in door.between)}"
-        return self._opening(target, about, [atom], [variable], door)
+        return self._opening(target, about, [atom], [variable], door, until)
 
-    def _entrance(self, target: str, door: Door) -> Why:
+    def _entrance(self, target: str, door: Door, until: float) -> Iterator[Why]:
         """Why the house is entered there."""
         (name,) = (name for name in door.between if name != OUTSIDE)
         room = Number([room.name for room in self._house.rooms].index(name))
         about = f"the entrance, into {self._named(name)}"
         variables = [Function("entrance"), Function("entry", [room])]
-        return self._opening(target, about, self._atoms("entrance", room), variables, door)
+        return self._opening(target, about, self._atoms("entrance", room), variables, door, until)
 
-    def _window(self, target: str, room: int, window: Window) -> Why:
+    def _window(self, target: str, room: int, window: Window, until: float) -> Iterator[Why]:
         """Why there is a window in a wall."""
         side = Function(self._wall(window).side)
         atom = Function("window", [Number(room), side])
         about = f"a window in the {side} wall of {self._named(window.room)}"
-        return self._opening(target, about, [atom], [atom], window)
+        return self._opening(target, about, [atom], [atom], window, until)
 
     def _opening(
-        self, target: str, about: str, atoms: list[Symbol], variables: list[Symbol], opening: Door | Window
-    ) -> Why:
-        support, search = self._of_rooms
-        choices = search.choices(each for each in variables if each in support.chosen.picks)
-        plan = self._request.plan
-        if plan and opening in (plan.doors if isinstance(opening, Door) else plan.windows):
+        self,
+        target: str,
+        about: str,
+        atoms: list[Symbol],
+        variables: list[Symbol],
+        opening: Door | Window,
+        until: float,
+    ) -> Iterator[Why]:
+        support, plan = self._support, self._request.plan
+        given = plan and opening in (plan.doors if isinstance(opening, Door) else plan.windows)
+        if given:
             about += "; the plan has it there"
-            lengths = ()
-        else:
-            lengths = self._opening_lengths(opening)
-        return Why(target, f"{about} ({self._origin})", support.trees(atoms), tuple(choices), lengths)
+        why = Why(target, f"{about} ({self._origin})", support.trees(atoms))
+        own = [each for each in variables if each in support.chosen.picks]
+        return self._answer(
+            why,
+            support,
+            own,
+            lambda: (() if given else self._opening_lengths(opening), ()),
+            lambda: self._search,
+            until,
+        )
 
     def _opening_lengths(self, opening: Door | Window) -> tuple[Length, Length]:
         """How long a door or window could be in its wall, and where it could begin at its length."""
@@ -153,20 +177,29 @@ class PlanWitness(Witness):
         return (self._making.program.models or [])[-1][1]
 
     @cached_property
-    def _of_rooms(self) -> tuple[Support, Search]:
-        """What supports the layout of the rooms, and what could be instead."""
-        support = Support(self._making.program, self._model)
+    def _support(self) -> Support:
+        """What supports the layout of the rooms."""
+        return Support(self._making.program, self._model)
+
+    @cached_property
+    def _search(self) -> Search:
+        """What could be instead."""
         relaxed, statements = self._making.prover.house(self._request, laws=True)
         possible = self._making.prover.has_walls(relaxed)
-        return support, Search(relaxed, statements, possible, support.chosen, self._making.layout, MOST)
+        return Search(relaxed, statements, possible, self._support.chosen, self._making.layout, MOST)
 
     @cache  # noqa: B019 (a witness is asked about one house)
-    def _of_furniture(self, room: int) -> tuple[Support, Search]:
-        """The same for the furniture of a room."""
+    def _support_in(self, room: int) -> Support:
+        """What supports the furniture of a room."""
         how = self._making.furniture[room]
         (model,) = [model for shown, model in how.program.models or [] if shown is how.layout.furniture]
-        support = Support(how.program, model)
+        return Support(how.program, model)
+
+    @cache  # noqa: B019
+    def _search_in(self, room: int) -> Search:
+        """What its furniture could be instead."""
+        how = self._making.furniture[room]
         fixed = LooseRoom(how.room, [None] * len(how.room.doors))
         given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())
         relaxed = self._making.prover.furniture(self._request, how.room.type, laws=True, room=given)
-        return support, Search(*relaxed, support.chosen, how.layout.furniture)
+        return Search(*relaxed, self._support_in(room).chosen, how.layout.furniture, MOST)

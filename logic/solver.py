@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -253,10 +253,23 @@ class Idle:
 
 def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
     """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
+    found = answers(opening, question, seconds, late)
+    try:
+        return next(found)
+    finally:
+        found.close()
+
+
+def answers(
+    opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str
+) -> Generator[dict[str, Any]]:
+    """All answers of a solver process to one question, as they come; past the seconds ``LimitReached``."""
     worker = Solver(opening)
     try:
         worker.loaded()
+        deadline = time.monotonic() + seconds
         worker.ask(question, seconds)
-        return worker.answer(seconds, late)
+        while True:
+            yield worker.answer(max(0.0, deadline - time.monotonic()), late)
     finally:
         worker.end()

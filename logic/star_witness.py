@@ -1,5 +1,7 @@
 """Why a part of a star is as it is: a room, its door, a piece, the main room."""
 
+import math
+from collections.abc import Iterator
 from functools import cache, cached_property
 
 import msgspec
@@ -14,21 +16,24 @@ from logic.placement import RoomLayout
 from logic.support import Support
 from logic.targets import Part, target_in
 from logic.why import Length, Why
-from logic.witness import Witness
+from logic.witness import Lengths, Witness
 
 
 class StarWitness(Witness):
     """A star that is made again."""
 
-    def why(self, target: str) -> Why:
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
         """Why a room, its door, a piece or the main room is as it is."""
         room, part = target_in(self._house, target)
         if room is None:
-            return self._main_room(target)
+            yield self._main_room(target)
+            return
         layout = self._layout.rooms[room]
         if isinstance(part, int) and not layout.fixed:
-            return self._piece(target, layout, part, *self._of_furniture(room))
-        return self._room(target, layout, part)
+            search = lambda: self._search_in(room)  # noqa: E731
+            yield from self._piece(target, layout, part, self._support_in(room), search, until)
+        else:
+            yield from self._room(target, layout, part, until)
 
     def _made_again(self, made: Provenance, inferences: int) -> House:
         programs = self._builder.programs
@@ -38,48 +43,65 @@ class StarWitness(Witness):
         again, self._layout = self._builder.made(self._request, made.seed, made.index, inferences)
         return again
 
-    def _room(self, target: str, layout: RoomLayout, part: Part) -> Why:
+    def _room(self, target: str, layout: RoomLayout, part: Part, until: float) -> Iterator[Why]:
         """Why a room has its type and side, or its door its place; any part of a fixed room."""
-        number = Number(layout.number)
+        number, support = Number(layout.number), self._support
         type_, side = Function("room", [number, layout.type]), Function("side", [number, layout.side])
-        support, search = self._of_rooms
         about = f"a {layout.type} on the {layout.side} side of the main room"
         if part is not None:
             about = f"in R{layout.number}, {about}"
         if layout.fixed:
             about += "; the request keeps it (keep) with its sizes, its door and its furniture"
         why = Why(target, f"{about} ({self._origin})", support.trees([type_, side]))
-        if not layout.fixed:
-            lengths, tight = self._lengths(layout, Function("room" if part is None else "door"))
-            why = msgspec.structs.replace(why, lengths=lengths, tight=tight)
+        variables, sides = [], []
         if part is None:
-            choices = search.choices(support.variables([number]))
-            choices = [
-                self._furnishable(self._builder.prover, each) if each.name == f"type({number})" else each
-                for each in choices
-            ]
+            variables = support.variables([number])
             sides = [each for each in self._rooms.atoms("side", 2) if each.arguments[0] == number]
-            why = msgspec.structs.replace(why, choices=(*choices, search.of_atom(side, sides)))
-        return why
+            why = msgspec.structs.replace(why, others=len(sides) - 1)
+
+        def lengths() -> Lengths:
+            return (
+                ((), ())
+                if layout.fixed
+                else self._lengths(layout, Function("room" if part is None else "door"))
+            )
+
+        for found in self._answer(why, support, variables, lengths, lambda: self._search, until):
+            types = (
+                self._furnishable(self._builder.prover, each)
+                for each in found.choices
+                if each.name == f"type({number})"
+            )
+            yield msgspec.structs.replace(found, choices=tuple(types) or found.choices)
+        if sides:
+            yield from self._tried(target, self._search.of_atom(side, sides, until))
 
     @cached_property
-    def _of_rooms(self) -> tuple[Support, Search]:
-        """What supports the layout of the rooms, and what could be instead."""
-        shown, model = (self._rooms.models or [])[-1]  # the last one sampled is the house's
-        support = Support(self._rooms, model)
+    def _support(self) -> Support:
+        """What supports the layout of the rooms."""
+        return Support(self._rooms, (self._rooms.models or [])[-1][1])  # the last one sampled is the house's
+
+    @cached_property
+    def _search(self) -> Search:
+        """What could be instead."""
         relaxed, statements = self._builder.prover.house(self._request, laws=True)
         possible = lambda some: relaxed.model(some) is not None  # noqa: E731 (as prover.furniture returns it)
-        return support, Search(relaxed, statements, possible, support.chosen, shown)
+        return Search(relaxed, statements, possible, self._support.chosen, (self._rooms.models or [])[-1][0])
 
     @cache  # noqa: B019 (a witness is asked about one house)
-    def _of_furniture(self, room: int) -> tuple[Support, Search]:
-        """The same for the furniture of a room."""
+    def _support_in(self, room: int) -> Support:
+        """What supports the furniture of a room."""
         layout = self._layout.rooms[room]
         program, _ = self._builder.programs.furniture_for(layout.type.name, self._request)
         (model,) = [model for shown, model in program.models or [] if shown is layout.furniture]
-        support = Support(program, model)
+        return Support(program, model)
+
+    @cache  # noqa: B019
+    def _search_in(self, room: int) -> Search:
+        """What its furniture could be instead."""
+        layout = self._layout.rooms[room]
         relaxed = self._builder.prover.furniture(self._request, layout.type.name, laws=True)
-        return support, Search(*relaxed, support.chosen, layout.furniture)
+        return Search(*relaxed, self._support_in(room).chosen, layout.furniture)
 
     def _main_room(self, target: str) -> Why:
         """Why the main room has its sizes: rules/main_room.pl."""

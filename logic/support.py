@@ -8,6 +8,7 @@ Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming",
 """
 
 from collections.abc import Iterable, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -171,11 +172,12 @@ class Support:
 
 
 def _remark(rule: Reason | None) -> str:
-    """The comment in the line above a rule, as it says what a choice means."""
+    """The whole comment in the lines right above a rule, as it says what a choice means."""
     if rule is None or not rule.file or not rule.line:
         return ""
-    above = ["", *Path(rule.file).read_text(encoding="utf-8").split("\n")][rule.line - 1]
-    return above.removeprefix("% ") if above.startswith("% ") and not above.startswith("% -") else ""
+    above = Path(rule.file).read_text(encoding="utf-8").split("\n")[: rule.line - 1]
+    comment = takewhile(lambda line: line.startswith("% ") and not line.startswith("% -"), reversed(above))
+    return " ".join(line.removeprefix("% ").strip() for line in reversed([*comment]))
 
 
 def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:

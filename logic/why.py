@@ -9,14 +9,16 @@ from pathlib import Path
 
 import msgspec
 
-from logic.errors import GrammarError, HouseFileError, Reason
+from logic.errors import GrammarError, HouseFileError, LimitReached, Reason
 from logic.grammar import RULES, find
 from logic.house import House
-from logic.solver import answered
+from logic.solver import answers
 from logic.targets import target_in
 
 INFERENCES = 100_000_000
 """Most Prolog inferences to make the house again."""
+
+INSTEAD = "What could be instead, all other picks as they are"
 
 WHERE = {
     "along": "along its wall, from the near end",
@@ -51,13 +53,14 @@ class Alternative(msgspec.Struct, frozen=True):
     """Another value of a choice, where all other picks stay: possible, or what forbids it.
 
     ``because`` is a minimal conflict. ``also`` are other choices with whose change it is possible, and is not
-    without any one of them; where there are none, nothing helps.
+    without any one of them; where there are none, nothing helps. What was not ``known`` in time is left out.
     """
 
     value: str
     possible: bool
     also: tuple[str, ...] = ()
     because: tuple[Reason, ...] = ()
+    known: bool = True
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -87,7 +90,10 @@ class Bound(msgspec.Struct, frozen=True):
 
 
 class Why(msgspec.Struct, frozen=True):
-    """Why a part of a house is as it is. As text it is what ``vitruvius explain HOUSE --why`` prints."""
+    """Why a part of a house is as it is. As text it is what ``vitruvius explain HOUSE --why`` prints.
+
+    Of ``others``, values of choices, ``tried`` were tried; ``limit`` says what ended that early, if anything.
+    """
 
     target: str
     about: str
@@ -95,22 +101,53 @@ class Why(msgspec.Struct, frozen=True):
     choices: tuple[Choice, ...] = ()
     lengths: tuple[Length, ...] = ()
     tight: tuple[Bound, ...] = ()
+    others: int = 0
+    tried: int = 0
+    limit: str = ""
+
+    def joined(self, more: "Why") -> "Why":
+        """This answer and what comes after it."""
+        choices = {choice.name: choice for choice in self.choices}
+        for choice in more.choices:
+            before = choices[choice.name].instead if choice.name in choices else ()
+            choices[choice.name] = msgspec.structs.replace(choice, instead=(*before, *choice.instead))
+        return msgspec.structs.replace(
+            self,
+            derivations=(*self.derivations, *more.derivations),
+            choices=tuple(choices.values()),
+            lengths=(*self.lengths, *more.lengths),
+            tight=(*self.tight, *more.tight),
+            others=self.others + more.others,
+            tried=self.tried + more.tried,
+            limit=more.limit or self.limit,
+        )
 
     def __str__(self) -> str:
         """The answer, section by section."""
+        return "\n".join(as_text([self]))
+
+
+def as_text(parts: Iterable[Why]) -> Iterator[str]:
+    """The lines of an answer, part by part as it comes."""
+    title, name = "", ""
+    for number, part in enumerate(parts):
+        if number == 0:
+            yield f"{part.target}: {part.about}"
         sections: dict[str, Iterable[Iterator[str]]] = {
-            "Derived from facts and picks": [_tree(each, 1) for each in self.derivations],
-            "What could be instead, all other picks as they are": map(_choice, self.choices),
-            "Lengths, and what they could have been": map(_length, self.lengths),
+            "Derived from facts and picks": [_tree(each, 1) for each in part.derivations],
+            "Lengths, and what they could have been": map(_length, part.lengths),
             "Bounds that are tight: both sides are equal here (floor: what the furniture leaves free)": map(
-                _bound, self.tight
+                _bound, part.tight
             ),
+            INSTEAD: [_choice(each, each.name != name) for each in part.choices],
         }
-        text = f"{self.target}: {self.about}"
-        for title, parts in sections.items():
-            if lines := [line for part in parts for line in part]:
-                text += "\n".join(["", "", title, *lines])
-        return text
+        for heading, paragraphs in sections.items():
+            for line in (line for paragraph in paragraphs for line in paragraph):
+                if heading != title:
+                    yield from ("", heading)
+                    title = heading
+                yield line
+        name = part.choices[-1].name if part.choices else name
 
 
 def explain_house(
@@ -124,9 +161,21 @@ def explain_house(
     again from its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
 
     Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
-    provenance, or where the rules make another one: they or the house changed; ``LimitReached`` past these
-    seconds, ``GrammarError`` for wrong rules.
+    provenance, or where the rules make another one: they or the house changed; ``GrammarError`` for wrong
+    rules; ``LimitReached`` where the house is not made again in these seconds. They end the search for what
+    could be instead too, and then the answer's ``limit`` says so.
     """
+    parts = explained(house, target, grammar=grammar, seconds=seconds)
+    whole = next(parts)
+    for part in parts:
+        whole = whole.joined(part)
+    return whole
+
+
+def explained(
+    house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
+) -> Iterator[Why]:
+    """The answer of ``explain_house`` part by part as it is found: the derivation first."""
     target_in(house, target)
     made = house.provenance
     if made is None:
@@ -137,14 +186,28 @@ def explain_house(
         rules = find(grammar or made.grammar)
     except GrammarError as error:
         raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
-    question = {
-        "why": target,
-        "house": house.to_dict(),
-        "inferences": INFERENCES,
-    }
+    question = {"why": target, "parts": True, "house": house.to_dict(), "inferences": INFERENCES}
     opening = {"grammar": str(rules.directory), "cell": float(made.request.get("cell", 0.0))}
     late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
-    return msgspec.convert(answered(opening, question, seconds, late)["why"], Why)
+    others = tried = found = 0
+    try:
+        for answer in answers(opening, question, seconds, late):
+            if answer["why"] is None:
+                break
+            part = msgspec.convert(answer["why"], Why)
+            others, tried = others + part.others, tried + part.tried
+            found += sum(not each.known for choice in part.choices for each in choice.instead)
+            yield part
+    except LimitReached:
+        if not others:
+            raise
+    share = (
+        f"what forbids {found} of {others} other values was not found in their share of {seconds:g} seconds"
+    )
+    if tried < others:
+        yield Why(target, "", limit=f"{late}. {tried} of {others} other values were tried")
+    elif found:
+        yield Why(target, "", limit=f"{target}: {share}: raise it with --seconds")
 
 
 # How it reads
@@ -181,7 +244,9 @@ def _tree(node: Derivation, depth: int) -> Iterator[str]:
         body, said = option.body, f"picked out of {_series(node.options)}; {rule}"
     yield f"{indent}{node.atom:<{46 - len(indent)}} {said}"
     if node.options and node.means:
-        yield f"{indent}  {node.means}"
+        yield from textwrap.wrap(
+            node.means, 110, initial_indent=f"{indent}  ", subsequent_indent=f"{indent}  "
+        )
     for each in body:
         if each.rule is None or each.body or RULES not in Path(each.rule.file or "").parents:
             yield from _tree(each, depth + 1)
@@ -195,15 +260,25 @@ def _series(values: Sequence[str]) -> str:
     return ", ".join(values)
 
 
-def _choice(choice: Choice) -> Iterator[str]:
+def _choice(choice: Choice, new: bool) -> Iterator[str]:
+    """A ``new`` choice, or what forbids more values of the one before."""
     able = [each.value for each in choice.instead if each.possible]
-    others = f", or {_series(able)}" if able else "" if choice.instead else ", the only value"
-    yield f"  {choice.name} = {choice.value}{others}"
+    others = f", or {_series(able)}" if able else ""
+    if new:
+        yield f"  {choice.name} = {choice.value}{others}"
     for each in choice.instead:
         if not each.possible:
-            also = " and ".join(each.also)
-            yield f"    {each.value}: {f'only if {also} changed too' if also else 'impossible'}, because of"
-            yield from _reasons(each.because, "  ")
+            yield f"    {each.value}: {_how(each)}"
+            yield from _reasons(each.because, "  ") if each.because else ()
+
+
+def _how(other: Alternative) -> str:
+    """How far from possible another value is."""
+    if not other.because and not other.known:
+        return "not with all other picks as they are; what forbids it was not found in time"
+    also = " and ".join(other.also)
+    how = f"only if {also} changed too" if also else "impossible" if other.known else "not so"
+    return f"{how}, because of"
 
 
 def _length(length: Length) -> Iterator[str]:

@@ -3,13 +3,15 @@
 What holds for all houses; the rest is of stars (``star_witness.py``) and of plans (``plan_witness.py``).
 """
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+import msgspec
 from clingo import Symbol, parse_term
 
-from logic.alternatives import Search
+from logic.alternatives import Search, Tried
 from logic.builder import Builder
 from logic.errors import HouseFileError, Reason, RequestError, Unsatisfiable
 from logic.house import House
@@ -20,6 +22,9 @@ from logic.request import Request
 from logic.support import Support
 from logic.targets import part_names
 from logic.why import Alternative, Bound, Choice, Length, Why
+
+Lengths = tuple[tuple[Length, ...], tuple[Bound, ...]]
+"""Lengths, and the bounds that are tight."""
 
 
 class Witness(ABC):
@@ -50,15 +55,57 @@ class Witness(ABC):
                 why = f"others than those in {place} and the core made it: name its own by --grammar"
             raise HouseFileError(f"the rules do not make this house of {self._origin}: {why}")
 
+    def why(self, target: str, until: float = math.inf) -> Why:
+        """Why a part of the house is as it is, whole: see ``parts``."""
+        found = self.parts(target, until)
+        whole = next(found)
+        for part in found:
+            whole = whole.joined(part)
+        return whole
+
     @abstractmethod
-    def why(self, target: str) -> Why:
-        """Why a part of the house is as it is, by its name: see ``targets.py``."""
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
+        """Why a part of the house is as it is, by its name (``targets.py``), as it is found: the derivation
+        first, and then what could be instead, which is searched for until that time, of ``time.monotonic``.
+        """
 
     @abstractmethod
     def _made_again(self, made: Provenance, inferences: int) -> House:
         """The house made again; how is kept."""
 
-    def _piece(self, target: str, room: RoomLayout, index: int, support: Support, search: Search) -> Why:
+    def _answer(
+        self,
+        why: Why,
+        support: Support,
+        variables: Sequence[Symbol],
+        lengths: Callable[[], Lengths],
+        search: Callable[[], Search],
+        until: float,
+    ) -> Iterator[Why]:
+        """An answer, its lengths, and what the variables could be instead."""
+        options = support.chosen.options
+        yield msgspec.structs.replace(
+            why, others=why.others + sum(len(options[each]) - 1 for each in variables)
+        )
+        found, tight = lengths()
+        if found or tight:
+            yield Why(why.target, "", lengths=found, tight=tight)
+        yield from self._tried(why.target, search().choices(variables, until) if variables else ())
+
+    def _tried(self, target: str, tried: Iterable[Tried]) -> Iterator[Why]:
+        """What is found of choices."""
+        for choice, number in tried:
+            yield Why(target, "", choices=() if choice is None else (choice,), tried=number)
+
+    def _piece(
+        self,
+        target: str,
+        room: RoomLayout,
+        index: int,
+        support: Support,
+        search: Callable[[], Search],
+        until: float,
+    ) -> Iterator[Why]:
         """Why a piece or a companion stands where it does."""
         type_, atom = self._builder.placer.pieces(room)[index]
         piece = atom.arguments[:2]
@@ -67,10 +114,9 @@ class Witness(ABC):
         else:
             own = [each for each in room.furniture if each.arguments[:2] == piece and each.name != "with"]
             atoms, subject = [atom, *(each for each in own if each != atom)], piece
-        choices = tuple(search.choices(support.variables(subject)))
-        lengths, tight = self._lengths(room, atom)
         about = f"a {type_} in {self._house.counted[room.number].name}, a {room.type} ({self._origin})"
-        return Why(target, about, support.trees(atoms), choices, lengths, tight)
+        why, own = Why(target, about, support.trees(atoms)), support.variables(subject)
+        yield from self._answer(why, support, own, lambda: self._lengths(room, atom), search, until)
 
     def _furnishable(self, prover: Prover, choice: Choice) -> Choice:
         """A choice of a room's type, where those that cannot be furnished are not possible."""
@@ -83,15 +129,13 @@ class Witness(ABC):
 
         return Choice(choice.name, choice.value, tuple(map(judged, choice.instead)))
 
-    def _lengths(self, room: RoomLayout, target: Symbol) -> tuple[tuple[Length, ...], tuple[Bound, ...]]:
+    def _lengths(self, room: RoomLayout, target: Symbol) -> Lengths:
         """The lengths of a target in a room, and the bounds on it that are tight."""
         types, atoms = zip(*self._builder.placer.pieces(room), strict=True)
         names = dict(zip(map(str, atoms), part_names(types), strict=True))
         return self._bounds(self._builder.placer.bounds(room, target), names)
 
-    def _bounds(
-        self, found: Mapping[str, Any], names: Mapping[str, str]
-    ) -> tuple[tuple[Length, ...], tuple[Bound, ...]]:
+    def _bounds(self, found: Mapping[str, Any], names: Mapping[str, str]) -> Lengths:
         """Lengths and tight bounds as SWI-Prolog gives them (``rules/bounds.pl``), with names in words."""
         lengths = tuple(
             Length(name, value, least, greatest, self._reasons(no_less), self._reasons(no_more))

@@ -5,7 +5,7 @@ confined before a rule is read (``logic.confinement``), and the parent owns dead
 line names the grammar, after one that says to ``prepare`` for it, if any; each further line asks for one
 house, why one is as it is, what houses promise, or for warnings. Each is answered by: ``{"versions": ...}``,
 ``{"house": ...}``, ``{"why": ...}``, ``{"promises": ...}``, ``{"findings": ...}`` or
-``{"error": ...}``; a count of layouts by several, of which ``{"count": null}`` is the last. Lines
+``{"error": ...}``; a count of layouts, and why in ``parts``, by several, of which the last is null. Lines
 ``{"trial": ...}`` before an answer say what is wrong if it does not come, ``{"working": ...}`` which stage
 is at work on it. ``{"limit": ...}`` instead of an answer says what the process did when its time was over.
 """
@@ -36,6 +36,9 @@ GRACE = 1.0
 
 SHARED = 10
 """How much longer than a rule of the grammar's all shared rules may take in a trial."""
+
+SEARCHED = 0.9
+"""The share of the seconds for a question why in which it is searched for what could be instead."""
 
 
 def main() -> None:
@@ -131,25 +134,22 @@ class Worker:
         self._builder.account.begin()
         confinement.allow_seconds(request.get("processor", request["seconds"]) + GRACE)
         if "why" in request:
-            from logic.house import House
-            from logic.plan_witness import PlanWitness
-            from logic.star_witness import StarWitness
-
-            kind = PlanWitness if self._builder.grammar.shares_walls else StarWitness
-            witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
-            yield {"why": msgspec.to_builtins(witness.why(request["why"]))}
+            yield from self._why(request)
             return
         if "promises" in request:
-            yield {"promises": msgspec.to_builtins(self._builder.promises(Request(request["promises"])))}
-            return
-        if "lint" in request or "warn" in request:
+            found = self._builder.promises(Request(request["promises"]))
+            yield {"promises": msgspec.to_builtins(found)}
+        elif "lint" in request or "warn" in request:
             from logic.linter import all_warnings, warnings
 
             rules = self._builder.grammar, self._builder.loaded
             found = all_warnings(*rules) if "lint" in request else warnings(*rules, request["warn"])
             yield {"findings": msgspec.to_builtins(found)}
-            return
-        wanted = Request.read(request["request"])
+        else:
+            yield from self._made(Request.read(request["request"]), request)
+
+    def _made(self, wanted: Any, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+        """A house of a request, or counts of its layouts."""
         if "count" in request:
             self._builder.require_known(wanted)
             for count in self._builder.programs.counts(wanted, request["count"]):
@@ -158,6 +158,22 @@ class Worker:
             return
         house = self._builder.house(wanted, request["seed"], request["index"], request["inferences"])
         yield {"house": house.to_dict()}
+
+    def _why(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+        """Why a house is as it is, in ``parts`` as they are found or whole."""
+        from logic.house import House
+        from logic.plan_witness import PlanWitness
+        from logic.star_witness import StarWitness
+
+        until = time.monotonic() + SEARCHED * request["seconds"]
+        kind = PlanWitness if self._builder.grammar.shares_walls else StarWitness
+        witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
+        if "parts" not in request:
+            yield {"why": msgspec.to_builtins(witness.why(request["why"], until))}
+            return
+        for part in witness.parts(request["why"], until):
+            yield {"why": msgspec.to_builtins(part)}
+        yield {"why": None}
 
     def _loaded(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
         """Load a grammar, or find what is wrong with it, confined; after a trial of its steps if asked to."""

@@ -1,6 +1,8 @@
 """``vitruvius lint`` and ``explain``: what is wrong with rules, and what they say of a request or a house."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
 from typing import Annotated, ClassVar
 
@@ -98,8 +100,9 @@ class Explain:
 
     def _house(self, file: Path) -> int:
         """Print why a part of a house is as it is."""
-        from logic import explain_house, load
+        from logic import load
         from logic.answers import Explained
+        from logic.why import Why, as_text, explained
 
         asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
         asked["--plan"] = self.plan
@@ -113,12 +116,24 @@ class Explain:
         houses = load(file)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {file} has houses 0 to {len(houses) - 1}")
-        answer = explain_house(houses[self.house], self.why, grammar=self.grammar, seconds=self.seconds)
+        parts = explained(houses[self.house], self.why, grammar=self.grammar, seconds=self.seconds)
+        kept = list[Why]()
+
+        def shown() -> "Iterator[Why]":
+            for part in parts:
+                kept.append(part)
+                yield part
+
+        for line in as_text(shown()):
+            if not self.json:
+                print(printable(line), flush=True)
+        answer = reduce(Why.joined, kept)
+        code = 4 if answer.limit else 0
         if self.json:
-            print_answer("explain", Explained(file=str(file), house=self.house, why=answer))
-        else:
-            print(printable(str(answer), "\n"))
-        return 0
+            print_answer("explain", Explained(file=str(file), house=self.house, why=answer), code)
+        if answer.limit:
+            say(answer.limit)
+        return code
 
 
 @dataclass(frozen=True)
