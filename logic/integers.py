@@ -15,6 +15,9 @@ from logic.statements import Statement, error_at
 
 LEAST, GREATEST = -(2**31), 2**31 - 1
 
+MOST_DIGITS = 40
+"""More than any number of 32 bits has, in any base."""
+
 _LITERAL = re.compile(r"(?<![\w'])(?:0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
 
 
@@ -24,7 +27,8 @@ def too_large(code: str, file: Path) -> Iterator[GrammarError]:
         before = code[: found.start()]
         base = {"0x": 16, "0o": 8, "0b": 2}.get(found[0][:2], 10)
         negated = re.search(r"(?<![\w)])\s*-\s*$", before)
-        if int(found[0], base) > GREATEST + bool(negated):
+        # Python itself refuses to read thousands of digits.
+        if len(found[0].lstrip("0")) > MOST_DIGITS or int(found[0], base) > GREATEST + bool(negated):
             lines = before.split("\n")
             why = f"{_short(found[0])}: a whole number is {GREATEST} at most"
             yield GrammarError(why, file, len(lines), len(lines[-1]) + 1)

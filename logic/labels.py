@@ -46,7 +46,7 @@ def room_names(
         fill, box = style.fill(room.type), frame.box(room)
         pieces = [frame.box(piece) for piece in room.pieces]
         taken = pieces, [swing for swing in swings if overlap(swing, box) > 0]
-        texts = list(filter(None, [room.type, short.get(room.type)]))
+        texts = [room.type, *([short[room.type]] if short.get(room.type) else [])]
         names.append(
             _name(texts, _area(room.area), box, taken, sizes, (style.inks.ink, fill.colour), bool(fill.hatch))
         )

@@ -1,5 +1,6 @@
 """A grammar's rule files, read without running them: what they state, or what is wrong with them."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from typing import Any
@@ -10,7 +11,7 @@ from logic.audit import audit, unreadable
 from logic.causes import Mistake, first_causes, misspelt_name
 from logic.errors import GrammarError
 from logic.explain import Relaxed, Source
-from logic.facts import Facts, stated
+from logic.facts import NAME, Facts, stated
 from logic.grammar import OWN, PLANS, STAR, Grammar
 from logic.heads import closed_heads
 from logic.integers import overflowing
@@ -210,7 +211,8 @@ class LoadedGrammar:
             kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
             text = f"{predicate}: {name} is no {kind}{_meant(name, known)}"
             error = unknown(name, text, file, line, column)
-            if known is not pieces or closest(name, known) in lacking:
+            # A name that no piece can have is no piece of another grammar's.
+            if known is not pieces or closest(name, known) in lacking or not re.fullmatch(NAME, name):
                 yield misspelt_name(error, name, closest(name, known) or "")
             else:
                 self._of_no_room.append(error)

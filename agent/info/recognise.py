@@ -4,6 +4,7 @@ import shutil
 import sys
 import tempfile
 import zlib
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -117,14 +118,14 @@ def _file(name: str, path: Path) -> Kind:
         return read_settings(name, preset, config)
     if path.suffix in (".lp", ".pl"):
         raise UnknownFileError(f"{name}: a rule file: look at its grammar, vitruvius info {path.parent}")
-    if start.startswith(PACKED) or start.lstrip()[:1] == b"{":
+    if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] == b"{":
         return _json(name, path)
     raise _unknown(name)
 
 
 def _json(name: str, path: Path) -> Kind:
     """A house file, or another of ours that is JSON, by the first line or by the whole."""
-    content = _unpacked(path)
+    content = _unpacked(path).removeprefix(BOM_UTF8)
     first, _, _ = content.partition(b"\n")
     record: Any = None
     for text in (first, content):

@@ -158,7 +158,6 @@ TEXTS: dict[str, Callable[[], str | bytes]] = {
     "a surrogate in UTF-8": lambda: LINE.encode().replace(b"bedroom", b"\xed\xa0\x80", 1),
     "UTF-16": lambda: LINE.encode("utf-16"),
     "UTF-32": lambda: LINE.encode("utf-32"),
-    "a byte order mark": lambda: b"\xef\xbb\xbf" + LINE.encode(),
     "a comment": lambda: f"// a house\n{LINE}",
     "a trailing comma": lambda: LINE[:-1] + ",}",
     "single quotes": lambda: LINE.replace('"', "'"),
@@ -191,6 +190,7 @@ TEXTS: dict[str, Callable[[], str | bytes]] = {
 
 SHAPES: dict[str, Callable[[], str | bytes]] = {
     "windows' line ends": lambda: f"{LINE}\r\n{LINE}\r\n",
+    "a byte order mark": lambda: b"\xef\xbb\xbf" + LINE.encode(),
     "mixed line ends": lambda: f"{LINE}\r\n{LINE}\n\n\r\n{LINE}",
     "one house of all": lambda: changed("provenance.request", {"types": {"bedroom": 2}}),
     "coincident pieces": lambda: changed("R0.children", 200 * [piece()]),
