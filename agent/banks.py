@@ -86,7 +86,7 @@ def named(houses: str | Path) -> list[House]:
     """The houses of a house file, or of a bank of ``BANKS`` by its name, or the paper's by ``PAPER_HOUSE``.
     Raises ``HouseFileError``.
     """
-    from sim.arguments import PAPER_HOUSE, house_list  # here: it imports Taichi
+    from sim.environment.arguments import PAPER_HOUSE, house_list  # here: it imports Taichi
 
     if str(houses) in BANKS:
         return benchmark(str(houses))
@@ -100,8 +100,8 @@ def named(houses: str | Path) -> list[House]:
 
 def require_places(targets: str, houses: str | Path) -> None:
     """Raise ``RequestError`` for one of the paper's tasks in another house: its places are in the paper's."""
-    from sim.arguments import PAPER_HOUSE
-    from sim.tasks import PAPER_TASKS
+    from sim.environment.arguments import PAPER_HOUSE
+    from sim.tasks.tasks import PAPER_TASKS
 
     if targets in PAPER_TASKS and str(houses) != PAPER_HOUSE:
         raise RequestError(f"{targets}: its targets have places in the house {PAPER_HOUSE}, not in {houses}")

@@ -7,7 +7,7 @@ from time import perf_counter
 
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from logic.commands import progress_bar
+from logic.terminal import progress_bar
 
 Report = Callable[[float, str], None]
 """Called with how much is done, 0 to 1, and a few words."""

@@ -173,7 +173,7 @@ def read(path: Path) -> str:
     from xml.etree import ElementTree
 
     from logic import House, check, load
-    from logic.draw import plan_svg
+    from logic.drawing.draw import plan_svg
 
     try:
         houses = load(path)
@@ -189,7 +189,7 @@ def read(path: Path) -> str:
 def linted(path: Path) -> str:
     """What ``lint`` finds in a grammar, in this process."""
     from logic.grammar import find
-    from logic.linter import findings
+    from logic.language.linter import findings
 
     try:
         found = findings(find(path))

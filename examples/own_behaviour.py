@@ -9,12 +9,12 @@ import torch
 import tyro
 from torch import Tensor
 
-from agent import checkpoint
 from agent.actions import ACTIONS, LEFT, RIGHT
 from agent.avoidance import Stack
 from agent.evaluation.episodes import play
-from agent.policies import QPolicy
-from agent.world import make_envs, shield
+from agent.learning.environments import make_envs, shield
+from agent.policies.policies import QPolicy
+from agent.runs import checkpoint
 from logic import load
 from sim import DEFAULT
 

@@ -13,7 +13,7 @@ from task import Task
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from sim.stable_baselines import StableBaselinesVecEnv
+from sim.adapters.stable_baselines import StableBaselinesVecEnv
 
 
 @dataclass(frozen=True)

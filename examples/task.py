@@ -20,16 +20,16 @@ from torch.nn.functional import one_hot
 
 from agent import banks
 from agent.avoidance import ACTIONS, subsume
-from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.result import Result
 from agent.evaluation.scores import Bank, ScoreFile, modes_of
-from agent.world import make_envs, shield
+from agent.learning.config import TargetMode
+from agent.learning.environments import make_envs, shield
 from logic import load
-from logic.files import write_whole
-from sim.lookout import Lookout
+from logic.house.files import write_whole
+from sim.baselines.lookout import Lookout
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """Houses from rules: generate, check, explain, load, save."""
 
-from logic.check import check
 from logic.errors import (
     Finding,
     GrammarError,
@@ -13,13 +12,15 @@ from logic.errors import (
     Unsatisfiable,
     VitruviusError,
 )
-from logic.files import load, save
-from logic.gallery import Houses
-from logic.generate import count_layouts, generate, lint
-from logic.house import House
-from logic.parts import Door, Piece, Rect, Room, Window
-from logic.star import Star, StarRoom
-from logic.why import Why, explain_house
+from logic.house.files import load, save
+from logic.house.gallery import Houses
+from logic.house.house import House
+from logic.house.parts import Door, Piece, Rect, Room, Window
+from logic.house.star import Star, StarRoom
+from logic.why.answer import Why
+from logic.workers.explain import explain_house
+from logic.workers.generate import count_layouts, generate, lint
+from logic.workers.standards import check
 
 __all__ = [
     "Door",

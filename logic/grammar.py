@@ -38,6 +38,9 @@ ACCESS, OWN = RULES / "plans" / "access.lp", RULES / "own.lp"
 COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
 """Of clingo's language."""
 
+LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
+"""The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
+
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
 

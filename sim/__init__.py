@@ -13,12 +13,12 @@ _logic = find_spec("logic")
 if _logic and Path(_logic.origin or "").parent.parent != Path(__file__).parent.parent:
     raise ImportError(f"{_logic.origin}: hides the package logic of Vitruvius: give it another name")
 
+from sim.baselines.oracle import Oracle, shortest_path
 from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
-from sim.env import HouseEnv
-from sim.oracle import Oracle, shortest_path
-from sim.tasks import Collect, Cover, FixedTask, Points, Reach, Rooms, Task
-from sim.vector import HouseVectorEnv
+from sim.environment.single import HouseEnv
+from sim.environment.vector import HouseVectorEnv
+from sim.tasks.tasks import Collect, Cover, FixedTask, Points, Reach, Rooms, Task
 
 __all__ = [
     "DEFAULT",
@@ -40,12 +40,14 @@ __all__ = [
 ]
 
 gymnasium.register(
-    "Vitruvius/House-v0", entry_point="sim.env:HouseEnv", vector_entry_point="sim.vector:HouseVectorEnv"
+    "Vitruvius/House-v0",
+    entry_point="sim.environment.single:HouseEnv",
+    vector_entry_point="sim.environment.vector:HouseVectorEnv",
 )
-gymnasium.register("Vitruvius/MiniGrid-v0", entry_point="sim.minigrid:MiniGridHouseEnv")
+gymnasium.register("Vitruvius/MiniGrid-v0", entry_point="sim.adapters.minigrid:MiniGridHouseEnv")
 gymnasium.register(
     "Vitruvius/Paper-v0",
-    entry_point="sim.env:HouseEnv",
-    vector_entry_point="sim.vector:HouseVectorEnv",
+    entry_point="sim.environment.single:HouseEnv",
+    vector_entry_point="sim.environment.vector:HouseVectorEnv",
     kwargs={"houses": "paper-house", "targets": "paper-main", "preset": "paper"},
 )

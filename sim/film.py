@@ -14,11 +14,11 @@ from gymnasium.vector import VectorEnv
 from PIL import Image, ImageDraw, ImageFont
 
 from logic import House
-from logic.canvas import DENSITY, Drawing, png
-from logic.files import write_whole
-from logic.labels import background
-from logic.palettes import Inks
-from logic.plan import BEYOND, Frame, grown
+from logic.drawing.canvas import DENSITY, Drawing, png
+from logic.drawing.labels import background
+from logic.drawing.palettes import Inks
+from logic.drawing.plan import BEYOND, Frame, grown
+from logic.house.files import write_whole
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 

@@ -3,8 +3,10 @@
 Walls stand once, and the doors between rooms are cut out of them. The doors to the outside are shut.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from math import isfinite
+from typing import Any
 
 import numpy as np
 
@@ -78,3 +80,26 @@ def _rows(boxes: Iterable[tuple[float, float, float, float]]) -> np.ndarray:
     """(west, north, east, south) boxes as (n, 4) rows of centres and half sides."""
     corners = np.array(list(boxes), np.float64).reshape(-1, 4)
     return np.hstack([corners[:, :2] + corners[:, 2:], corners[:, 2:] - corners[:, :2]]) / 2
+
+
+FARTHEST = 100.0
+"""Metres from the origin that a house may reach: beyond, float32 places are coarser than the body's skin."""
+
+
+def check_lengths(houses: Sequence[House]) -> None:
+    """Raise ``ValueError`` where a length of a house is none, or too far off, before memory is taken."""
+    for index, house in enumerate(houses):
+        rects: list[tuple[str, Any]] = []
+        for room in sorted(house.rooms, key=lambda room: room.name != house.hub):
+            rects.append(("the main room" if room.name == "main" else f"room {room.name}", room))
+            rects += [(f"a {piece.type} in room {room.name}", piece) for piece in room.pieces]
+        rects += [(f"the door of room {door.between[0]}", door) for door in house.doors]
+        for name, rect in rects:
+            if not (isfinite(sum(rect.box)) and rect.width >= 0 and rect.height >= 0):
+                raise ValueError(
+                    f"house {index} of {len(houses)}: {name} is at ({rect.x}, {rect.y}), {rect.width} x "
+                    f"{rect.height}: all must be finite numbers of metres, sides not negative"
+                )
+            if max(map(abs, rect.box)) > FARTHEST:
+                at = f"house {index} of {len(houses)}: {name}"
+                raise ValueError(f"{at} reaches further than {FARTHEST:.0f} m from the origin")

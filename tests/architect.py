@@ -3,8 +3,8 @@
 from collections import deque
 from collections.abc import Iterator
 
-from logic.house import House
-from logic.parts import OUTSIDE
+from logic.house.house import House
+from logic.house.parts import OUTSIDE
 
 WAYS = {"hall", "corridor", "commonCorridor", "reception"}
 """Room types that one passes on the way to others: circulation, and where visitors are received."""

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import FloatRect, Locator, Page
 
+from logic.browser.playground.npm import installed
 from logic.errors import MissingProgram
-from logic.playground.npm import installed
 
 WIDTHS = 320, 390, 768, 1280
 """CSS pixels of screens."""

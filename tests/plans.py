@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from logic import Door, House, Piece, Room, Window, save
-from logic.parts import OUTSIDE
+from logic.house.parts import OUTSIDE
 from tests.sample_houses import FIXTURES
 
 CELL, DOOR = 0.3, 0.9

@@ -11,13 +11,14 @@ from torch.distributed import TCPStore  # pyright: ignore[reportPrivateImportUsa
 
 SERVER = get_context("forkserver")
 SERVER.set_forkserver_preload(
-    ["torch._dynamo", "torch.utils.tensorboard", "agent.evaluation.plots", "agent.runs", __name__]
+    ["torch._dynamo", "torch.utils.tensorboard", "agent.evaluation.plots", "agent.runs.runs", __name__]
 )
 
 
 def vitruvius(*arguments: str) -> None:
     """The command; a run is saved after every report."""
-    from agent import cli, runs
+    from agent.runs import runs
+    from vitruvius import cli
 
     runs.SAVE_EVERY = 0.0
     sys.argv = ["vitruvius", *arguments]

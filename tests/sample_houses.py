@@ -9,7 +9,7 @@ import numpy as np
 
 from logic import House, Piece, Rect, Star, StarRoom, load
 from sim import DEFAULT
-from sim.tasks import PAPER
+from sim.tasks.tasks import PAPER
 from tests.reference import Reference
 
 FIXTURES = Path(__file__).parent / "fixtures"

@@ -16,10 +16,10 @@ from gymnasium.vector import AutoresetMode
 
 from agent.banks import benchmark
 from agent.evaluation.baselines import REFERENCES
-from agent.evaluation.commands import Evaluate
 from logic import HouseFileError, generate, save
 from sim import check_vector_env
 from tests.agent.evaluation.cases import SHORT, short_episodes
+from vitruvius.commands.evaluate import Evaluate
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"

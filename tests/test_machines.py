@@ -11,7 +11,7 @@ import pytest
 
 from agent.banks import TEST
 from logic import RequestError, generate, load, save
-from logic.request import Request, whole
+from logic.request.request import Request, whole
 
 STEP = """
 import numpy as np, sim
@@ -47,7 +47,7 @@ def test_the_simulator_runs_without_a_home_that_can_be_written(name: str, tmp_pa
 
 def command(words: str, streams: str, folder: Path) -> tuple[int, str]:
     """Run a command with streams as a shell has them: its exit code, and what it says on stderr."""
-    line = f'exec "$0" -m agent.cli {words} {streams}'
+    line = f'exec "$0" -m vitruvius.cli {words} {streams}'
     made = subprocess.run(
         ["bash", "-c", line, sys.executable],
         cwd=folder,

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from agent.cli import main
 from logic import generate, save
-from tests.logic.mistakes import calls, requests
-from tests.logic.mistakes.calls import Call
-from tests.logic.mistakes.requests import Command
+from tests.logic.language.mistakes import calls, requests
+from tests.logic.language.mistakes.calls import Call
+from tests.logic.language.mistakes.requests import Command
+from vitruvius.cli import main
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ sys.addaudithook(note)
 WORK = """
 import sys
 from agent import checkpoint
-from agent.cli import main
+from vitruvius.cli import main
 from agent.evaluation.protocol import measure
 from logic import load
 

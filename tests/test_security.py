@@ -23,16 +23,17 @@ def test_the_page_is_short_and_names_no_host():
 
 
 def test_the_bounds_that_the_page_states_are_those_of_the_readers():
-    from agent import released
-    from logic import files, grammar, parts
-    from sim import arguments
+    from agent.runs import released
+    from logic import grammar
+    from logic.house import files, parts
+    from sim import geometry
 
     mebi = 1 << 20
     for words in (
         f"{grammar.MOST_BYTES // mebi} MiB in all its rule files",
         f"{files.MOST_BYTES >> 30} GiB unpacked, {files.MOST_LINE // mebi} MiB a house",
         f"{parts.MOST_ROOMS:,} rooms, {parts.MOST_PIECES} pieces a room, {parts.FARTHEST:,.0f} m",
-        f"{arguments.FARTHEST:.0f} m to be simulated",
+        f"{geometry.FARTHEST:.0f} m to be simulated",
         f"{released.MOST_BYTES // mebi} MiB, {released.MOST_HEADER // mebi} MiB of header",
     ):
         assert words in PAGE

@@ -18,11 +18,11 @@ import torch
 from torch import Tensor, nn
 
 from agent.avoidance import ACTIONS, FORWARD, LEFT, RIGHT, Layer, PaperRule, random_preference, subsume
-from agent.policies import Explorer, Policy, RandomPolicy
-from agent.world import shield
+from agent.learning.environments import shield
+from agent.policies.policies import Explorer, Policy, RandomPolicy
 from sim import HouseVectorEnv
-from sim.oracle import Oracle
-from sim.searcher import Searcher
+from sim.baselines.oracle import Oracle
+from sim.baselines.searcher import Searcher
 
 FULL_TURN, WALK, DETOUR = 8, 64, 16
 """Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
@@ -104,13 +104,13 @@ def explorer(envs: HouseVectorEnv, seed: int) -> Policy:
 
 
 def searcher(envs: HouseVectorEnv, seed: int) -> Policy:
-    """It knows the house, not the target: see ``sim.searcher``."""
+    """It knows the house, not the target: see ``sim.baselines.searcher``."""
     searcher = Searcher(envs)
     return Privileged(searcher.act, searcher.begin)
 
 
 def oracle(envs: HouseVectorEnv, seed: int) -> Policy:
-    """It takes a shortest way to each target: see ``sim.oracle``."""
+    """It takes a shortest way to each target: see ``sim.baselines.oracle``."""
     return Privileged(Oracle(envs).act)
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from agent.policies import Policy
+from agent.policies.policies import Policy
 from sim import HouseVectorEnv
-from sim.lookout import Lookout
+from sim.baselines.lookout import Lookout
 
 COVERAGE_STEPS = (500, 1500)
 """Steps after which coverage is noted, or at the episode's end if that comes before."""
@@ -34,7 +34,7 @@ class EpisodeScores:
     """(H,) steps until the first target was picked up; infinite where none was."""
 
     coverage: np.ndarray
-    """(2, H) share of the house that it had seen after each of ``COVERAGE_STEPS``; see ``sim.lookout``."""
+    """(2, H) share of the house that it had seen after each of ``COVERAGE_STEPS``; see ``sim.baselines.lookout``."""
 
     rooms: np.ndarray
     """(H,) number of secondary rooms that it was in."""

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure  # not pyplot, which keeps global state and
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
 from agent.evaluation.tables import LABELS, capital, human_name
-from agent.learner import Progress
-from sim.task_words import in_words
+from agent.learning.learner import Progress
+from sim.tasks.words import in_words
 
 COLOURS = {
     "agent": "#1f5ea8",

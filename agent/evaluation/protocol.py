@@ -8,25 +8,25 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from agent.build import policy_of
-from agent.checkpoint import Checkpoint
-from agent.config import TARGET_MODES
+from agent.algorithms.build import policy_of
+from agent.algorithms.map_completion.config import CompletionConfig
 from agent.evaluation.baselines import BASELINES, PRIVILEGED
 from agent.evaluation.episodes import EpisodeScores, play, reset
 from agent.evaluation.result import Result
-from agent.map_completion.config import CompletionConfig
-from agent.policies import Policy
+from agent.learning.config import TARGET_MODES
+from agent.learning.environments import make_envs, playable
+from agent.learning.simulator import sensor, undisturbed, with_sensor
+from agent.policies.policies import Policy
 from agent.progress import Report
-from agent.simulator import sensor, undisturbed, with_sensor
-from agent.world import make_envs, playable
+from agent.runs.checkpoint import Checkpoint
 from logic import House
 from logic.spelling import keywords
 from sim import HouseVectorEnv
+from sim.baselines.lookout import Lookout
+from sim.baselines.oracle import Oracle
 from sim.config import PRESETS, Config
-from sim.lookout import Lookout
-from sim.oracle import Oracle
-from sim.task_words import in_words
-from sim.tasks import task
+from sim.tasks.tasks import task
+from sim.tasks.words import in_words
 
 
 @keywords(targets="modes", preset="agents")
@@ -47,7 +47,7 @@ def measure(
     ``baselines`` names some of ``BASELINES``; figures are shares of the oracle's, so it is among them.
     ``world`` names the simulator's preset that all play in, each with its own sensor; searcher and oracle,
     which know where they are, without its noise and slips. Each house is played in that many ``episodes``;
-    for a task that not all houses suit, each of the others (``agent.world.playable``). ``report`` follows
+    for a task that not all houses suit, each of the others (``agent.learning.environments.playable``). ``report`` follows
     the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
     """
     baseline = with_sensor(PRESETS[world])

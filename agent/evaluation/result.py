@@ -58,7 +58,7 @@ class Result:
     """What all policies did in one target mode, one episode in each of H houses, or of H episodes."""
 
     mode: str
-    """Where targets lay: a name of ``agent.config.TARGET_MODES``."""
+    """Where targets lay: a name of ``agent.learning.config.TARGET_MODES``."""
 
     rooms: np.ndarray
     """(H,) number of secondary rooms of each house."""

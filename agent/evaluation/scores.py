@@ -154,7 +154,7 @@ def external(
             f"{path}: targets in {', '.join(file.targets)}, here in {', '.join(modes)}: not comparable. "
             "Choose by --targets"
         )
-    from agent.world import playable  # here: it imports Taichi
+    from agent.learning.environments import playable  # here: it imports Taichi
 
     counts = {mode: len(playable(houses, mode, backend=backend)) * episodes for mode in found}
     return {

@@ -6,8 +6,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table as RichTable
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
-from sim.task_words import in_words
-from sim.tasks import PAPER_TASKS
+from sim.tasks.tasks import PAPER_TASKS
+from sim.tasks.words import in_words
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
 WHERE = ROOMS | {"all": "all rooms"} | {f"paper-{mode}": f"{where}, paper's" for mode, where in ROOMS.items()}

@@ -6,19 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
-from agent.build import policy_of
-from agent.checkpoint import Checkpoint
+from agent.algorithms.build import policy_of
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.evaluation.statistics import interquartile_mean, paired_difference
 from agent.evaluation.tables import Table
+from agent.learning.environments import make_envs
+from agent.learning.simulator import sensor
 from agent.play.game import replayed
 from agent.play.results import PlayedGame, ResultsError, load
-from agent.simulator import sensor
-from agent.world import make_envs
+from agent.runs.checkpoint import Checkpoint
 from logic import House
 from sim.config import DEFAULT
-from sim.task_words import in_words
+from sim.tasks.words import in_words
 
 BESIDE = "explorer", "searcher", "oracle"
 """The baselines that are shown, the oracle last."""

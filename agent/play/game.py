@@ -4,12 +4,12 @@ import numpy as np
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.build import policy_of
-from agent.checkpoint import Checkpoint
+from agent.algorithms.build import policy_of
 from agent.evaluation.episodes import reset
+from agent.learning.environments import make_envs
+from agent.learning.simulator import sensor
 from agent.play.results import PlayedGame, ResultsError, require_house
-from agent.simulator import sensor
-from agent.world import make_envs
+from agent.runs.checkpoint import Checkpoint
 from logic import House
 from sim.config import DEFAULT, Config
 from sim.film import Scene

@@ -11,7 +11,7 @@ from msgspec import Meta
 from agent.banks import geometry_hash
 from logic import House
 from logic.errors import VitruviusError
-from logic.files import write_whole
+from logic.house.files import write_whole
 
 ENDINGS = (".jsonl",)
 """How names of files of results end."""

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import msgspec
 
+from agent.recording.trace import AROUND, Trace, load
 from agent.report.page import Section
-from agent.report.trace import AROUND, Trace, load
 from logic import House
-from logic.canvas import Drawing, svg
-from logic.labels import background
-from logic.looks import looks_of
-from logic.plan import Frame, extent
-from sim.task_words import in_words
+from logic.drawing.canvas import Drawing, svg
+from logic.drawing.labels import background
+from logic.drawing.plan import Frame, extent
+from logic.house.looks import looks_of
+from sim.tasks.words import in_words
 
 SIZE = 640
 """CSS pixels of the longer side of a plan."""

@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 
 from agent.report.page import ReportError, Section, inline, page
-from logic.files import write_whole
+from logic.house.files import write_whole
 
 NAME = "report.html"
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import msgspec
 
-from agent.learner import Progress
+from agent.learning.learner import Progress
 from agent.report.page import Cell, ReportError, Section, details, inline, table
 from agent.report.plots import Axis, Series, line_plot, slots, some
-from agent.runs import MOST_METRICS, Folder
+from agent.runs.runs import MOST_METRICS, Folder
 
 POINTS = 300
 """Of a curve, at most."""

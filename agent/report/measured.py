@@ -16,8 +16,8 @@ from agent.evaluation.tables import LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
 from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
 from logic import load
-from logic.looks import looks_of, spaced
-from sim.task_words import in_words
+from logic.house.looks import looks_of, spaced
+from sim.tasks.words import in_words
 
 COLUMNS = {
     "targets": ("targets", 1),

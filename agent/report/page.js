@@ -1,6 +1,6 @@
 "use strict";
 
-/* ---- what Python packed: see agent/report/trace.py and page.py ---- */
+/* ---- what Python packed: see agent/recording/trace.py and page.py ---- */
 
 const NUMBERS = { uint8: Uint8Array, uint16: Uint16Array, int16: Int16Array };
 

@@ -13,9 +13,9 @@ from agent.evaluation import scores
 from agent.evaluation.tables import LABELS
 from agent.report.page import Section, data
 from logic import House, load
-from logic.draw import plan_svg
-from logic.looks import looks_of
-from sim.task_words import in_words
+from logic.drawing.draw import plan_svg
+from logic.house.looks import looks_of
+from sim.tasks.words import in_words
 
 MOST = 1000
 """Plans in a report; of more houses, some of each file, evenly."""

@@ -23,9 +23,9 @@ import torch
 
 from agent.actions import FORWARD
 from agent.evaluation.episodes import reset
-from agent.policies import Policy
+from agent.policies.policies import Policy
 from sim import HouseVectorEnv
-from sim.lookout import Lookout
+from sim.baselines.lookout import Lookout
 
 PHASES = ("approach", "door", "crossing", "survey", "again", "corners", "out")
 APPROACH, DOOR, CROSSING, SURVEY, AGAIN, CORNERS, OUT = range(len(PHASES))

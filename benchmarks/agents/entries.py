@@ -1,6 +1,6 @@
 """What the study of agents trains: presets, changes of them, and agents of other libraries."""
 
-from agent.presets import PRESETS
+from agent.algorithms.presets import PRESETS
 from benchmarks.agents.records import Entry, External
 
 BUDGET = 15 * 60

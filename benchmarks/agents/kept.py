@@ -2,7 +2,7 @@
 
 import hashlib
 
-from agent.checkpoint import Checkpoint
+from agent.runs.checkpoint import Checkpoint
 from benchmarks.common.pages import ROOT
 
 

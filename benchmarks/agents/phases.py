@@ -15,17 +15,17 @@ import numpy as np
 import torch
 import tyro
 
-from agent import checkpoint
+from agent.algorithms.build import policy_of
 from agent.banks import NAME, bank_hash, named
-from agent.build import policy_of
-from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.tables import Table
-from agent.policies import Policy
-from agent.world import make_envs
+from agent.learning.config import TargetMode
+from agent.learning.environments import make_envs
+from agent.policies.policies import Policy
+from agent.runs import checkpoint
 from benchmarks.agents.account import PHASES, Account, follow
 from benchmarks.agents.kept import code, fingerprint
-from logic.files import write_whole
+from logic.house.files import write_whole
 
 BESIDE = ("explorer", "searcher", "oracle")
 """Baselines in the tables."""

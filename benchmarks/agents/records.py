@@ -54,7 +54,7 @@ class Outcome:
     curve: tuple[tuple[int, float], ...]
     """Environment steps, and targets per 1500 steps while learning."""
     last: dict[str, Any] | None
-    """The last report: ``agent.learner.Progress``."""
+    """The last report: ``agent.learning.learner.Progress``."""
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from agent.banks import BANKS, NAME
-from agent.config import TARGET_MODES
 from agent.evaluation import scores
+from agent.learning.config import TARGET_MODES
 from agent.report.folder import describe, write_report
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from agent import checkpoint
-from agent.cli import parse
-from agent.config import differences
 from agent.evaluation import scores
 from agent.evaluation.episodes import EpisodeScores
 from agent.evaluation.result import Result
-from agent.runs import Folder
+from agent.learning.config import differences
+from agent.runs import checkpoint
+from agent.runs.runs import Folder
 from benchmarks.agents.entries import EXTERNALS
 from benchmarks.agents.records import Entry, External, Outcome
 from benchmarks.common.pages import ROOT
 from benchmarks.common.processes import CLI, Job, failure, why
 from logic.errors import RequestError, VitruviusError
+from vitruvius.cli import parse
 
 
 class StudyFailed(VitruviusError):

@@ -15,11 +15,11 @@ import torch
 from torch.nn.functional import linear
 from torch.profiler import profile
 
-from agent.config import PQNConfig
-from agent.network import STRIDE, WINDOW
-from agent.pqn import PQN
-from agent.presets import PRESETS
-from agent.world import make_envs, shield
+from agent.algorithms.pqn import PQN
+from agent.algorithms.presets import PRESETS
+from agent.learning.config import PQNConfig
+from agent.learning.environments import make_envs, shield
+from agent.policies.network import STRIDE, WINDOW
 from logic import generate
 
 SIZES = [64, 256, 512, 1024]

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from agent.config import PQNConfig
+from agent.algorithms.presets import PRESETS
 from agent.evaluation import scores
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import WHERE
-from agent.presets import PRESETS
-from agent.runs import Folder
+from agent.learning.config import PQNConfig
+from agent.runs.runs import Folder
 from benchmarks.agents.entries import BUDGET, RATES
 from benchmarks.agents.runs import StudyFailed, finished, require_same, training_command
 from benchmarks.common.houses import training_houses
@@ -117,7 +117,7 @@ class Throughput:
         folder, steps = series.folders[number], round(self.share * BUDGET * RATES[series.preset])
         seed, name = self.seeds[number], series.name
         command = [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node"]
-        command += [str(series.processes), "-m", "agent.cli"]
+        command += [str(series.processes), "-m", "vitruvius.cli"]
         command += training_command(houses, folder.path, series.preset, name, steps, seed)
         command += ["--num-envs", str(series.environments)]
         require_same(folder, command)

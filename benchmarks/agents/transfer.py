@@ -13,20 +13,20 @@ import numpy as np
 import torch
 import tyro
 
-from agent import checkpoint
 from agent.banks import VALIDATION, bank_hash
-from agent.checkpoint import Checkpoint
-from agent.config import TargetMode
 from agent.evaluation import scores
 from agent.evaluation.protocol import measure
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import Table
+from agent.learning.config import TargetMode
 from agent.planner import TUNED, Planner
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
 from benchmarks.agents.kept import code, fingerprint
 from benchmarks.common.houses import in_turns
 from benchmarks.common.pages import ROOT
 from logic import House, load, save
-from logic.files import write_whole
+from logic.house.files import write_whole
 from sim.config import DEFAULT
 
 ORIGINAL = ROOT / "tests/fixtures/example1.json"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from logic.errors import RequestError
-from logic.files import write_whole
+from logic.house.files import write_whole
 
 ROOT = Path(__file__).resolve().parents[2]
 """The checkout, or where the wheel is installed."""

@@ -14,12 +14,12 @@ from pathlib import Path
 from time import sleep
 
 from benchmarks.common.pages import ROOT
-from logic.files import write_whole
+from logic.house.files import write_whole
 
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "MKL", "OPENBLAS")}
 """The environment of a process whose libraries use one thread each."""
 
-CLI = (sys.executable, "-P", "-m", "agent.cli")
+CLI = (sys.executable, "-P", "-m", "vitruvius.cli")
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from time import process_time
 from typing import Any
 
 from benchmarks.common.pages import machine, write
-from logic.builder import Builder
 from logic.errors import RequestError
+from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.request import Request
+from logic.request.request import Request
 
 MEMORY = Path("/proc/self/statm")
 PAGE = 4096

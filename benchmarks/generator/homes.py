@@ -16,16 +16,16 @@ from agent.report.folder import write_report
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
-from logic.builder import Builder
-from logic.check import check
-from logic.draw import contact_sheet
+from logic import check
+from logic.drawing.draw import contact_sheet
 from logic.errors import RequestError
-from logic.files import save, write_whole
+from logic.generation.builder import Builder
+from logic.generation.shared_walls import Planner
 from logic.grammar import find
-from logic.house import House
-from logic.layout import Nogood
-from logic.plans import Planner
-from logic.request import Request
+from logic.house.files import save, write_whole
+from logic.house.house import House
+from logic.layout.program import Nogood
+from logic.request.request import Request
 
 LIMIT = 10**9
 WARM = 20

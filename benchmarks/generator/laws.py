@@ -13,10 +13,11 @@ import numpy as np
 from clingo import Function, parse_term
 from scipy.stats import beta, kstest
 
-from logic import House, prolog
-from logic.builder import Builder
-from logic.placement import Infeasible, Layout, Misfit, RoomLayout
-from logic.request import Request
+from logic import House
+from logic.generation.builder import Builder
+from logic.placement import prolog
+from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
+from logic.request.request import Request
 
 CHAINS = Path(__file__).with_name("chains.pl")
 

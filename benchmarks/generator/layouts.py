@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from clingo import Symbol
 
-from logic.builder import Builder
+from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.layout import EVERY, Program
+from logic.layout.program import EVERY, Program
 
 PARTS = {
     "types": {"room": (0, 1)},

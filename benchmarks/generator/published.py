@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median, quantiles
 
-from logic.house import House
+from logic.house.house import House
 
 PASSAGES = ("corridor", "hall")
 """Types of rooms that one passes through."""

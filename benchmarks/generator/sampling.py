@@ -20,7 +20,7 @@ from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.generator.laws import Law, laws
 from benchmarks.generator.layouts import Spread, entropy, spread
 from logic import House, generate
-from logic.builder import Builder
+from logic.generation.builder import Builder
 from logic.grammar import find
 
 GRAMMARS = ("family", "paper")

@@ -17,11 +17,12 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import block_diag, coo_array, csr_array
 
-from logic import House, generate, prolog
-from logic.builder import Builder
+from logic import House, generate
+from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.placement import Layout
-from logic.request import Request
+from logic.placement import prolog
+from logic.placement.placer import Layout
+from logic.request.request import Request
 
 GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
 ROOMS = [int(number) for number in os.environ.get("VITRUVIUS_ROOMS", "1 2 4 8 16 32 64 128").split()]

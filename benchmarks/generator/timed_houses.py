@@ -4,9 +4,9 @@ import json
 import sys
 from time import process_time
 
-from logic.builder import Builder
+from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.request import Request
+from logic.request.request import Request
 
 LIMIT = 10**9
 

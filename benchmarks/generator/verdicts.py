@@ -10,16 +10,16 @@ import numpy as np
 from clingo import Function, Number, Symbol
 from scipy.optimize import linprog
 
-from logic import prolog
-from logic.builder import Builder
-from logic.differences import DIFFERENCES
-from logic.given_rooms import Frame
+from logic.generation.builder import Builder
+from logic.generation.furnish import Frame
+from logic.generation.shared_walls import given_room
 from logic.grammar import find
-from logic.layout import Program
-from logic.plans import given_room
-from logic.programs import GIVEN
-from logic.request import Request
-from logic.terms import parts
+from logic.layout.differences import DIFFERENCES
+from logic.layout.program import Program
+from logic.layout.programs import GIVEN
+from logic.layout.terms import parts
+from logic.placement import prolog
+from logic.request.request import Request
 
 INFERENCES = 10**9
 WIDE = [Number(mm) for mm in (1, 99_999, 1, 99_999)]

@@ -100,7 +100,7 @@ def _watching(folder: Path, grammar: str) -> Iterator[tuple[Path, SplitResult]]:
     """The command at work on a copy of a grammar: one of its rule files, and the page's address."""
     rules = find(grammar)
     copy = Path(shutil.copytree(rules.directory, folder / rules.name))
-    command = [sys.executable, "-m", "agent.cli", "watch", str(copy)]
+    command = [sys.executable, "-m", "vitruvius.cli", "watch", str(copy)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr
         found = next(filter(None, (re.search(r"http://\S+", line) for line in process.stderr)))

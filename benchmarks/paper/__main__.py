@@ -2,6 +2,6 @@
 
 import sys
 
-from agent.cli import main
+from vitruvius.cli import main
 
 main(["bench", "paper", *sys.argv[1:]])

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 import torch
 
-from agent import checkpoint
 from agent.avoidance import Free, PaperRule
 from agent.evaluation.baselines import explorer, oracle
 from agent.evaluation.episodes import play
 from agent.evaluation.result import HUMAN
-from agent.policies import Policy, QPolicy
-from agent.world import make_envs
+from agent.learning.environments import make_envs
+from agent.policies.policies import Policy, QPolicy
+from agent.runs import checkpoint
 from benchmarks.common.pages import table_rows
-from logic.files import write_whole
+from logic.house.files import write_whole
 from sim import HouseVectorEnv
-from sim.arguments import PAPER_HOUSE, house_list
 from sim.config import DEFAULT, PAPER
+from sim.environment.arguments import PAPER_HOUSE, house_list
 
 TASKS = ("paper-main", "paper-secondary", "paper-mixed")
 

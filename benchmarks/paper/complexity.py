@@ -17,12 +17,12 @@ import numpy as np
 
 from benchmarks.common.pages import DOCS, machine, table_rows
 from benchmarks.common.processes import say
-from logic import prolog
-from logic.builder import Builder
 from logic.errors import LimitReached, RequestError
-from logic.files import write_whole
+from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.request import Request
+from logic.house.files import write_whole
+from logic.placement import prolog
+from logic.request.request import Request
 
 TYPES = ("bedroom", "bathroom", "kitchen", "hall")
 """In turn, so that a house has one of each type before it has two: the original allows two of each."""

@@ -14,7 +14,7 @@ import tyro
 from benchmarks.common.pages import DOCS, write
 from benchmarks.paper.page import PARTS, paper_page
 from logic.errors import RequestError
-from logic.files import require_folder, write_whole
+from logic.house.files import require_folder, write_whole
 from logic.spelling import unknown
 
 

@@ -14,17 +14,17 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import torch
 
-from agent.config import PaperConfig
+from agent.algorithms.presets import PRESETS
 from agent.evaluation.result import HUMAN
-from agent.presets import PRESETS
+from agent.learning.config import PaperConfig
+from agent.learning.environments import make_envs
 from agent.progress import progress
-from agent.world import make_envs
 from benchmarks.common.pages import table_rows
 from benchmarks.paper.agents import TASKS, mean
 from benchmarks.paper.side_by_side import Actors, Layers, Runs
 from logic import generate
-from logic.files import write_whole
-from sim.arguments import PAPER_HOUSE, house_list
+from logic.house.files import write_whole
+from sim.environment.arguments import PAPER_HOUSE, house_list
 
 PRESET = cast(PaperConfig, PRESETS["paper"])
 

@@ -13,13 +13,13 @@ import torch
 from torch import Tensor
 
 import agent
-from agent import checkpoint
-from agent.build import policy_of
-from agent.config import TrainConfig
+from agent.algorithms.build import policy_of
 from agent.evaluation.baselines import BASELINES
-from agent.policies import Explorer, Policy
-from agent.released import located
-from agent.world import shield
+from agent.learning.config import TrainConfig
+from agent.learning.environments import shield
+from agent.policies.policies import Explorer, Policy
+from agent.runs import checkpoint
+from agent.runs.released import located
 from benchmarks.planner import prior
 from benchmarks.planner.prior import Informed
 from benchmarks.planner.seer import seer

@@ -14,13 +14,13 @@ import numpy as np
 import torch
 
 from agent.evaluation.episodes import reset
+from agent.learning.environments import shield
 from agent.planner import Planner
 from agent.planner.paths import FAR
 from agent.planner.state import AT, NONE, SEARCH, SIZE
-from agent.policies import Explorer, Policy, Tracker
-from agent.world import shield
+from agent.policies.policies import Explorer, Policy, Tracker
 from sim import HouseVectorEnv
-from sim.kernels import BLOCKED
+from sim.world.kernels import BLOCKED
 
 MEMORY = (
     *("cells", "distance", "queue", "dirty", "reached", "tiles", "odds", "candidates", "gains"),

@@ -1,6 +1,6 @@
 """What the planner's numbers change: ``vitruvius bench explorers --set replan_interval=48``.
 
-The explorer (``agent.policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with
+The explorer (``agent.policies.policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with
 the tuned configuration and with others: each ``--set`` is a variant, of one field of ``PlannerConfig`` or of
 several (``--set near=4,gain_most=300``). Tables show what share of the oracle's targets each picks up, and
 how that differs, house by house, from the tuned explorer. Houses and scores are kept, so that a run that was
@@ -26,23 +26,25 @@ import torch
 import tyro
 from torch import Tensor
 
-from agent import avoidance, planner, policies
+from agent import avoidance, planner
 from agent.banks import VALIDATION, bank_hash
-from agent.config import TargetMode
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import reset
 from agent.evaluation.statistics import interquartile_mean
 from agent.evaluation.tables import Table
+from agent.learning.config import TargetMode
+from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED, Planner, PlannerConfig
-from agent.policies import Explorer, Policy, Tracker
-from agent.world import make_envs, shield
+from agent.policies import policies
+from agent.policies.policies import Explorer, Policy, Tracker
 from benchmarks.common.houses import ROOMS
 from benchmarks.common.processes import say
 from benchmarks.planner import prior
 from logic import House, generate, load, save
 from logic.errors import RequestError
-from logic.files import write_whole
-from sim import HouseVectorEnv, oracle, searcher
+from logic.house.files import write_whole
+from sim import HouseVectorEnv
+from sim.baselines import oracle, searcher
 from sim.config import DEFAULT
 
 SEED = VALIDATION[len(VALIDATION) // 2]

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.episodes import Indices, Numbers
-from sim.philox import Words, philox, uniform
+from sim.baselines.view_planner import HASTE, REPLAN
 from sim.runtime import Array, Launch, start, ti
-from sim.view_planner import HASTE, REPLAN
+from sim.world.episodes import Indices, Numbers
+from sim.world.philox import Words, philox, uniform
 
 ACTIONS, NEVER = 3, 1 << 20
 """Turn left, turn right, forward. Steps to what no path leads to."""

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from benchmarks.planner.known_house import ACTIONS, NEVER, Bytes, Search
-from sim.body import HEADINGS
-from sim.episodes import Episodes, Indices, Numbers
-from sim.lookout import Looks, in_steps, origins_of
+from sim.backends.body import HEADINGS
+from sim.baselines.lookout import Looks, in_steps, origins_of
+from sim.baselines.searcher import SAMPLES, VIEWS
+from sim.environment.vector import HouseVectorEnv
 from sim.runtime import Array, Launch, start, ti
-from sim.searcher import SAMPLES, VIEWS
-from sim.survey import survey
-from sim.vector import HouseVectorEnv
+from sim.tasks.survey import survey
+from sim.world.episodes import Episodes, Indices, Numbers
 
 AT_ONCE = 8
 """Searches for paths at a time: it bounds their memory."""

@@ -24,19 +24,19 @@ from agent.evaluation.episodes import reset
 from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.statistics import mean
 from agent.evaluation.tables import Table
-from agent.policies import Policy
-from agent.simulator import sensor
-from agent.world import make_envs, playable
+from agent.learning.environments import make_envs, playable
+from agent.learning.simulator import sensor
+from agent.policies.policies import Policy
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
 from benchmarks.planner.decisions import Decisions, Tracked, decisions
 from benchmarks.planner.explorers import SEED
 from logic import House, generate, load, save
 from logic.errors import RequestError
-from logic.files import write_whole
+from logic.house.files import write_whole
 from sim import HouseVectorEnv
 from sim.config import DEFAULT
-from sim.tasks import task
+from sim.tasks.tasks import task
 
 ORACLE, EARLY = "oracle", 500
 """What others are shares of; the first steps, which are shown apart."""

@@ -17,20 +17,20 @@ from scipy.optimize import isotonic_regression
 from scipy.spatial import KDTree
 
 from agent.evaluation.tables import Table
+from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED, Planner
 from agent.planner.arrays import Bytes, Shorts, Wholes
 from agent.planner.belief import Belief
 from agent.planner.config import CERTAIN
 from agent.planner.frame import metres
 from agent.planner.occupancy import NEAR, SOLID, Occupancy
-from agent.policies import Explorer
-from agent.world import make_envs, shield
+from agent.policies.policies import Explorer
 from benchmarks.common.houses import ROOMS
 from logic import House, generate
 from logic.errors import RequestError
 from sim import HouseVectorEnv
+from sim.baselines.lookout import PITCH, Lookout
 from sim.config import DEFAULT
-from sim.lookout import PITCH, Lookout
 from sim.runtime import Array, Launch, ti
 
 SIDE = 1 << TUNED.map_bits

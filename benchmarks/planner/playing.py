@@ -15,9 +15,9 @@ from time import perf_counter
 
 import torch
 
-from agent.config import TargetMode
 from agent.evaluation.episodes import reset
-from agent.world import make_envs
+from agent.learning.config import TargetMode
+from agent.learning.environments import make_envs
 from benchmarks.common.houses import ROOMS, in_turns
 from benchmarks.common.pages import machine, table_rows, write
 from benchmarks.common.processes import say

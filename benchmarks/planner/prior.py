@@ -6,10 +6,10 @@ Each kind of ``PRIORS`` has the ones before it too. ``benchmarks.planner.explore
 import numpy as np
 from torch import Tensor
 
+from agent.learning.environments import make_envs
 from agent.planner import Planner
 from agent.planner.config import CERTAIN
-from agent.policies import Tracker
-from agent.world import make_envs
+from agent.policies.policies import Tracker
 from benchmarks.planner.odds import BESIDE, SIDE, Truth
 from sim import HouseVectorEnv
 

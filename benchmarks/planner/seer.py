@@ -3,11 +3,11 @@
 import numpy as np
 import torch
 
-from agent.map_completion.foresight import Foresight
-from agent.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.map_completion.truth import Truth
-from agent.policies import Explorer
-from agent.world import shield
+from agent.algorithms.map_completion.foresight import Foresight
+from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from agent.algorithms.map_completion.truth import Truth
+from agent.learning.environments import shield
+from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
 
 SURE = 9.0

@@ -25,18 +25,20 @@ from agent.evaluation.baselines import Privileged, explorer, oracle
 from agent.evaluation.episodes import EpisodeScores, play
 from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.tables import Table
-from agent.policies import Policy
-from agent.world import make_envs, playable
+from agent.learning.environments import make_envs, playable
+from agent.policies.policies import Policy
 from benchmarks.common.houses import in_turns
 from benchmarks.common.processes import say
 from benchmarks.planner.explorers import difference
 from logic import House, load, save
 from logic.errors import RequestError
-from logic.files import write_whole
-from sim import HouseVectorEnv, furniture_tasks, priors, searcher, view_planner
-from sim.priors import PriorName
-from sim.searcher import Searcher
-from sim.tasks import task
+from logic.house.files import write_whole
+from sim import HouseVectorEnv
+from sim.baselines import priors, searcher, view_planner
+from sim.baselines.priors import PriorName
+from sim.baselines.searcher import Searcher
+from sim.tasks import furniture as furniture_tasks
+from sim.tasks.tasks import task
 
 SEED = VALIDATION[len(VALIDATION) // 2] + 100
 """Of the houses: other studies of the planner have those before it."""

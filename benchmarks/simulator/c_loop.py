@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from sim import HouseVectorEnv
-from sim.body import SKIN
-from sim.continuous import Continuous
-from sim.continuous.layout import CELL
-from sim.rays import MARGIN, SEAM
+from sim.backends.body import SKIN
+from sim.backends.continuous import Continuous
+from sim.backends.continuous.layout import CELL
+from sim.backends.rays import MARGIN, SEAM
 
 SOURCE = Path(__file__).with_name("step.c")
 ROOT = SOURCE.parents[2]

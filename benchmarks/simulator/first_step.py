@@ -19,7 +19,7 @@ def main(file: str) -> None:
 
     from logic import load
     from sim import HouseVectorEnv
-    from sim.world import World
+    from sim.world.world import World
 
     imported = perf_counter() - begun
     houses = load(file)

@@ -1,7 +1,7 @@
 /* The simulator's step in C, on the very arrays of a world: the bound for its kernel, not a part of it.
 
    The same algorithm and the same results: continuous backend, default configuration, autoreset by the next
-   step. See sim/episodes.py, sim/continuous/ and sim/rays.py; names are theirs. One thread. */
+   step. See sim/world/episodes.py, sim/backends/continuous/ and sim/backends/rays.py; names are theirs. One thread. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>

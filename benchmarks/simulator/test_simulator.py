@@ -22,7 +22,7 @@ from benchmarks.simulator.c_loop import Loop, compiler, version
 from benchmarks.simulator.cores import confined, processors
 from logic import House, generate, save
 from sim import DEFAULT, Config, HouseVectorEnv, Oracle
-from sim.continuous.layout import lines_listed as listed_at
+from sim.backends.continuous.layout import lines_listed as listed_at
 from sim.runtime import start
 
 ENVIRONMENTS = [1, 16, 256, 4096, 65536]

@@ -13,8 +13,20 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 AGENT = (
-    *("agent.world", "agent.actions", "agent.avoidance", "agent.policies", "agent.checkpoint", "agent.banks"),
-    *("agent.config", "agent.evaluation.episodes", "agent.evaluation.protocol", "agent.evaluation.result"),
+    *(
+        "agent.learning.environments",
+        "agent.actions",
+        "agent.avoidance",
+        "agent.policies.policies",
+        "agent.runs.checkpoint",
+        "agent.banks",
+    ),
+    *(
+        "agent.learning.config",
+        "agent.evaluation.episodes",
+        "agent.evaluation.protocol",
+        "agent.evaluation.result",
+    ),
 )
 """What programs of a user's own take from ``agent``, as those in ``examples/`` do."""
 
@@ -175,7 +187,9 @@ def _items(folder: Path) -> Iterator[str]:
 MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/schema.md": schema,
     "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
-    "docs/reference/sim.md": package("sim", "Environments, tasks, baselines, backends.", "sim.backend"),
+    "docs/reference/sim.md": package(
+        "sim", "Environments, tasks, baselines, backends.", "sim.backends.backend"
+    ),
     "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
     "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),
 }

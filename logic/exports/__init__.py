@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
-from logic.house import House
+from logic.house.house import House
 from logic.spelling import unknown
 
 

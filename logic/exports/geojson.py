@@ -8,9 +8,9 @@ from typing import Any
 
 import msgspec
 
-from logic.files import write_whole
-from logic.house import House
-from logic.parts import Rect
+from logic.house.files import write_whole
+from logic.house.house import House
+from logic.house.parts import Rect
 
 
 def write(house: House, path: Path) -> None:

@@ -8,9 +8,9 @@ from trimesh.exchange.gltf import export_glb
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from logic.files import write_whole
-from logic.house import House
-from logic.solids import solids
+from logic.exports.solids import solids
+from logic.house.files import write_whole
+from logic.house.house import House
 
 
 def write(house: House, path: Path) -> None:

@@ -11,11 +11,11 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import shapely
 
-from logic.boxes import Box
-from logic.files import write_whole
-from logic.house import House
-from logic.parts import BODY
-from logic.solids import Solid, solids
+from logic.exports.solids import Solid, solids
+from logic.house.boxes import Box
+from logic.house.files import write_whole
+from logic.house.house import House
+from logic.house.parts import BODY
 
 RAYS, FIRST_RAY, SPACING = 40, 58.5, 3.0
 """The simulator's rays: how many, degrees from the heading to ray 0, counter-clockwise, and to the next."""

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from logic.boxes import TOLERANCE, Box
-from logic.files import write_whole
-from logic.house import House
-from logic.plan import extent
+from logic.drawing.plan import extent
+from logic.house.boxes import TOLERANCE, Box
+from logic.house.files import write_whole
+from logic.house.house import House
 
 RESOLUTION = 0.05
 """Metres of a cell."""

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from pxr import Gf, Usd, UsdGeom
 
-from logic.files import write_whole
-from logic.house import House
-from logic.solids import solids
+from logic.exports.solids import solids
+from logic.house.files import write_whole
+from logic.house.house import House
 
 
 def write(house: House, path: Path) -> None:

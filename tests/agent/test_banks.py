@@ -6,11 +6,11 @@ from msgspec.structs import replace
 
 from agent import banks
 from agent.banks import BANKS, TEST, TRAINING, VALIDATION, benchmark, geometry_hash, named, require_training
-from agent.commands import Train
-from agent.config import PQNConfig
+from agent.learning.config import PQNConfig
 from logic import House, HouseFileError, Rect, Star, check, generate, load, save
-from logic.promises import PROMISES
-from sim.arguments import BANK
+from logic.house.promises import PROMISES
+from sim.environment.arguments import BANK
+from vitruvius.commands.train import Train
 
 GRAMMAR_AND_LEAST_MOST_ROOMS = {
     "test-v1": ("family", 2, 6),

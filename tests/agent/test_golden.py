@@ -18,18 +18,18 @@ import numpy as np
 import pytest
 import torch
 
-from agent import checkpoint
+from agent.algorithms.build import network_of, policy_of
+from agent.algorithms.learners import LEARNERS
+from agent.algorithms.presets import PRESETS
 from agent.banks import benchmark
-from agent.build import network_of, policy_of
-from agent.learners import LEARNERS
-from agent.policies import Explorer
-from agent.presets import PRESETS
-from agent.released import released
-from agent.world import make_envs, shield
+from agent.learning.environments import make_envs, shield
+from agent.policies.policies import Explorer
+from agent.runs import checkpoint
+from agent.runs.released import released
 from logic import generate
 from sim import HouseVectorEnv
-from sim.arguments import PAPER_HOUSE, house_list
-from sim.tasks import PAPER_TASKS
+from sim.environment.arguments import PAPER_HOUSE, house_list
+from sim.tasks.tasks import PAPER_TASKS
 
 FILE = Path(__file__).parents[1] / "golden" / "agent.json"
 STEPS, ENVIRONMENTS = 1500, 8

@@ -9,8 +9,8 @@ from unittest.mock import MagicMock
 
 import pytest
 
-from agent.cli import COMMANDS, main
 from benchmarks import STUDIES
+from vitruvius.cli import COMMANDS, main
 
 ROOT = Path(__file__).parents[2]
 PEERS = ROOT / "benchmarks" / "simulator" / "peers"

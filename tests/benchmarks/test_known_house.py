@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from agent.world import make_envs
+from agent.learning.environments import make_envs
 from benchmarks.planner.known_house import NEVER, Search, known_house_limit
 from benchmarks.planner.known_house_tables import search_of
-from sim.lookout import in_steps
-from sim.oracle import Oracle
-from sim.searcher import SAMPLES
+from sim.baselines.lookout import in_steps
+from sim.baselines.oracle import Oracle
+from sim.baselines.searcher import SAMPLES
 from tests.sample_houses import random_house
 
 

@@ -9,9 +9,9 @@ import torch
 from torch import Tensor
 
 from agent.evaluation.episodes import reset
+from agent.learning.environments import make_envs, shield
 from agent.planner import Planner
-from agent.policies import Explorer, Policy, Tracker
-from agent.world import make_envs, shield
+from agent.policies.policies import Explorer, Policy, Tracker
 from benchmarks.planner import learning
 from benchmarks.planner.contenders import Shuffled, contender, informed, with_shuffled_predictions
 from benchmarks.planner.decisions import Kept, decisions, played_on, sampled

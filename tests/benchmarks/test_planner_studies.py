@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import torch
 
+from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED
 from agent.planner.belief import BLOCKED, WALL
 from agent.planner.config import CERTAIN
 from agent.planner.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
-from agent.policies import Explorer
-from agent.released import CheckpointError
-from agent.world import make_envs, shield
+from agent.policies.policies import Explorer
+from agent.runs.released import CheckpointError
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
 from benchmarks.planner.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
@@ -24,7 +24,7 @@ from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
 from logic import save
 from logic.errors import RequestError
-from sim.lookout import origins_of
+from sim.baselines.lookout import origins_of
 from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]

@@ -42,7 +42,7 @@ def in_wheel(installed: Path, folder: Path, *command: str) -> subprocess.Complet
 def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "benchmarks" / "generator" / "plain", tmp_path / "mine")
     options = ["--grammar", "mine", "--rooms", "1", "2", "--rounds", "1", "--out", "found"]
-    ended = in_wheel(installed, tmp_path, "-m", "agent.cli", "bench", "generator", *options)
+    ended = in_wheel(installed, tmp_path, "-m", "vitruvius.cli", "bench", "generator", *options)
     assert ended.returncode == 0, ended.stdout + ended.stderr
     page = (tmp_path / "found" / "generator.md").read_text()
     assert "--grammar mine" in page
@@ -51,7 +51,7 @@ def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, t
 
 
 def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tmp_path: Path) -> None:
-    code = "import sim.arguments; print(sim.__file__, len(sim.arguments.house_list(sim.arguments.BANK)))"
+    code = "import sim.environment.arguments; print(sim.__file__, len(sim.environment.arguments.house_list(sim.environment.arguments.BANK)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
     path, houses = ended.stdout.splitlines()[-1].split()
     assert Path(path).is_relative_to(installed)

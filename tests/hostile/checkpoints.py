@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from agent import released
+from agent.runs import released
 from logic.errors import VitruviusError
 from tests.hostile.case import ACCEPTED, REFUSED, Case, Yard
 from tests.hostile.houses import bomb
@@ -249,8 +249,8 @@ def loaded(path: Path) -> Answer:
     """What a reader of a checkpoint answers; its network answers a look, once it is read."""
     import torch
 
-    from agent.checkpoint import load
-    from agent.info.recognise import recognised
+    from agent.runs.checkpoint import load
+    from vitruvius.info.recognise import recognised
 
     with suppress(VitruviusError):
         recognised(str(path))

@@ -21,8 +21,8 @@ FILES = ("agent.safetensors", "config.json", "metrics.jsonl", "state.pt.gz", "te
 
 def trained(folder: Path, resume: bool = False) -> Answer:
     """A short run in a folder."""
-    from agent.config import PQNConfig
-    from agent.runs import run
+    from agent.learning.config import PQNConfig
+    from agent.runs.runs import run
     from tests.sample_houses import random_house
 
     config = PQNConfig(num_envs=4, num_steps=8, steps=64, seed=2)
@@ -34,7 +34,7 @@ def trained(folder: Path, resume: bool = False) -> Answer:
 
 def resumed(folder: Path) -> Answer:
     """What ``--resume`` answers; ``info`` has an answer, too."""
-    from agent.info.recognise import recognised
+    from vitruvius.info.recognise import recognised
 
     with suppress(VitruviusError):
         recognised(str(folder))

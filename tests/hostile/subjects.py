@@ -107,9 +107,9 @@ def _answered(read: Callable[..., Answer], arguments: tuple[Path, ...]) -> Answe
 
 def rules(folder: Path) -> Answer:
     """What ``generate`` and ``lint`` do with a grammar, in this process: it is refused, or makes a house."""
-    from logic.builder import Builder
+    from logic.generation.builder import Builder
     from logic.grammar import find
-    from logic.request import Request
+    from logic.request.request import Request
 
     builder = Builder(find(folder), 0.0)
     request = Request.read({"rooms": 1, "types": {}, "furniture": {}, "cell": 0.0})
@@ -133,7 +133,7 @@ def command(*words: Any) -> Answer:
     import io
     from contextlib import redirect_stderr, redirect_stdout
 
-    from agent.cli import main
+    from vitruvius.cli import main
 
     said, code = io.StringIO(), -1
     with redirect_stdout(said), redirect_stderr(said):

@@ -29,15 +29,15 @@ class Subject:
 
     read: Callable[..., Answer]
     tables: tuple[Any, ...]
-    modules: tuple[str, ...] = ("pyswip", "logic.builder")
+    modules: tuple[str, ...] = ("pyswip", "logic.generation.builder")
     address_space: int = subjects.MEMORY
 
 
-TORCH = ("pyswip", "agent.runs", "torch.utils.tensorboard")
+TORCH = ("pyswip", "agent.runs.runs", "torch.utils.tensorboard")
 SUBJECTS = (
     Subject(subjects.rules, (prolog, answer_sets, files)),
     Subject(subjects.bomb, (bombs,)),
-    Subject(houses.shown, (houses,), ("agent.cli", "logic.draw", "matplotlib")),
+    Subject(houses.shown, (houses,), ("vitruvius.cli", "logic.drawing.draw", "matplotlib")),
     Subject(checkpoints.loaded, (checkpoints,), TORCH, 32 << 30),
     Subject(folders.resumed, (folders,), TORCH, 32 << 30),
 )

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from PIL import Image, ImageColor, ImageSequence
 
-from logic.looks import DEFAULT as LOOKS
-from logic.palettes import Inks
+from logic.drawing.palettes import Inks
+from logic.house.looks import DEFAULT as LOOKS
 from sim import DEFAULT, HouseVectorEnv
 from sim.film import BODY, TARGET, Camera, View, film
 from sim.geometry import geometry

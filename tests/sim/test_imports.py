@@ -31,9 +31,15 @@ def test_no_package_imports_one_above_it(package, above):
 def test_sim_imports_from_logic_only_houses_how_plans_draw_them_what_writes_files_and_the_hints_of_messages():
     taken = {(module, name) for module, name in imported("sim") if module.split(".")[0] == "logic"}
     assert {name for module, name in taken if module == "logic"} <= ALLOWED
-    drawing = {"logic.canvas", "logic.labels", "logic.looks", "logic.palettes", "logic.plan"}
-    assert {module for module, _ in taken} == {"logic", "logic.files", "logic.spelling", *drawing}
-    users = {path.name for path in (ROOT / "sim").rglob("*.py") if "logic.plan" in path.read_text()}
+    drawing = {
+        "logic.drawing.canvas",
+        "logic.drawing.labels",
+        "logic.house.looks",
+        "logic.drawing.palettes",
+        "logic.drawing.plan",
+    }
+    assert {module for module, _ in taken} == {"logic", "logic.house.files", "logic.spelling", *drawing}
+    users = {path.name for path in (ROOT / "sim").rglob("*.py") if "logic.drawing.plan" in path.read_text()}
     assert users == {"film.py"}
 
 
@@ -43,7 +49,7 @@ def test_taichi_is_imported_in_one_place():
 
 
 def test_the_public_names_are_these():
-    """What needs a library that is not ours is imported by its own name: ``sim.stable_baselines``."""
+    """What needs a library that is not ours is imported by its own name: ``sim.adapters.stable_baselines``."""
     tasks = ["Points", "Reach", "Rooms", "Task"]
     classes = ["Collect", "Config", "Cover", "FixedTask", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
     functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]

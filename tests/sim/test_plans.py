@@ -5,10 +5,10 @@ import pytest
 
 from logic import House
 from sim import HouseVectorEnv, Oracle, shortest_path
-from sim.searcher import Searcher
+from sim.baselines.searcher import Searcher
 from tests import sample_houses
 from tests.plans import PLANS, flat
-from tests.sim.agreement import require_equal_rays
+from tests.sim.backends.agreement import require_equal_rays
 
 HOUSES = list(PLANS.values())
 FORWARD = 2

@@ -15,7 +15,7 @@ from typing import Any
 from benchmarks.common.pages import ROOT, machine
 from benchmarks.common.processes import say
 from logic.errors import MissingProgram, RequestError
-from logic.files import write_whole
+from logic.house.files import write_whole
 from logic.spelling import unknown
 
 HERE = Path(__file__).resolve().parent

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 import torch
 
+from agent.algorithms.build import network_of
 from agent.avoidance import FORWARD
-from agent.build import network_of
-from agent.config import PQNConfig
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
-from agent.policies import QPolicy, RandomPolicy
-from agent.world import make_envs
+from agent.learning.config import PQNConfig
+from agent.learning.environments import make_envs
+from agent.policies.policies import QPolicy, RandomPolicy
 from sim import HouseVectorEnv
-from sim.lookout import Lookout
-from sim.oracle import Oracle
+from sim.baselines.lookout import Lookout
+from sim.baselines.oracle import Oracle
 from tests.sample_houses import drawn, random_house
 
 ENVIRONMENTS = 4

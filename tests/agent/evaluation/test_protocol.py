@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agent import checkpoint
-from agent.build import network_of
-from agent.checkpoint import Checkpoint
-from agent.config import TARGET_MODES, PQNConfig
+from agent.algorithms.build import network_of
+from agent.algorithms.presets import PRESETS
 from agent.evaluation.baselines import BASELINES, REFERENCES
-from agent.evaluation.commands import Evaluate, by_name
 from agent.evaluation.protocol import Setting, measure
-from agent.presets import PRESETS
+from agent.learning.config import TARGET_MODES, PQNConfig
+from agent.learning.simulator import sensor
 from agent.report.folder import report
-from agent.simulator import sensor
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
 from logic import RequestError, save
 from sim.config import DEFAULT, PAPER
 from tests.agent.evaluation.cases import SHORT, short_episodes
 from tests.sample_houses import random_house
+from vitruvius.commands.evaluate import Evaluate, by_name
 
 HOUSES = [random_house(seed) for seed in range(4)]
 

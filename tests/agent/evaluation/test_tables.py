@@ -9,7 +9,7 @@ from rich.console import Console
 
 from agent.evaluation.plots import learning_curve, ratio_plot
 from agent.evaluation.tables import Table, score_table, tables
-from agent.learner import Progress
+from agent.learning.learner import Progress
 from tests.agent.evaluation.cases import result, scores
 
 WIDEST = result(

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from agent.evaluation.baselines import PRIVILEGED
-from agent.evaluation.commands import Evaluate
 from agent.evaluation.protocol import measure
 from agent.evaluation.scores import modes_of, result_of
 from agent.evaluation.tables import score_table
-from agent.simulator import undisturbed, with_sensor
-from agent.world import playable
+from agent.learning.environments import playable
+from agent.learning.simulator import undisturbed, with_sensor
 from logic import HouseFileError, save
 from sim.config import DEFAULT, LONG, NOISY, PRESETS
 from tests.agent.evaluation.cases import result, scores, short_episodes
 from tests.sample_houses import ONE_ROOM, drawn, random_house
+from vitruvius.commands.evaluate import Evaluate
 
 TABLE = '{"task": "object", "piece": "table"}'
 BARE = drawn(ONE_ROOM.replace("A", "a"))

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import torch
 
-from agent.world import make_envs
+from agent.learning.environments import make_envs
 from logic import House, generate
 from sim import HouseVectorEnv
+from tests.agent.learning.test_environments import mirror
 from tests.agent.planner.adapter import Planner
 from tests.agent.planner.reference import WAYS, Body
-from tests.agent.test_world import mirror
 from tests.sample_houses import random_house
 
 E, STEPS = 8, 240

@@ -3,8 +3,8 @@
 import numpy as np
 import torch
 
-from agent.policies import Explorer
-from agent.world import make_envs, shield
+from agent.learning.environments import make_envs, shield
+from agent.policies.policies import Explorer
 from sim.config import DOORS
 from tests import sample_houses
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import torch
 
+from agent.learning.environments import make_envs, shield
 from agent.planner import TAKEN, TUNED, Planner
-from agent.policies import Explorer
-from agent.world import make_envs, shield
+from agent.policies.policies import Explorer
 from logic import generate
 from sim.config import DEFAULT, NOISY
 

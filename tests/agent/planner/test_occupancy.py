@@ -8,12 +8,12 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.world import make_envs
+from agent.learning.environments import make_envs
 from logic import House, Piece, Rect, Star, StarRoom
 from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
-from sim.grid.cells import STANDS, middle
-from sim.grid.pack import pack
+from sim.backends.grid.cells import STANDS, middle
+from sim.backends.grid.pack import pack
 from tests.agent.planner import planning, reference
 from tests.agent.planner.adapter import Planner
 from tests.agent.planner.conftest import STEPS, E, Walk

@@ -4,11 +4,11 @@ import numpy as np
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
+from agent.learning.environments import make_envs, shield
 from agent.planner.paths import FAR
-from agent.policies import Explorer
-from agent.world import make_envs, shield
+from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
-from sim.oracle import Oracle
+from sim.baselines.oracle import Oracle
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import UNKNOWN
 from tests.agent.planner.conftest import E, Step, Walk

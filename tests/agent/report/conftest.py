@@ -2,13 +2,13 @@
 
 import pytest
 
-from agent.build import network_of
-from agent.checkpoint import Checkpoint
-from agent.config import PQNConfig
-from agent.evaluation.film import watch
-from agent.report import trace
-from agent.report.recorder import Recorder
-from agent.viewpoint_q.config import ViewpointQConfig
+from agent.algorithms.build import network_of
+from agent.algorithms.viewpoint_q.config import ViewpointQConfig
+from agent.learning.config import PQNConfig
+from agent.recording import trace
+from agent.recording.film import watch
+from agent.recording.recorder import Recorder
+from agent.runs.checkpoint import Checkpoint
 from tests import sample_houses
 
 HOUSE = sample_houses.drawn(sample_houses.ONE_ROOM, cell=1.0)

@@ -10,9 +10,9 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from agent.banks import benchmark
-from agent.report import trace
+from agent.recording import trace
+from agent.recording.trace import Trace
 from agent.report.folder import write_report
-from agent.report.trace import Trace
 from logic import House, save
 from tests.agent.report.conftest import STEPS, recorded, untrained
 from tests.agent.report.test_report import LINE, measured, metrics

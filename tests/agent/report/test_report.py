@@ -14,18 +14,19 @@ import pytest
 
 from agent.banks import bank_hash, benchmark
 from agent.evaluation.scores import Bank, ScoreFile, modes_of
-from agent.report import plans, trace
-from agent.report.commands import Report
+from agent.recording import trace
+from agent.recording.trace import Trace, TraceError
+from agent.report import plans
 from agent.report.folder import describe, report, write_report
 from agent.report.measured import section as measured_section
 from agent.report.page import ReportError
 from agent.report.plots import Axis, Series, line_plot, some
-from agent.report.trace import Trace, TraceError
 from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
 from tests.agent.report.conftest import HOUSE
 from tests.benchmarks.reports import report as timed
 from tests.benchmarks.reports import simulator_report
+from vitruvius.commands.report import Report
 
 LINE = {
     "steps": 1000,

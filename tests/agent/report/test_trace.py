@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from agent.evaluation.film import watch
 from agent.planner import FREE, TAKEN
-from agent.report import trace
-from agent.report.recorder import EVERY, Recorder
-from agent.report.trace import FORMAT, Packed, Trace, TraceError
+from agent.recording import trace
+from agent.recording.film import watch
+from agent.recording.recorder import EVERY, Recorder
+from agent.recording.trace import FORMAT, Packed, Trace, TraceError
 from sim.geometry import geometry
 from tests.agent.report.conftest import HOUSE, STEPS, recorded, untrained, with_planner
 

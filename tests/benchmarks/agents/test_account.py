@@ -6,8 +6,8 @@ import torch
 
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play, reset
-from agent.policies import RandomPolicy
-from agent.world import make_envs, shield
+from agent.learning.environments import make_envs, shield
+from agent.policies.policies import RandomPolicy
 from benchmarks.agents.account import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, Search, follow, room_of
 from tests.sample_houses import drawn, random_house
 

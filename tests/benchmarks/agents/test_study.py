@@ -12,15 +12,14 @@ import numpy as np
 import pytest
 import tyro
 
-from agent import checkpoint
+from agent.algorithms.build import network_of
 from agent.banks import BANKS, NAME
-from agent.build import network_of
-from agent.checkpoint import Checkpoint
-from agent.cli import parse
-from agent.config import TARGET_MODES, differences
 from agent.evaluation import scores
 from agent.evaluation.episodes import EpisodeScores
 from agent.evaluation.result import Result
+from agent.learning.config import TARGET_MODES, differences
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
@@ -28,6 +27,7 @@ from benchmarks.agents.records import Entry, External, Outcome, Study, by_seed, 
 from benchmarks.agents.run import Agents, measured
 from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, with_run
 from logic.errors import RequestError
+from vitruvius.cli import parse
 
 ROOT = Path(__file__).parents[3]
 

@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agent.cli import main
 from benchmarks.generator.laws import CHAINS, along_sides, held, on_a_chain, on_a_wall
 from benchmarks.generator.layouts import by_rejection, entropy, every_layout
-from logic import RequestError, count_layouts, prolog
-from logic.builder import Builder
+from logic import RequestError, count_layouts
+from logic.generation.builder import Builder
 from logic.grammar import find
-from logic.layout import EVERY, Program
+from logic.layout.program import EVERY, Program
+from logic.placement import prolog
+from vitruvius.cli import main
 
 ALPHA = 1e-3
 """The seeds are fixed, so a test passes always or never: this is how rare a sample it may rest on."""
@@ -144,7 +145,7 @@ def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
 
 def test_a_count_says_once_a_second_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a clock that goes on by 0.4 s with each layout."""
-    monkeypatch.setattr("logic.layout.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
+    monkeypatch.setattr("logic.layout.program.time.monotonic", iter(np.arange(0, 9, 0.4)).__next__)
     assert list(coins(tmp_path, EVERY).count([], 60)) == [(3, None), (6, None), (7, True)]
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.paper import complexity
 from benchmarks.paper.complexity import Complexity, growth, table
-from logic import prolog
+from logic.placement import prolog
 
 SIDES = {"bedroom": (12, 17), "bathroom": (8, 12), "kitchen": (10, 15)}
 

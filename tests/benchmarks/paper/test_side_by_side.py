@@ -10,15 +10,15 @@ import torch
 from torch import nn
 
 from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
+from agent.algorithms.paper import PaperNetwork, q_targets, squared_loss
+from agent.algorithms.presets import PRESETS
 from agent.avoidance import PaperRule
-from agent.config import PaperConfig
-from agent.paper import PaperNetwork, q_targets, squared_loss
-from agent.policies import home
-from agent.presets import PRESETS
-from agent.world import make_envs
+from agent.learning.config import PaperConfig
+from agent.learning.environments import make_envs
+from agent.policies.policies import home
 from benchmarks.paper.side_by_side import Actors, Runs, find_gradients, forward, stacked
 from sim import HouseVectorEnv
-from sim.arguments import PAPER_HOUSE, house_list
+from sim.environment.arguments import PAPER_HOUSE, house_list
 
 PRESET = replace(cast(PaperConfig, PRESETS["paper"]), batch_size=20, num_minibatches=20, buffer_size=4000)
 CONFIGS = [

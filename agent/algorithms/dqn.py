@@ -1,0 +1,234 @@
+"""Deep Q-learning from a replay buffer (DQN), in one file to be read beside its papers.
+
+| part | of |
+|---|---|
+| replay buffer, target network | Mnih et al. 2015, doi:10.1038/nature14236 |
+| double Q-learning | van Hasselt et al. 2016, arXiv:1509.06461 |
+| n-step returns | Hessel et al. 2018 (Rainbow), arXiv:1710.02298: not corrected for exploring actions |
+
+First the rule, as pure functions of tensors; then the learner: step all environments, keep what happened,
+learn from a sample of it, again.
+
+Axes: E environments, n steps of a return, B samples, R rays, C channels, M half-lives, A actions; ``s_tm1,
+a_tm1`` lead to ``s_t``.
+"""
+
+from copy import deepcopy
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from agent.actions import ACTIONS
+from agent.algorithms.build import network_of
+from agent.avoidance import subsume
+from agent.learning.config import DQNConfig
+from agent.learning.learner import Learner, Progress, Tally, linear
+from agent.learning.replay import ReplayBuffer
+from agent.policies.policies import epsilon_greedy
+from sim import HouseVectorEnv
+
+REPORT = 128
+"""Steps of every environment between two reports."""
+
+
+def n_step_returns(
+    r: Tensor, terminated: Tensor, truncated: Tensor, *, gamma: float
+) -> tuple[Tensor, Tensor, Tensor]:
+    """Returns of n steps, from the step each sample begins with: ``g, ahead, discount``, each (B,).
+
+    ``r`` (n, B) are rewards, ``terminated`` and ``truncated`` (n, B) bool how a step ended. ``g`` is the sum
+    of the discounted rewards up to the first end; the value of the state ``ahead`` steps on is multiplied by
+    ``discount``: 0 if it is terminal, but not if the time ran out there. Steps after an end are left out.
+    """
+    alive = torch.ones_like(terminated[0])
+    died, ahead, g = ~alive, torch.zeros(len(alive), dtype=torch.int64), torch.zeros_like(r[0])
+    for k in range(len(r)):
+        g = g + gamma**k * r[k] * alive
+        ahead = ahead + alive
+        died = died | (alive & terminated[k])
+        alive = alive & ~(terminated[k] | truncated[k])
+    return g, ahead, gamma**ahead * ~died
+
+
+def double_q_targets(
+    g: Tensor, discount_t: Tensor, q_t_target: Tensor, q_t_online: Tensor, allowed_t: Tensor
+) -> Tensor:
+    """Targets (B,) for the values of the taken actions: the return and the value of the state it leads to.
+
+    The network chooses the action there by its values ``q_t_online`` (B, A), among those that are
+    ``allowed_t`` (B, A) bool; the target network's values ``q_t_target`` (B, A) are its values.
+    """
+    best = subsume(q_t_online, allowed_t)
+    return g + discount_t * q_t_target.gather(1, best[:, None]).squeeze(1)
+
+
+def huber_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor, valid: Tensor) -> Tensor:
+    """Huber's loss of the taken actions' values (B, A) to their targets (B,): squared up to an error of 1 and
+    linear from there; a scalar.
+
+    ``valid`` (B,) bool leaves out the steps after an end, whose action the environment ignored.
+    """
+    q = q_tm1.gather(1, a_tm1[:, None]).squeeze(1)
+    loss = nn.functional.huber_loss(q, target, reduction="none")
+    return (loss * valid).sum() / valid.sum().clamp(min=1)
+
+
+class Batch(NamedTuple):
+    """Steps to learn from. ``m`` is the memory (B, M, 6) beside an observation ``s`` (B, R, C)."""
+
+    s_tm1: Tensor
+    m_tm1: Tensor
+    a_tm1: Tensor
+    g: Tensor
+    discount_t: Tensor
+    s_t: Tensor
+    m_t: Tensor
+    allowed_t: Tensor
+    valid: Tensor
+
+
+def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, gamma: float) -> Batch:
+    """The steps in these rows (B,) of these environments (B,), with their returns over n steps."""
+    window, along = rows + torch.arange(n)[:, None], envs.expand(n, -1)
+    ends = (replay.read(name, window, along) for name in ("r", "terminated", "truncated"))
+    g, ahead, discount_t = n_step_returns(*ends, gamma=gamma)
+    return Batch(
+        s_tm1=replay.read("s", rows, envs).float(),
+        m_tm1=replay.read("m", rows, envs).float(),
+        a_tm1=replay.read("a", rows, envs),
+        g=g,
+        discount_t=discount_t,
+        s_t=replay.read("s", rows + ahead, envs).float(),
+        m_t=replay.read("m", rows + ahead, envs).float(),
+        allowed_t=replay.read("allowed", rows + ahead, envs),
+        valid=replay.read("valid", rows, envs),
+    )
+
+
+class DQN(Learner):
+    """A run of deep Q-learning: two networks and a replay buffer."""
+
+    config: DQNConfig
+
+    def __init__(self, config: DQNConfig, envs: HouseVectorEnv) -> None:
+        """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
+        super().__init__(config, envs, network_of(config), report=REPORT)
+        self.target = deepcopy(self.network)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
+        self.updates, self.tally = 0, Tally()
+        count = config.num_envs
+        self.s, self.m = self.reset_envs(), self.network.memory.empty(count)
+        self.blocked = self.ended = torch.zeros(count, dtype=torch.bool)
+        flags = self.blocked
+        # Half precision is 2 mm at the end of the range, takes no longer to read and half the room.
+        self.replay = ReplayBuffer(
+            config.buffer_size // count,
+            s=self.s.half(),
+            m=self.m.half(),
+            allowed=torch.zeros(count, ACTIONS, dtype=torch.bool),
+            a=torch.zeros(count, dtype=torch.int64),
+            r=torch.zeros(count),
+            terminated=flags,
+            truncated=flags,
+            valid=flags,
+        )
+
+    @property
+    def epsilon(self) -> float:
+        """Share of random actions now."""
+        c = self.config
+        return linear(c.epsilon, c.final_epsilon, self.fraction / max(c.exploration_fraction, 1e-9))
+
+    @property
+    def ready(self) -> bool:
+        """Whether the buffer holds enough to learn from."""
+        least = max(self.config.learning_starts // self.config.num_envs, self.config.n_step + 1)
+        return self.replay.written >= min(least, self.replay.rows)
+
+    def iterate(self) -> Progress:
+        """Step all environments and learn, up to the next report."""
+        start, losses, self.tally = perf_counter(), [], Tally()
+        for _ in range(REPORT):
+            self.act()
+            if self.ready and self.replay.written % self.config.train_frequency == 0:
+                losses.append(self.train_step(self.sample()))
+        self.clock.all += perf_counter() - start
+        loss = float(torch.stack(losses).mean()) if losses else 0.0
+        return self.report(self.tally, loss=loss, epsilon=self.epsilon)
+
+    @torch.no_grad()
+    def act(self) -> None:
+        """Step all environments once, and keep the actions that were executed."""
+        s, allowed = self.s, self.avoidance(self.s, self.blocked)
+        q = self.network(s, self.m)
+        preference = epsilon_greedy(q, self.epsilon, self.config.forward, self.generator)
+        a = subsume(preference, allowed)
+        before = perf_counter()
+        observation, r, terminated, truncated, info = self.envs.step_torch(a)
+        self.clock.simulating += perf_counter() - before
+        self.replay.append(
+            s=s,
+            m=self.m,
+            allowed=allowed,
+            a=a,
+            r=r,
+            terminated=terminated,
+            truncated=truncated,
+            valid=~self.ended,
+        )
+        self.tally.add(r, valid=~self.ended, overruled=a != preference.argmax(-1))
+        # The step after an end begins the next episode: its memory is empty.
+        self.m = self.network.memory(self.m, s, self.blocked, a, self.ended)
+        # Cloned: the simulator writes over its tensors at the next step.
+        self.s, self.blocked = observation.clone(), info["blocked"].clone()
+        self.ended = terminated | truncated
+
+    def sample(self) -> Batch:
+        """Random steps from the replay buffer."""
+        config = self.config
+        rows, envs = self.replay.sample(config.batch_size, config.n_step, self.generator)
+        return n_step_batch(self.replay, rows, envs, n=config.n_step, gamma=config.gamma)
+
+    def train_step(self, batch: Batch) -> Tensor:
+        """Learn from a batch; the loss."""
+        config = self.config
+        with torch.no_grad():
+            q_t_target = self.target(batch.s_t, batch.m_t)
+            q_t_online = self.network(batch.s_t, batch.m_t)
+            target = double_q_targets(batch.g, batch.discount_t, q_t_target, q_t_online, batch.allowed_t)
+        loss = huber_loss(self.network(batch.s_tm1, batch.m_tm1), batch.a_tm1, target, batch.valid)
+        for group in self.optimizer.param_groups:
+            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
+        self.optimizer.zero_grad()
+        loss.backward()
+        if config.max_grad_norm is not None:
+            nn.utils.clip_grad_norm_(self.network.parameters(), config.max_grad_norm)
+        self.optimizer.step()
+        self.updates += 1
+        if self.updates % config.target_network_frequency == 0:
+            self.target.load_state_dict(self.network.state_dict())
+        return loss.detach()
+
+    def own_state(self) -> dict[str, Any]:
+        """The target network, the optimiser, the replay buffer, and where the environments are."""
+        return {
+            "target": self.target.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "replay": self.replay.state(),
+            "last": {name: getattr(self, name) for name in LAST},
+        }
+
+    def restore_own(self, state: dict[str, Any]) -> None:
+        """Take up what ``own_state`` gave."""
+        self.target.load_state_dict(state["target"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.replay.restore(state["replay"])
+        for name in LAST:
+            value = state["last"][name]
+            setattr(self, name, value.clone() if isinstance(value, Tensor) else value)
+
+
+LAST = ("s", "m", "blocked", "ended", "updates")
+"""What the next step depends on beside networks and buffer."""

@@ -1,0 +1,105 @@
+"""Planners that foresee: what a network predicts of unseen ground is written into their ``prior``."""
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from agent.algorithms.map_completion.marks import Marks
+from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
+from agent.algorithms.map_completion.windows import LOOKED, Windows, seen
+from agent.planner import TUNED, Planner, PlannerConfig
+from agent.planner.belief import BLOCKED, PATH, WALL
+from agent.planner.config import CERTAIN
+from agent.policies.policies import Tracker
+from sim.config import Config
+
+EVERY, NEWS = 48, 64
+"""Steps of an environment between two predictions, at least; cells that must be new. After a pick-up it
+predicts in any case."""
+
+ANYWAY = 384
+"""Steps after which it predicts though nothing is new: more was looked at."""
+
+EARLY = (1, 5, 9)
+"""Steps of an episode at which it predicts anyway."""
+
+TOGETHER = 4
+"""It predicts at every fourth step of an episode alone: environments that began together then make larger
+batches, which take less time each."""
+
+LEAST = 0.05
+"""How likely a block must be floor for paths to lead over it unseen, and for targets to be sought there."""
+
+DITHER = (np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) + 0.5) / 16
+"""What is added before counts become whole numbers, by the block's place: their mean over some blocks is then
+right, also where each is less than one (Bayer 1973)."""
+
+AT_ONCE = 32
+"""Windows in a batch: what fits a processor's cache."""
+
+
+class Foresight(Tracker):
+    """Keeps planners in step, and their ``prior`` up to date by a network."""
+
+    def __init__(self, world: Config, network: CompletionNetwork, config: PlannerConfig = TUNED) -> None:
+        """For environments of the configuration ``world``."""
+        self.network = network
+        super().__init__(world, config, prior=True)
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        super().begin(environments)
+        self.windows, self.marks = Windows(self.planner), Marks(self.world, self.planner)
+        self.seen, self.found, self.age = np.zeros((3, environments), int)
+
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
+        """The planners, with what the last actions led to; predictions are of the maps as they are then."""
+        planner = super().look(observation, blocked)
+        self.marks.note(observation)
+        time = planner.read("time").numpy()
+        self.seen[time == 1], self.found[time == 1], self.age[time == 1] = 0, 0, 0
+        self.age += 1
+        if (now := time % TOGETHER == 1).any():
+            due = (planner.seen.numpy() - self.seen >= NEWS) & ((self.age >= EVERY) | np.isin(time, EARLY))
+            due |= (planner.read("found").numpy() != self.found) | (self.age >= ANYWAY)
+            self.foresee(np.flatnonzero(now & due & planner.seeks.numpy()))
+        return planner
+
+    def foresee(self, environments: np.ndarray) -> None:
+        """Predict in these environments (n,) int."""
+        if not len(environments):
+            return
+        windows, corners = self.windows.read(environments)
+        marks = self.marks.read(environments, corners)
+        self.windows.write(environments, self.given(self.predict(windows, marks, -corners), windows))
+        self.planner.choose_again(environments)
+        self.seen[environments] = self.planner.seen.numpy()[environments]
+        self.found[environments] = self.planner.read("found").numpy()[environments]
+        self.age[environments] = 0
+
+    @torch.inference_mode()
+    def predict(self, windows: np.ndarray, marks: np.ndarray, starts: np.ndarray) -> Prediction:
+        """What is predicted of windows (n, W, W) uint8 with ``marks`` (n, 2, W, W) uint8, of maps that began
+        at ``starts`` (n, 2).
+        """
+        given = torch.from_numpy(windows), torch.from_numpy(marks), torch.from_numpy(starts).float()
+        parts = [self.network(*each) for each in zip(*(field.split(AT_ONCE) for field in given), strict=True)]
+        return Prediction(*(torch.cat(column) for column in zip(*parts, strict=True)))
+
+    def given(self, prediction: Prediction, windows: np.ndarray) -> np.ndarray:
+        """What is believed by a prediction, as the planner's ``prior`` has it (n, W, W) uint16: what blocks
+        count, ``PATH`` where paths may lead, and the probability that sight ends there.
+        """
+        floor, sight = (logits.sigmoid().numpy() for logits in (prediction.floor, prediction.sight))
+        target, known = prediction.target.exp().numpy(), seen(windows)
+        # The mean density of targets, as far as they are expected where it has not looked: from there on a
+        # block is certain.
+        left = np.where(windows & LOOKED, 0, target)
+        dense = np.square(left).sum((1, 2)) / left.sum((1, 2)).clip(1e-12)
+        count = CERTAIN * target / dense.clip(1e-12)[:, None, None]
+        count = (count + np.tile(DITHER, (WINDOW // 4, WINDOW // 4))).clip(max=CERTAIN).astype(np.uint16)
+        # No floor is impossible: where all that is likely was seen, the unlikely is looked at.
+        path = known | (floor >= LEAST)
+        count = np.where(path, count.clip(1), 0)
+        wall = np.rint(BLOCKED * (1 - np.where(known, 1.0, sight))).astype(np.uint16)
+        return wall << WALL | (PATH * path).astype(np.uint16) | count

@@ -1,0 +1,230 @@
+"""Learning map completion, supervised: explorers make the maps, the houses tell what was to be predicted."""
+
+import json
+from dataclasses import replace
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from agent.algorithms.build import network_of
+from agent.algorithms.map_completion.config import CompletionConfig
+from agent.algorithms.map_completion.marks import Marks
+from agent.algorithms.map_completion.network import CompletionNetwork, Prediction
+from agent.algorithms.map_completion.sight import cast_rays
+from agent.algorithms.map_completion.truth import UNKNOWN, Truth
+from agent.algorithms.map_completion.windows import Windows, seen
+from agent.learning.learner import Learner, Progress, Tally, linear
+from agent.policies.policies import Explorer
+from sim import HouseVectorEnv
+
+NEAR = 12
+"""Blocks from seen ground within which unseen ground counts fully."""
+
+COARSE = 4
+"""Blocks along a side of the squares by which that is judged."""
+
+FAR = 0.05
+"""What ground counts that lies farther, or that was seen."""
+
+SIGHT, TARGETS, KINDS = 1.0, 0.2, 0.1
+"""What sight, the place of the target, and the kinds of ground count in the loss beside floor."""
+
+
+class Batch(NamedTuple):
+    """What the network learns from: of n windows, what it reads and what is so."""
+
+    windows: Tensor
+    """(n, W, W) uint8, as ``Windows.read`` gives them."""
+
+    marks: Tensor
+    """(n, 2, W, W) uint8, as ``Marks.read`` does."""
+
+    starts: Tensor
+    """(n, 2) float32: where the episodes began, blocks south and east of the first."""
+
+    floor: Tensor
+    """(n, W, W) uint8; this, target and kinds as ``truth.Blocks``."""
+
+    target: Tensor
+    """(n, W, W) float32."""
+
+    kinds: Tensor
+    """(n, W, W) uint8."""
+
+    rays: Tensor
+    """(n, W, W) float32; this and ``passed`` as ``sight.Sight``."""
+
+    passed: Tensor
+    """(n, W, W) float32."""
+
+
+class MapCompletion(Learner):
+    """A run of map completion. In each turn explorers go on for some steps; then the network learns from a
+    window of each one's map. Episodes are cut short at random, so that there are maps of all ages.
+    """
+
+    config: CompletionConfig
+    network: CompletionNetwork
+
+    def __init__(self, config: CompletionConfig, envs: HouseVectorEnv) -> None:
+        """Begin a run; ``envs`` has NEXT_STEP autoreset. The kinds of ground are those of its houses, where
+        the config names none.
+        """
+        rooms = [room for house in envs.houses for room in house.rooms]
+        found = {room.type for room in rooms} | {piece.type for room in rooms for piece in room.pieces}
+        config = replace(config, kinds=config.kinds or tuple(sorted(found)))
+        super().__init__(config, envs, network_of(config), report=config.num_steps)
+        self.optimizer = torch.optim.AdamW(
+            self.network.parameters(), lr=config.learning_rate, weight_decay=1e-4, foreach=True
+        )
+        self.random = np.random.default_rng(self.seed)
+        self.explorer = Explorer(self.avoidance, envs.config)
+        self.explorer.begin(envs.num_envs)
+        self.tracker = self.explorer.tracker
+        planner = self.tracker.planner
+        self.windows, self.marks = Windows(planner), Marks(envs.config, planner)
+        self.truth = Truth(envs, config.kinds, planner.cell)
+        self.observation = self.reset_envs()
+        self.blocked, self.ended = torch.zeros(2, envs.num_envs, dtype=torch.bool)
+
+    def iterate(self) -> Progress:
+        """Explore, and learn from the maps."""
+        start, tally = perf_counter(), Tally()
+        self.restart()
+        for _ in range(self.config.num_steps):
+            self.step(tally)
+        loss = self.learn()
+        self.clock.all += perf_counter() - start
+        return self.report(tally, loss=loss, epsilon=0.0)
+
+    def restart(self) -> None:
+        """Begin other episodes in a share of the environments."""
+        mask = self.random.random(self.envs.num_envs) < self.config.restarts
+        if mask.any():
+            observation, _ = self.envs.reset(options={"reset_mask": mask})
+            self.observation, begun = torch.as_tensor(observation), torch.from_numpy(mask)
+            self.tracker.fresh |= begun
+            self.blocked &= ~begun
+            self.ended &= ~begun
+
+    def step(self, tally: Tally) -> None:
+        """A step of all explorers."""
+        before, start = self.explorer.interventions, perf_counter()
+        actions = self.explorer(self.observation, self.blocked)
+        self.marks.note(self.observation)
+        self.truth.begin(np.flatnonzero(self.tracker.planner.read("time").numpy() == 1))
+        mapped = perf_counter()
+        observation, reward, terminated, truncated, info = self.envs.step_torch(actions)
+        self.clock.mapping += mapped - start
+        self.clock.simulating += perf_counter() - mapped
+        tally.add(reward, ~self.ended, torch.tensor(self.explorer.interventions - before))
+        # The step after an end began the next episode.
+        self.tracker.fresh |= self.ended
+        self.ended = terminated | truncated
+        self.observation, self.blocked = observation.clone(), info["blocked"].clone()
+
+    def learn(self) -> float:
+        """Learn from a window of each map, in the config's epochs; the mean loss."""
+        config = self.config
+        for group in self.optimizer.param_groups:
+            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
+        batch, losses = self.batch(), []
+        for _ in range(config.update_epochs):
+            order = torch.randperm(self.envs.num_envs, generator=self.generator)
+            for part in order.split(config.batch_size):
+                losses.append(self.update(turned(Batch(*(each[part] for each in batch)), self.random)))
+        return float(torch.stack(losses).mean())
+
+    def batch(self) -> Batch:
+        """A window of each map."""
+        everyone = np.arange(self.envs.num_envs)
+        windows, corners = self.windows.read(everyone)
+        given = windows, self.marks.read(everyone, corners), -corners.astype(np.float32)
+        truth = self.truth.read(everyone, corners)
+        sight = cast_rays(windows, truth.solid, self.random)
+        return Batch(*map(torch.from_numpy, (*given, truth.floor, truth.target, truth.kinds, *sight)))
+
+    def update(self, batch: Batch) -> Tensor:
+        """Learn from a batch; the loss."""
+        loss = completion_loss(self.network(batch.windows, batch.marks, batch.starts), batch)
+        self.optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.max_grad_norm)
+        self.optimizer.step()
+        return loss.detach()
+
+    def own_state(self) -> dict[str, Any]:
+        """The optimiser, the maps, and where the explorers are."""
+        return {
+            "optimizer": self.optimizer.state_dict(),
+            "map": self.tracker.planner.state,
+            "marks": {name: torch.from_numpy(getattr(self.marks, name)) for name in ("blocks", "found")},
+            "truth": {name: torch.from_numpy(getattr(self.truth, name)) for name in ("pose", "house")},
+            "last": {name: getattr(self, name).clone() for name in LAST},
+            "tracker": {name: getattr(self.tracker, name).clone() for name in ("actions", "fresh")},
+            "random": json.dumps(self.random.bit_generator.state),
+        }
+
+    def restore_own(self, state: dict[str, Any]) -> None:
+        """Take up what ``own_state`` gave."""
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.tracker.planner.state = state["map"]
+        for owner, values in ((self.truth, state["truth"]), (self.marks, state["marks"])):
+            for name, value in values.items():
+                setattr(owner, name, value.numpy())
+        for owner, values in ((self, state["last"]), (self.tracker, state["tracker"])):
+            for name, value in values.items():
+                setattr(owner, name, value)
+        self.random.bit_generator.state = json.loads(state["random"])
+
+
+LAST = ("observation", "blocked", "ended")
+"""What the next step starts from."""
+
+
+def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
+    """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
+    was not seen but is near to what was; of the next target's block; and of whether a ray that reaches a
+    block passes it.
+    """
+    known = seen(batch.windows)
+    # By squares of COARSE blocks: a wide pool over single blocks takes a quarter of all the time.
+    squares = F.max_pool2d(known[:, None].float(), COARSE)
+    near = F.max_pool2d(squares, 2 * NEAR // COARSE + 1, 1, NEAR // COARSE)
+    about = F.interpolate(near, scale_factor=float(COARSE))[:, 0]
+    weight = torch.where(known, FAR, about.clamp(min=FAR))
+    floor = F.binary_cross_entropy_with_logits(prediction.floor, batch.floor.float(), reduction="none")
+    kinds, weights = (each[:, ::2, ::2] for each in (batch.kinds, weight))
+    told = kinds != UNKNOWN
+    logits = prediction.kinds.permute(0, 2, 3, 1).flatten(0, 2)  # as they lie in memory
+    ground = F.cross_entropy(logits, (kinds.long() * told).flatten(), reduction="none").view_as(weights)
+    target = -(batch.target * prediction.target).sum((1, 2)) / batch.target.sum((1, 2)).clamp(min=1e-6)
+    sight = F.binary_cross_entropy_with_logits(prediction.sight, batch.passed, reduction="none")
+    blocks = mean(floor, weight) + SIGHT * mean(sight, batch.rays)
+    return blocks + TARGETS * target.mean() + KINDS * mean(ground, weights * told)
+
+
+def mean(values: Tensor, weight: Tensor) -> Tensor:
+    """The weighted mean, 0 where nothing counts."""
+    return (values * weight).sum() / weight.sum().clamp(min=1e-6)
+
+
+def turned(batch: Batch, random: np.random.Generator) -> Batch:
+    """The same houses, turned by quarters and mirrored at random."""
+    quarters, mirrored = int(random.integers(4)), random.random() < 0.5
+    last = batch.windows.shape[-1] - 1
+    south, east = batch.starts.unbind(1)
+    for _ in range(quarters):
+        south, east = last - east, south
+    starts = torch.stack([south, last - east if mirrored else east], 1)
+
+    def turn(field: Tensor) -> Tensor:
+        field = torch.rot90(field, quarters, (-2, -1))
+        return (field.flip(-1) if mirrored else field).contiguous()
+
+    fields = {name: turn(field) for name, field in batch._asdict().items() if name != "starts"}
+    return Batch(starts=starts, **fields)

@@ -1,0 +1,61 @@
+"""Marks on planners' maps that the planners do not keep: where targets were picked up in an episode, and
+where rays met pieces of the kinds that observations tell apart. They say where the next target is likely.
+"""
+
+import numpy as np
+from torch import Tensor
+
+from agent.algorithms.map_completion.network import FINDS, PIECES, WINDOW
+from agent.planner import Planner
+from sim.config import Config
+
+INSIDE = 0.3
+"""Cells beyond a ray's end that are taken to be the piece's."""
+
+
+class Marks:
+    """The marks of E environments' maps."""
+
+    def __init__(self, world: Config, planner: Planner) -> None:
+        """Beside these planners, of environments of the configuration ``world``."""
+        self.world, self.planner = world, planner
+        side = 1 << planner.config.map_bits - 1
+        self.blocks = np.zeros((len(planner.advice), 2, side, side), np.uint8)
+        """How many targets were picked up in a block; and 1 + the number in ``Config.kinds`` of the piece
+        that was met there last, 0 for none. South by east on the planner's torus.
+        """
+        self.found = np.zeros(len(planner.advice), np.int32)
+        self.directions = planner.arrays["directions"].numpy().reshape(8, world.rays, 2)
+
+    def note(self, observation: Tensor) -> None:
+        """Mark what the planners' last step, with this observation (E, R, C), shows."""
+        x, y, heading, time, found = (
+            self.planner.read(name).numpy() for name in ("x", "y", "heading", "time", "found")
+        )
+        begun, last = np.flatnonzero(time == 1), self.blocks.shape[-1] - 1
+        self.blocks[begun], self.found[begun] = 0, 0
+        picked = np.flatnonzero(found > self.found)
+        # Where the body is: the target was within its reach. Its place is in half cells, four to a block.
+        at = picked, FINDS, (y[picked] + 2 >> 2) & last, (x[picked] + 2 >> 2) & last
+        self.blocks[at] = np.minimum(self.blocks[at], 254) + 1
+        self.found[:] = found
+        if not self.world.kinds:
+            return
+        first = int(self.world.sees_angle)
+        shown = observation.numpy()[..., first : first + len(self.world.kinds) + 1]
+        environment, ray, kind = shown[..., :-1].nonzero()
+        way = self.directions[heading[environment], ray]
+        away = (shown[environment, ray, -1] + INSIDE / np.linalg.norm(way, axis=-1))[:, None] * way
+        east, south = (
+            np.floor((each[environment] / 2 + way + 1) / 2).astype(int) & last
+            for each, way in zip((x, y), away.T, strict=True)
+        )
+        self.blocks[environment, PIECES, south, east] = kind + 1
+
+    def read(self, environments: np.ndarray, corners: np.ndarray) -> np.ndarray:
+        """The marks (n, 2, W, W) uint8 in the windows of these environments, with such corners (n, 2)."""
+        side, axis = self.blocks.shape[-1], np.arange(WINDOW)
+        south, east = ((corners[:, k, None] + axis) % side for k in range(2))
+        rows = self.blocks[environments[:, None], :, south]  # (n, W, 2, side)
+        taken = np.take_along_axis(rows, east[:, None, None, :], axis=3)
+        return np.ascontiguousarray(taken.swapaxes(1, 2))

@@ -1,0 +1,135 @@
+"""Windows of planners' maps: read for the network, and written back as the planner's ``prior``.
+
+A block is the four cells about every other node. Window block (i, j) of an environment, south by east, is
+``WINDOW / 2`` blocks north-west of the body's at (0, 0).
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from agent.algorithms.map_completion.network import WINDOW
+from agent.planner import Planner
+from agent.planner.arrays import Bytes, Shorts, Wholes
+from agent.planner.belief import PATH
+from agent.planner.candidates import NOT_COMPUTED
+from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, TILE
+from sim.runtime import Array, Launch, start, ti
+
+OCCUPIED_CELLS = 7
+"""Bits of a window's block: how many of its four cells are occupied."""
+
+SEEN = 3
+"""Cells of a block from which on it counts as seen."""
+
+LOOKED = 1 << 6
+"""Bit of a window's block: so many of its cells were seen since the last pick-up."""
+
+
+def seen(windows: Any) -> Any:
+    """Which blocks of windows (n, W, W) uint8, an array or a tensor, count as seen: bool."""
+    return (windows >> 3 & 7) >= SEEN
+
+
+class Windows:
+    """The windows of E environments' maps."""
+
+    def __init__(self, planner: Planner) -> None:
+        """Of these planners."""
+        self.planner, count = planner, len(planner.advice)
+        own = {
+            "asked": Array(ti.i32, count),
+            "corners": Array(ti.i32, 2 * count),
+            "windows": Array(ti.u8, count * WINDOW**2),
+            "given": Array(ti.u16, count * WINDOW**2),
+            "since": Array(ti.i32, count),
+        }
+        self.arrays = {name: planner.arrays[name] for name in ("cells", "dirty", "gains", "prior")} | own
+        kernels = _kernels(start(), planner.config.map_bits, planner.config.viewpoint_pitch)
+        self._read, self._write = (Launch(kernel, self.arrays) for kernel in kernels)
+
+    def ask(self, environments: np.ndarray) -> np.ndarray:
+        """Look at the windows of these environments (n,) int; their north-west corners (n, 2) int32: blocks
+        south and east of where the episodes began.
+        """
+        asked, corners = self.arrays["asked"].view(), self.arrays["corners"].view().reshape(-1, 2)
+        asked[:] = -1
+        asked[: len(environments)] = environments
+        for k, name in enumerate(("y", "x")):
+            # The body's place is in half cells, of which a block has four.
+            block = (self.planner.read(name).numpy()[environments] + 2) // 4
+            corners[: len(environments), k] = block - WINDOW // 2
+        return corners[: len(environments)].copy()
+
+    def read(self, environments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Windows (n, W, W) uint8 of these environments: how many of a block's cells are occupied, eight
+        times how many were seen, and ``LOOKED``; and their corners, see ``ask``.
+        """
+        corners = self.ask(environments)
+        self.arrays["since"].view()[:] = self.planner.read("since").numpy()
+        self._read()
+        return self.arrays["windows"].view().reshape(-1, WINDOW, WINDOW)[: len(environments)].copy(), corners
+
+    def write(self, environments: np.ndarray, given: np.ndarray) -> None:
+        """Give the planners what is believed of blocks (n, W, W) uint16 in these environments: see
+        ``Foresight.given``.
+        """
+        self.ask(environments)
+        self.arrays["given"].view()[: given.size] = given.ravel()
+        self._write()
+
+
+@cache
+def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
+    """The kernels for a running Taichi. Arguments are named for the planner's arrays."""
+    mask, area = (1 << bits) - 1, 1 << 2 * bits
+
+    @ti.func
+    def node(corner_y, corner_x, k):
+        """The node in the middle of a window's k-th block."""
+        y, x = 2 * (corner_y + k // WINDOW) & mask, 2 * (corner_x + k % WINDOW) & mask
+        return y, x
+
+    @ti.kernel
+    def read(cells: Shorts, asked: Wholes, corners: Wholes, since: Wholes, windows: Bytes):
+        for n in range(asked.shape[0]):
+            e = asked[n]
+            if e >= 0:
+                for k in range(WINDOW * WINDOW):
+                    y, x = node(corners[2 * n], corners[2 * n + 1], k)
+                    count, looked = 0, 0
+                    for j, i in ti.static(ti.ndrange((-1, 1), (-1, 1))):
+                        at = (((y + j) & mask) << bits) | ((x + i) & mask)
+                        cell = ti.cast(cells[e * area + at], ti.i32)
+                        count += ti.cast(cell >= OCCUPIED, ti.i32)
+                        last = (cell & (OCCUPIED - 1)) >> FLAGS
+                        count += 8 * ti.cast(last > 0, ti.i32)
+                        looked += ti.cast((last > 0) & (last >= since[e]), ti.i32)
+                    count += ti.select(looked >= SEEN, LOOKED, 0)
+                    windows[n * WINDOW * WINDOW + k] = ti.cast(count, ti.u8)
+
+    @ti.kernel
+    def write(
+        cells: Shorts, dirty: Bytes, gains: Shorts, prior: Shorts,
+        asked: Wholes, corners: Wholes, given: Shorts,
+    ):  # fmt: skip
+        for n in range(asked.shape[0]):
+            e = asked[n]
+            if e >= 0:
+                for spot in range(area // pitch**2):  # a view may show any block
+                    gains[e * (area // pitch**2) + spot] = ti.cast(NOT_COMPUTED, ti.u16)
+                for k in range(WINDOW * WINDOW):
+                    y, x = node(corners[2 * n], corners[2 * n + 1], k)
+                    value = ti.cast(given[n * WINDOW * WINDOW + k], ti.i32)
+                    place = e * (area >> 2) + ((y >> 1 << bits - 1) | (x >> 1))
+                    if ti.cast(prior[place], ti.i32) != value:
+                        prior[place] = ti.cast(value, ti.u16)
+                        tile = ((y >> TILE) << bits - TILE) | (x >> TILE)
+                        dirty[(e * area >> 2 * TILE) + tile] = ti.cast(1, ti.u8)
+                    if value & PATH:
+                        for j, i in ti.static(ti.ndrange((-1, 1), (-1, 1))):
+                            there = e * area + ((((y + j) & mask) << bits) | ((x + i) & mask))
+                            cells[there] = cells[there] | ti.cast(NEAR, ti.u16)
+
+    return read, write

@@ -1,0 +1,270 @@
+"""The paper's agent: a Q-network with a softmax, learning at the end of each episode from what it replays.
+
+Deep Q-learning without a target network and without a discount, as the original program's code has it:
+
+- an episode ends by a collision or after 1500 steps, both terminal, and 500 steps are replayed then: all of
+  the episode's rewarded ones first, the others at random;
+- the network is fitted to each of them alone, 500 updates of Adam (epsilon 1e-7), its rate divided by
+  1 + 0.01 x the updates so far;
+- the executed action is stored, also where avoidance overruled another; a state's value ignores avoidance;
+- the first weights are Glorot's uniform ones, the first biases 0, as Keras has them;
+- a random action goes forward where a middle ray sees the target;
+- it learns in one environment, for 817 episodes: the released weights' file counts 408,500 updates.
+
+Different: states are kept in half precision, and Adam's epsilon is added as torch does.
+
+Axes: E environments, B samples, R rays, C channels, A actions; ``s_tm1, a_tm1`` lead to ``r_t`` and ``s_t``.
+"""
+
+from itertools import pairwise
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from agent.actions import ACTIONS
+from agent.avoidance import random_preference, subsume
+from agent.learning.config import PaperConfig
+from agent.learning.learner import Learner, Progress, Tally
+from agent.learning.replay import ReplayBuffer
+from agent.learning.simulator import simulator
+from agent.policies.memory import Memory
+from agent.policies.network import seeded
+from agent.policies.policies import home
+from sim import HouseVectorEnv
+
+REPORT = 128
+"""Steps of every environment between two reports."""
+
+
+class PaperNetwork(nn.Module):
+    """The original's layers: 25 for each ray, the same for all; then 50, 100, 50, 25, 3: 61,653 parameters.
+
+    Its softmax cannot hold what it is asked to learn: sums of rewards, which are greater than 1, for three
+    actions whose values need not add up to 1.
+    """
+
+    def __init__(self, rays: int = 40, channels: int = 3, next_by: float | None = None) -> None:
+        """Draw first weights from torch's generator.
+
+        ``next_by``: degrees from each ray to the next where the network reads the next ray's angle at a ray,
+        as the original's simulator wrote it; None where it reads the ray's own.
+        """
+        super().__init__()
+        self.next_by = next_by
+        self.shape = (rays, channels, ())
+        self.memory = Memory(())  # of nothing, so that it is called as the other networks are
+        widths = (25 * rays, 50, 100, 50, 25)
+        hidden = [(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(widths)]
+        self.layers = nn.Sequential(
+            *(nn.Linear(channels, 25), nn.ReLU(), nn.Flatten()),
+            *(layer for pair in hidden for layer in pair),
+            *(nn.Linear(widths[-1], ACTIONS), nn.Softmax(dim=1)),
+        )
+
+    @classmethod
+    def of(cls, config: PaperConfig) -> "PaperNetwork":
+        """A new network for what the config's simulator shows; its weights are a function of the seed."""
+        world = simulator(config)
+        first, second = np.rad2deg(world.ray_angles[:2]).tolist()
+        with seeded(config.seed):
+            network = cls(world.rays, world.channels, second - first if config.angles == "next" else None)
+            if config.initialisation == "glorot":
+                network.apply(_as_keras)
+        return network
+
+    def forward(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
+        """What stands for Q-values (B, A), from observations (B, R, C) alone."""
+        if self.next_by is not None:
+            observation = torch.cat(
+                [next_angles(observation[..., :1], self.next_by), observation[..., 1:]], -1
+            )
+        return self.layers(observation)
+
+
+def _as_keras(layer: nn.Module) -> None:
+    """Give a dense layer the first weights that Keras gives it (Glorot and Bengio 2010)."""
+    if isinstance(layer, nn.Linear):
+        nn.init.xavier_uniform_(layer.weight)
+        nn.init.zeros_(layer.bias)
+
+
+def next_angles(angle: Tensor, by: float) -> Tensor:
+    """The next ray's angle at each ray, from the rays' own (B, R, 1) in units of 359 degrees, ``by`` degrees
+    from each to the next.
+    """
+    last = (angle[:, -1:] * 359 + by) % 360 / 359
+    return torch.cat([angle[:, 1:], last], 1)
+
+
+class Batch(NamedTuple):
+    """Steps to learn from, (B, ...) each."""
+
+    s_tm1: Tensor
+    a_tm1: Tensor
+    r_t: Tensor
+    ended_t: Tensor
+    s_t: Tensor
+
+
+def q_targets(r_t: Tensor, ended_t: Tensor, q_t: Tensor) -> Tensor:
+    """Targets (B,) for the values of the taken actions: the reward, and the greatest value (B, A) of the
+    state that it leads to, unless the episode ``ended_t`` (B,) bool there, by a collision or a time-out.
+    """
+    return r_t + ~ended_t * q_t.amax(-1)
+
+
+def squared_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor) -> Tensor:
+    """The mean squared error of the values (B, A), a scalar: the taken actions have targets (B,), the others
+    are as they should be.
+    """
+    error = q_tm1.gather(-1, a_tm1[:, None]).squeeze(-1) - target
+    return error.square().mean() / ACTIONS
+
+
+def explore(q: Tensor, s: Tensor, config: PaperConfig, epsilon: float, generator: torch.Generator) -> Tensor:
+    """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the rows those of a random action, which
+    with homing is forward where a middle ray of the observations (E, R, C) sees the target.
+    """
+    chosen = torch.rand(len(q), 1, generator=generator) < epsilon
+    random = random_preference(q, generator, config.forward)
+    return torch.where(chosen, home(random, s) if config.homing else random, q)
+
+
+class Paper(Learner):
+    """A run of the paper's agent."""
+
+    config: PaperConfig
+
+    def __init__(self, config: PaperConfig, envs: HouseVectorEnv) -> None:
+        """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
+        super().__init__(config, envs, PaperNetwork.of(config), report=REPORT)
+        self.optimizer = torch.optim.Adam(
+            self.network.parameters(), lr=config.learning_rate, eps=config.adam_epsilon, fused=True
+        )
+        self.updates, self.episodes, self.tally = 0, 0, Tally()
+        count = config.num_envs
+        self.s = self.reset_envs()
+        self.blocked = self.ended = torch.zeros(count, dtype=torch.bool)
+        self.began = torch.zeros(count, dtype=torch.int64)
+        self.replay = ReplayBuffer(
+            config.buffer_size // count,
+            s=self.s.half(),  # 2 mm at the end of the range, in half the room
+            a=torch.zeros(count, dtype=torch.int64),
+            r=torch.zeros(count),
+            ended=self.ended,
+            valid=self.ended,
+        )
+
+    @property
+    def epsilon(self) -> float:
+        """Share of random actions now."""
+        c = self.config
+        return max(c.final_epsilon, c.epsilon * c.epsilon_decay**self.episodes)
+
+    @property
+    def fraction(self) -> float:
+        """How much of the run is done, 0 to 1."""
+        limit = self.config.episodes
+        return min(1.0, max(super().fraction, self.episodes / limit if limit else 0.0))
+
+    @property
+    def ready(self) -> bool:
+        """Whether the buffer holds enough to learn from."""
+        least = max(self.config.learning_starts // self.config.num_envs, 2)
+        return self.replay.written >= min(least, self.replay.rows)
+
+    def iterate(self) -> Progress:
+        """Step all environments, and learn after each episode, up to the next report."""
+        start, losses, self.tally = perf_counter(), [], Tally()
+        for _ in range(REPORT):
+            losses += self.step()
+        self.clock.all += perf_counter() - start
+        loss = float(torch.stack(losses).mean()) if losses else 0.0
+        return self.report(self.tally, loss=loss, epsilon=self.epsilon)
+
+    def step(self) -> list[Tensor]:
+        """Step all environments once, and replay for each episode that ended before; the losses."""
+        ended, losses = self.ended, []
+        self.act()  # first, so that the states that the episodes ended in are in the buffer
+        for env in ended.nonzero().flatten().tolist():
+            self.episodes += 1
+            began, self.began[env] = int(self.began[env]), self.replay.written
+            if self.ready:
+                batch = self.batch(*self.sample(env, began))
+                parts = zip(*(field.chunk(self.config.num_minibatches) for field in batch), strict=True)
+                losses += [self.train_step(Batch(*part)) for part in parts]
+        return losses
+
+    @torch.no_grad()
+    def act(self) -> None:
+        """Step all environments once, and keep the actions that were executed."""
+        s, allowed = self.s, self.avoidance(self.s, self.blocked)
+        q = self.network(s)
+        preference = explore(q, s, self.config, self.epsilon, self.generator)
+        a = subsume(preference, allowed)
+        before = perf_counter()
+        observation, r, terminated, truncated, info = self.envs.step_torch(a)
+        self.clock.simulating += perf_counter() - before
+        valid, self.ended = ~self.ended, terminated | truncated
+        self.replay.append(s=s, a=a, r=r, ended=self.ended, valid=valid)
+        self.tally.add(r, valid=valid, overruled=a != preference.argmax(-1))
+        # Cloned: the simulator writes over its tensors at the next step.
+        self.s, self.blocked = observation.clone(), info["blocked"].clone()
+
+    def sample(self, env: int, began: int) -> tuple[Tensor, Tensor]:
+        """Rows and environments, (B,) int64 each: the rewarded steps of this environment's episode, which
+        ``began`` in that row, then random ones.
+        """
+        size, replay = self.config.batch_size, self.replay
+        rows, envs = replay.sample_valid(size, 1, self.generator)
+        episode = torch.arange(max(began, replay.oldest), replay.written - 1)
+        rewarded = episode[replay.read("r", episode, torch.full_like(episode, env)) > 0][:size]
+        rows[: len(rewarded)], envs[: len(rewarded)] = rewarded, env
+        return rows, envs
+
+    def batch(self, rows: Tensor, envs: Tensor) -> Batch:
+        """The steps in these rows (B,) of these environments (B,)."""
+        replay = self.replay
+        return Batch(
+            s_tm1=replay.read("s", rows, envs).float(),
+            a_tm1=replay.read("a", rows, envs),
+            r_t=replay.read("r", rows, envs),
+            ended_t=replay.read("ended", rows, envs),
+            s_t=replay.read("s", rows + 1, envs).float(),
+        )
+
+    def train_step(self, batch: Batch) -> Tensor:
+        """Learn from a batch; the loss."""
+        q_tm1, q_t = self.network(torch.cat([batch.s_tm1, batch.s_t])).chunk(2)  # both at once: it is faster
+        target = q_targets(batch.r_t, batch.ended_t, q_t.detach())
+        loss = squared_loss(q_tm1, batch.a_tm1, target)
+        for group in self.optimizer.param_groups:
+            group["lr"] = self.config.learning_rate / (1 + self.config.lr_decay * self.updates)
+        self.optimizer.zero_grad()
+        loss.backward()
+        self.optimizer.step()
+        self.updates += 1
+        return loss.detach()
+
+    def own_state(self) -> dict[str, Any]:
+        """The optimiser, the replay buffer, and where the environments are."""
+        return {
+            "optimizer": self.optimizer.state_dict(),
+            "replay": self.replay.state(),
+            "last": {name: getattr(self, name) for name in LAST},
+        }
+
+    def restore_own(self, state: dict[str, Any]) -> None:
+        """Take up what ``own_state`` gave."""
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.replay.restore(state["replay"])
+        for name in LAST:
+            value = state["last"][name]
+            setattr(self, name, value.clone() if isinstance(value, Tensor) else value)
+
+
+LAST = ("s", "blocked", "ended", "began", "updates", "episodes")
+"""What the next step depends on beside network and buffer."""

@@ -1,0 +1,185 @@
+"""Parallel Q-learning with Q(lambda), "PQN" (Gallici et al. 2024, arXiv:2407.04811), to be read beside it.
+
+Many environments are stepped at once, and the network learns on-policy from all of them: no replay buffer
+and no target network, as LayerNorm keeps the values from growing without bound. First the rule, as pure
+functions of tensors; then the learner: act for a rollout, compute its returns, train the network, again.
+
+Axes: T steps of a rollout, E environments, B samples of a batch, R rays, C channels, A actions. The names
+follow the transition: ``s_tm1, a_tm1`` lead to ``r_t`` and ``s_t``.
+"""
+
+from collections.abc import Iterator
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import torch
+from torch import Tensor
+
+from agent.algorithms.build import network_of
+from agent.learning import ranks
+from agent.learning.config import PQNConfig
+from agent.learning.learner import Learner, Progress, Tally, linear
+from agent.learning.rollout import Rollout
+from sim import HouseVectorEnv
+
+
+def lambda_returns(
+    r_t: Tensor, terminated_t: Tensor, truncated_t: Tensor, v_t: Tensor, *, gamma: float, q_lambda: float
+) -> Tensor:
+    """Peng's Q(lambda) targets (T, E) for the actions taken.
+
+    ``r_t`` (T, E) are rewards. ``v_t`` (T, E) is the value of the state that each step led to: the greatest
+    Q-value of an allowed action.
+    ``terminated_t`` and ``truncated_t`` (T, E) bool say how a step ended. The value of a terminal state is 0;
+    that of a state at a time-out is ``v_t``, as the episode could have gone on; no return flows from an
+    episode to the one before.
+    Not cut at exploring actions: Peng's form, whose bias is small where these are few.
+    """
+    bootstrap = r_t + gamma * v_t.masked_fill(terminated_t, 0.0)
+    # How much of the next return flows back into this one: none across an end.
+    flow = gamma * q_lambda * (~(terminated_t | truncated_t)).to(r_t.dtype)
+    returns = bootstrap - flow * v_t
+    returns[-1] = bootstrap[-1]
+    for t in range(len(r_t) - 2, -1, -1):
+        returns[t].addcmul_(flow[t], returns[t + 1])
+    return returns
+
+
+def q_loss(q_tm1: Tensor, a_tm1: Tensor, g_tm1: Tensor, valid: Tensor, count: Tensor | None = None) -> Tensor:
+    """Half the mean squared error of the taken actions' values (B, A) to their returns (B,), a scalar.
+
+    ``valid`` (B,) bool leaves out the steps after an end, whose action the environment ignored. ``count`` is
+    how many are valid, where the batch is one of several that count as one.
+    """
+    error = q_tm1.gather(1, a_tm1[:, None]).squeeze(1) - g_tm1
+    return 0.5 * (error.square() * valid).sum() / (valid.sum() if count is None else count).clamp(min=1)
+
+
+class Batch(NamedTuple):
+    """Steps to learn from, (B, ...) each."""
+
+    s_tm1: Tensor
+    m_tm1: Tensor
+    a_tm1: Tensor
+    g_tm1: Tensor
+    valid: Tensor
+
+
+class PQN(Learner):
+    """A run of parallel Q-learning."""
+
+    config: PQNConfig
+
+    def __init__(self, config: PQNConfig, envs: HouseVectorEnv) -> None:
+        """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""
+        super().__init__(config, envs, network_of(config), report=config.num_steps)
+        self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate, foreach=True)
+        observation, memory = self.reset_envs(), self.network.memory.empty(envs.num_envs)
+        self.rollout = Rollout.starting(config.num_steps, observation, memory)
+
+    @property
+    def epsilon(self) -> float:
+        """Share of random actions now."""
+        c = self.config
+        return linear(c.epsilon, c.final_epsilon, self.fraction / max(c.exploration_fraction, 1e-9))
+
+    def iterate(self) -> Progress:
+        """Act for a rollout and learn from it."""
+        start, epsilon, rollout = perf_counter(), self.epsilon, self.rollout
+        self.act(epsilon)
+        loss = self.train_epochs(self.returns())
+        self.clock.simulating += rollout.simulating
+        self.clock.all += perf_counter() - start
+        tally = Tally(float(rollout.r.sum()), float(rollout.valid.sum()), rollout.overruled)
+        return self.report(tally, loss=loss, epsilon=epsilon)
+
+    def act(self, epsilon: float) -> None:
+        """Fill the rollout: act in all environments, a share ``epsilon`` of the actions at random."""
+        self.rollout.fill(
+            self.envs,
+            self.network,
+            self.avoidance,
+            epsilon=epsilon,
+            forward=self.config.forward,
+            generator=self.generator,
+        )
+
+    def returns(self) -> Tensor:
+        """Return of each action of the rollout (T, E)."""
+        config, rollout = self.config, self.rollout
+        return lambda_returns(
+            *(rollout.r, rollout.terminated, rollout.truncated, rollout.v[1:]),
+            gamma=config.gamma,
+            q_lambda=config.q_lambda,
+        )
+
+    def train_epochs(self, g: Tensor) -> float:
+        """Train the network towards the rollout's returns (T, E); the mean loss."""
+        config = self.config
+        for group in self.optimizer.param_groups:
+            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
+        losses = []
+        for _ in range(config.update_epochs):
+            losses += [self.train_step(batch) for batch in self.minibatches(g)]
+        return float(torch.stack(losses).mean())
+
+    def minibatches(self, g: Tensor) -> Iterator[Batch]:
+        """The rollout's steps in a random order, shared out among minibatches."""
+        if self.config.network == "recurrent":
+            yield from self.sequences(g)
+            return
+        rollout = self.rollout
+        states = (kept[:-1].flatten(0, 1) for kept in (rollout.s, rollout.memory))
+        steps = Batch(*states, *(kept.flatten() for kept in (rollout.a, g, rollout.valid)))
+        for part in self.permutation(g.numel()).chunk(self.config.num_minibatches):
+            yield Batch(*(field.index_select(0, part) for field in steps))
+
+    def permutation(self, count: int) -> Tensor:
+        """The numbers below ``count`` in a random order."""
+        return torch.randperm(count, generator=self.generator, device=self.generator.device)
+
+    def sequences(self, g: Tensor) -> Iterator[Batch]:
+        """The same for a recurrent network: each part has whole rollouts of some environments. Their memories
+        are computed again from the first ones, so that gradients reach back through all steps.
+        """
+        rollout = self.rollout
+        ended = ~rollout.valid  # the step after an end begins another episode
+        for envs in self.permutation(g.shape[1]).chunk(self.config.num_minibatches):
+            s, a = rollout.s[:-1, envs], rollout.a[:, envs]
+            memory = self.network.memory.unrolled(
+                rollout.memory[0, envs], s, rollout.blocked[:-1, envs], a, ended[:, envs]
+            )
+            fields = (s, memory, a, g[:, envs], rollout.valid[:, envs])
+            yield Batch(*(field.flatten(0, 1) for field in fields))
+
+    def train_step(self, batch: Batch) -> Tensor:
+        """Learn from a batch; the loss. The batches of all ranks count as one."""
+        count = batch.valid.sum()
+        ranks.all_reduce(count)
+        q = self.network(batch.s_tm1, batch.m_tm1)
+        loss = q_loss(q, batch.a_tm1, batch.g_tm1, batch.valid, count)
+        self.optimizer.zero_grad()
+        loss.backward()
+        ranks.all_reduce_gradients(self.network)
+        if self.config.max_grad_norm is not None:
+            torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.max_grad_norm)
+        self.optimizer.step()
+        return loss.detach() * ranks.size()
+
+    def own_state(self) -> dict[str, Any]:
+        """The optimiser, and the state that the last rollout ended in."""
+        rollout = self.rollout
+        return {
+            "optimizer": self.optimizer.state_dict(),
+            "last": {name: getattr(rollout, name)[-1].clone() for name in LAST},
+        }
+
+    def restore_own(self, state: dict[str, Any]) -> None:
+        """Take up what ``own_state`` gave."""
+        self.optimizer.load_state_dict(state["optimizer"])
+        for name in LAST:
+            getattr(self.rollout, name)[-1] = state["last"][name]
+
+
+LAST = ("s", "blocked", "memory", "terminated", "truncated")
+"""What the next rollout starts from."""

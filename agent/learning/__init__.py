@@ -1,0 +1,1 @@
+"""What every algorithm learns by: configs, rollouts, replay, ranks, environments."""

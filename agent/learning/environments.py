@@ -1,0 +1,88 @@
+"""Where an agent meets the simulator: make environments, and the avoidance layers for their bodies."""
+
+from collections.abc import Sequence
+from typing import cast
+
+import gymnasium
+import torch
+
+from agent.avoidance import Free, Layer, PaperRule, Shield, air
+from agent.learning.config import TrainConfig
+from logic import House, HouseFileError
+from logic.spelling import keywords
+from sim import HouseVectorEnv
+from sim.config import Config
+from sim.tasks.tasks import suited, task
+
+
+@keywords(config="preset", mode="targets", num_envs="number")
+def make_envs(
+    houses: Sequence[House],
+    number: int,
+    targets: str = "main",
+    *,
+    preset: str | Config = "default",
+    backend: str = "continuous",
+    device: str = "cpu",
+) -> HouseVectorEnv:
+    """That many environments over a bank of houses, as ``gymnasium.make_vec`` gives them, without wrappers.
+
+    Raises ``HouseFileError`` where the body or a target has no place in one of the houses.
+    """
+    try:
+        envs = gymnasium.make_vec(
+            "sim:Vitruvius/House-v0",
+            num_envs=number,
+            houses=houses,
+            targets=targets,
+            preset=preset,
+            backend=backend,
+            device=device,
+        )
+    except ValueError as error:
+        raise HouseFileError(str(error)) from None
+    return cast(HouseVectorEnv, envs.unwrapped)
+
+
+def playable(
+    houses: Sequence[House], targets: str, *, preset: str | Config = "default", backend: str = "continuous"
+) -> list[House]:
+    """The houses in which a task can be played, in their order: all, but of a task that says which suit it
+    those that suit it and have a place for a target. Where there is none, all.
+    """
+    known = task(targets)
+    if not hasattr(known, "suits"):
+        return list(houses)
+
+    def fits(house: House) -> bool:
+        try:
+            make_envs([house], 1, targets, preset=preset, backend=backend)
+        except HouseFileError:
+            return False
+        return True
+
+    return [house for house in suited(known, houses) if fits(house)] or list(houses)
+
+
+def shield(envs: HouseVectorEnv) -> Shield:
+    """The avoidance layer for the body and the rays of these environments."""
+    config = envs.config
+    return Shield(
+        config.ray_angles,
+        config.range,
+        config.body[0],
+        config.step,
+        margin=air(config),
+        noise=config.noise,
+        doors=config.sees_doors,
+    )
+
+
+def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generator) -> Layer:
+    """The config's avoidance layer, for the body and the rays of these environments."""
+    match config.avoidance:
+        case "paper":
+            return PaperRule(generator)
+        case "none":
+            return Free()
+    return shield(envs)

@@ -1,0 +1,121 @@
+"""A rollout: some steps of many environments, kept in place for the learner."""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import torch
+from torch import Tensor
+
+from agent.avoidance import Layer, subsume
+from agent.policies.network import QNetwork
+from agent.policies.policies import exploration_noise, explore
+from sim import HouseVectorEnv
+
+
+@dataclass
+class Rollout:
+    """T steps of E environments, overwritten by the next ones. States at index t are those before step t."""
+
+    s: Tensor
+    """Observations (T + 1, E, R, C) float32."""
+
+    blocked: Tensor
+    """Whether the step to each state was blocked (T + 1, E) bool."""
+
+    memory: Tensor
+    """Memories at each state (T + 1, E, M, 6) float32."""
+
+    v: Tensor
+    """Q-value (T + 1, E) float32 of the action that the network, under avoidance, prefers in each state."""
+
+    a: Tensor
+    """Executed actions (T, E) int64: what the avoidance layer let through."""
+
+    r: Tensor
+    """Rewards (T, E) float32."""
+
+    terminated: Tensor
+    """Whether a step ended the episode in a terminal state (T, E) bool."""
+
+    truncated: Tensor
+    """Whether the time ran out at a step (T, E) bool."""
+
+    valid: Tensor
+    """Which steps count (T, E) bool: all but those after an end, whose action the environment ignored."""
+
+    overruled: int = 0
+    """How many actions the avoidance layer changed."""
+
+    simulating: float = 0.0
+    """Seconds spent in the simulator."""
+
+    @classmethod
+    def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
+        """Make room for that many steps from the first observations (E, R, C) and memories (E, M, 6)."""
+        size = (steps, len(observation))
+        ended = observation.new_zeros(size, dtype=torch.bool)
+        rollout = cls(
+            s=observation.new_empty(steps + 1, *observation.shape),
+            blocked=observation.new_zeros(steps + 1, len(observation), dtype=torch.bool),
+            memory=memory.new_empty(steps + 1, *memory.shape),
+            v=observation.new_empty(steps + 1, len(observation)),
+            a=observation.new_empty(size, dtype=torch.int64),
+            r=observation.new_empty(size),
+            terminated=ended.clone(),
+            truncated=ended.clone(),
+            valid=ended.clone(),
+        )
+        rollout.s[-1], rollout.memory[-1] = observation, memory
+        return rollout
+
+    @torch.inference_mode()
+    def fill(
+        self,
+        envs: HouseVectorEnv,
+        network: QNetwork,
+        avoidance: Layer,
+        *,
+        epsilon: float,
+        forward: float,
+        generator: torch.Generator,
+    ) -> None:
+        """Act from where the last rollout ended: the network's actions under avoidance, a share ``epsilon``
+        at random.
+        """
+        first = ended = self.terminated[-1] | self.truncated[-1]
+        for states in (self.s, self.blocked, self.memory):
+            states[0] = states[-1]
+        self.simulating = 0.0
+        values, explored = [], []
+        steps = zip(*exploration_noise(self.a.shape, generator, epsilon, forward), strict=True)
+        for t, noise in enumerate(steps):
+            q, allowed = self._values(t, network, avoidance)
+            values.append((q, allowed))
+            explored.append(explore(q, noise))
+            self.a[t] = subsume(explored[t], allowed)
+            before = perf_counter()
+            observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
+            self.simulating += perf_counter() - before
+            # Copied: the simulator writes over its tensors at the next step.
+            self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
+            self.terminated[t], self.truncated[t] = terminated, truncated
+            # The step after an end begins the next episode: its memory is empty.
+            begun, ended = ended, terminated | truncated
+            self.memory[t + 1] = network.memory(self.memory[t], self.s[t], self.blocked[t], self.a[t], begun)
+        values.append(self._values(-1, network, avoidance))
+        # The rest for all steps at once.
+        q, allowed = (torch.stack(column) for column in zip(*values, strict=True))
+        self.v.copy_(_of(q, subsume(q, allowed)))
+        wanted = torch.stack(explored)
+        self.overruled = int((_of(wanted, self.a) < wanted.amax(-1)).sum())
+        self.valid[0] = ~first
+        self.valid[1:] = ~(self.terminated | self.truncated)[:-1]
+
+    def _values(self, t: int, network: QNetwork, avoidance: Layer) -> tuple[Tensor, Tensor]:
+        """Of the actions in state t (E, A): Q-values, and whether avoidance allows them."""
+        return network(self.s[t], self.memory[t]), avoidance(self.s[t], self.blocked[t])
+
+
+def _of(values: Tensor, actions: Tensor) -> Tensor:
+    """Values (...) of the given actions (...), out of those of all actions (..., A)."""
+    return values.gather(-1, actions[..., None]).squeeze(-1)

@@ -1,0 +1,68 @@
+"""The simulator that an agent learns in, by its config. Without torch, so that a mistake is told at once."""
+
+from dataclasses import asdict, fields, replace
+
+import msgspec
+
+from agent.learning.config import TrainConfig
+from logic import RequestError
+from logic.spelling import unknown
+from sim.config import DEFAULT, PRESETS, Config
+from sim.tasks.tasks import task
+
+SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "kinds", "noise", "dropout"
+"""The fields of a simulator's configuration that say what an agent observes."""
+
+DISTURBED = "noise", "dropout"
+"""Those of them that say how wrong it is."""
+
+
+def simulator(config: TrainConfig) -> Config:
+    """The simulator that an agent learns in: the preset, with the fields of ``sim``.
+
+    Raises ``RequestError`` for a field, or a value of one, that cannot be.
+    """
+    known = [field.name for field in fields(Config)]
+    values = asdict(PRESETS[config.world])
+    given = set[str]()
+    for text in config.sim:
+        name, _, value = text.partition("=")
+        if name in given:
+            raise RequestError(f"--sim {text}: give each field once")
+        given.add(name)
+        if name not in known or not value:
+            wrong = "" if name in known else f": {unknown('field', name, known)}"
+            raise RequestError(f"--sim {text}: give a field and its value, as in --sim noise=0.05{wrong}")
+        try:
+            values[name] = msgspec.json.decode(value)
+        except msgspec.DecodeError:
+            values[name] = value
+        try:
+            msgspec.convert(values, Config)
+        except ValueError as error:
+            raise RequestError(f"--sim {text}: {error}") from None
+    return msgspec.convert(values, Config)
+
+
+def sensor(config: TrainConfig, world: str = "default") -> Config:
+    """The simulator that an agent is measured in: a preset's body and episodes, with the agent's sensor."""
+    return with_sensor(PRESETS[world], simulator(config))
+
+
+def with_sensor(world: Config, seeing: Config = DEFAULT) -> Config:
+    """A simulator with what another one's body observes, but for the noise of a world that has its own."""
+    kept = DISTURBED if world.noise or world.dropout else ()
+    return replace(world, **{name: getattr(seeing, name) for name in SENSOR if name not in kept})
+
+
+def undisturbed(world: Config) -> Config:
+    """A simulator without noise, drop-outs and slips."""
+    return replace(world, noise=0.0, dropout=0.0, slip=0.0)
+
+
+def require_task(targets: str) -> None:
+    """Raise ``RequestError`` where there is no such task."""
+    try:
+        task(targets)
+    except ValueError as error:
+        raise RequestError(str(error)) from None

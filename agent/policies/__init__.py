@@ -1,0 +1,1 @@
+"""What an agent does: networks and their memories, under a layer that avoids."""

@@ -1,0 +1,226 @@
+"""Policies: what turns an array of observations into an array of actions."""
+
+from typing import NamedTuple, Protocol
+
+import torch
+from torch import Tensor
+from torch.nn.functional import one_hot
+
+from agent.actions import ACTIONS, FORWARD
+from agent.avoidance import Layer, random_preference, subsume
+from agent.planner import TUNED, Planner, PlannerConfig
+from agent.policies.network import QNetwork
+from sim.config import DEFAULT, Config
+
+MIDDLE = slice(18, 21)
+"""The rays that make an exploring body of the original go forward where they see the target."""
+
+
+class Choice(NamedTuple):
+    """Why a policy acted as it did last, (E, A) each."""
+
+    values: Tensor
+    """The network's Q-values."""
+
+    preference: Tensor
+    """What it would rather do: the values, or a random action's."""
+
+    allowed: Tensor
+    """Bool: which actions its avoidance layer left."""
+
+
+class Policy(Protocol):
+    """Anything that acts. It counts how often its avoidance layer overruled what it would have done."""
+
+    interventions: int
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        ...
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        ...
+
+
+class Chooser(Protocol):
+    """Chooses among the viewpoints that planners offer."""
+
+    offers: int
+    """How many it asks for, at most."""
+
+    def __call__(self, planner: Planner) -> object:
+        """Choose where the planners chose in their last step: by ``Planner.take``."""
+        ...
+
+
+class Tracker:
+    """Keeps a planner in step with what a policy does: the policy sets ``actions`` after each choice."""
+
+    def __init__(
+        self,
+        world: Config,
+        config: PlannerConfig = TUNED,
+        prior: bool = False,
+        chooser: Chooser | None = None,
+    ) -> None:
+        """Make planners for environments of the configuration ``world``; for ``prior`` see ``Planner``.
+        ``chooser`` takes other viewpoints than they do.
+        """
+        self.world, self.config, self.prior, self.chooser = world, config, prior, chooser
+        self.planner = self._planner(1)
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        if len(self.planner.advice) != environments:
+            self.planner = self._planner(environments)
+        self.actions = torch.zeros(environments, dtype=torch.int64)
+        self.fresh = torch.ones(environments, dtype=torch.bool)
+
+    def look(self, observation: Tensor, blocked: Tensor) -> Planner:
+        """The planners, with what the last actions led to."""
+        self.planner.step(observation, blocked, self.actions, self.fresh)
+        self.fresh.fill_(False)
+        if self.chooser:
+            self.chooser(self.planner)
+        return self.planner
+
+    def _planner(self, environments: int) -> Planner:
+        offers = self.chooser.offers if self.chooser else 0
+        return Planner(self.world, environments, self.config, self.prior, offers)
+
+
+class QPolicy:
+    """The network's best allowed action, or sometimes a random allowed one."""
+
+    choice: Choice
+    """Of the last call."""
+
+    def __init__(
+        self,
+        network: QNetwork,
+        avoidance: Layer,
+        generator: torch.Generator,
+        epsilon: float = 0.01,
+        forward: float = 0.93,
+        homing: bool = False,
+    ) -> None:
+        """Act by ``network`` under ``avoidance``; ``epsilon`` is the share of random actions.
+
+        With a hundredth a body leaves a loop that it cannot see it is in. With ``homing`` random actions go
+        to a target in sight, see ``home``.
+        """
+        self.network, self.avoidance, self.generator, self.homing = network, avoidance, generator, homing
+        self.epsilon, self.forward, self.interventions = epsilon, forward, 0
+        self.remembered = network.memory.empty(0)
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        self.interventions = 0
+        self.remembered = self.network.memory.empty(environments)
+
+    @torch.no_grad()
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        q = self.network(observation, self.remembered)
+        chosen, random = exploration_noise(q.shape[:1], self.generator, self.epsilon, self.forward)
+        preference = explore(q, (chosen, home(random, observation) if self.homing else random))
+        self.choice = Choice(q, preference, self.avoidance(observation, blocked))
+        actions = subsume(preference, self.choice.allowed)
+        self.interventions += int((actions != preference.argmax(-1)).sum())
+        same = torch.zeros(len(actions), dtype=torch.bool)
+        self.remembered = self.network.memory(self.remembered, observation, blocked, actions, same)
+        return actions
+
+
+class Explorer:
+    """The planner's advice under avoidance: to the target that was seen, or else to the next best view, or to
+    that which a chooser takes. Nothing is learnt but what its ``tracker`` foresees, or its chooser has.
+    """
+
+    choice: Choice
+    """Of the last call: its values are 1 for what is advised, as it has none of actions."""
+
+    def __init__(
+        self,
+        avoidance: Layer,
+        world: Config = DEFAULT,
+        config: PlannerConfig = TUNED,
+        tracker: Tracker | None = None,
+        chooser: Chooser | None = None,
+    ) -> None:
+        """Explore environments of the configuration ``world`` under ``avoidance``; with a ``chooser`` to the
+        views that it chooses. ``tracker`` keeps the planners, if they are others than these.
+        """
+        self.avoidance, self.interventions = avoidance, 0
+        self.tracker = tracker or Tracker(world, config, chooser=chooser)
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        self.interventions = 0
+        self.tracker.begin(environments)
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        advice = self.tracker.look(observation, blocked).advice
+        advised = one_hot(advice, ACTIONS).float()
+        self.choice = Choice(advised, advised, self.avoidance(observation, blocked))
+        actions = subsume(advised, self.choice.allowed)
+        self.interventions += int((actions != advice).sum())
+        self.tracker.actions = actions
+        return actions
+
+
+class RandomPolicy:
+    """The paper's random walk, 93 % forward, under avoidance: what exploring without learning achieves."""
+
+    def __init__(self, avoidance: Layer, generator: torch.Generator, forward: float = 0.93) -> None:
+        """Walk at random under ``avoidance``."""
+        self.avoidance, self.generator, self.forward, self.interventions = avoidance, generator, forward, 0
+
+    def begin(self, environments: int) -> None:
+        """Forget the past: an episode begins in each of that many environments."""
+        self.interventions = 0
+
+    def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
+        """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
+        allowed = self.avoidance(observation, blocked)
+        preference = random_preference(allowed, self.generator, self.forward)
+        actions = subsume(preference, allowed)
+        self.interventions += int((actions != preference.argmax(-1)).sum())
+        return actions
+
+
+def exploration_noise(
+    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float
+) -> tuple[Tensor, Tensor]:
+    """Random numbers for actions of this shape, to be used by ``explore`` at once or one row after the other.
+
+    Which actions are random (..., 1) bool, a share ``epsilon``; and their preferences (..., A),
+    ``forward`` in that share.
+    """
+    device = generator.device
+    # The second number of each action is not used: it keeps all runs as they are on record.
+    uniform, _ = torch.rand(2, *shape, 1, generator=generator, device=device)
+    random = random_preference(torch.empty(*shape, ACTIONS, device=device), generator, forward)
+    return uniform < epsilon, random
+
+
+def explore(q: Tensor, noise: tuple[Tensor, Tensor]) -> Tensor:
+    """Preferences (..., A): the Q-values, or where the noise says so those of a random action."""
+    chosen, random = noise
+    return torch.where(chosen, random, q)
+
+
+def home(preference: Tensor, observation: Tensor) -> Tensor:
+    """Preferences (E, A), or forward where one of the ``MIDDLE`` rays of the observations (E, R, C) sees the
+    target: the original's rule for random actions.
+    """
+    seen = observation[:, MIDDLE, -1].amax(-1, keepdim=True) > 0
+    return preference.masked_fill(seen & (torch.arange(ACTIONS) == FORWARD), torch.inf)
+
+
+def epsilon_greedy(q: Tensor, epsilon: float, forward: float, generator: torch.Generator) -> Tensor:
+    """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the rows those of a random action."""
+    chosen = torch.rand(len(q), 1, generator=generator) < epsilon
+    return torch.where(chosen, random_preference(q, generator, forward), q)

@@ -1,0 +1,84 @@
+"""A Q-network that learns what to remember: a gated recurrent unit (Cho et al. 2014, arXiv:1406.1078).
+
+It takes the place of the exponential moving averages (``agent.policies.memory``), and is called as they are; but what
+it keeps is learnt, by gradients through the steps of a rollout, as in the recurrent PQN of Gallici et al.
+2024 (arXiv:2407.04811, section 5). Axes: T steps, E environments, H numbers of the hidden state.
+"""
+
+import torch
+from torch import Tensor, nn
+
+from agent.actions import ACTIONS
+
+CODE, HIDDEN = 64, 64
+"""Numbers that encode an observation, and that the hidden state has."""
+
+
+class Recurrence(nn.Module):
+    """The hidden state after an action: a function of the one before, the observation, action and bump."""
+
+    def __init__(self, rays: int, channels: int) -> None:
+        """Draw first weights from torch's generator."""
+        super().__init__()
+        self.code = nn.Sequential(
+            nn.Flatten(), nn.Linear(rays * channels, CODE), nn.LayerNorm(CODE), nn.ReLU()
+        )
+        self.cell = nn.GRUCell(CODE + ACTIONS + 1, HIDDEN)
+
+    def empty(self, environments: int) -> Tensor:
+        """Empty memories (E, H) float32: zeros."""
+        return self.cell.weight_hh.new_zeros(environments, HIDDEN)
+
+    def forward(
+        self, memory: Tensor, observation: Tensor, blocked: Tensor, actions: Tensor, ended: Tensor
+    ) -> Tensor:
+        """Memories (E, H) after a step, from those before it: as ``agent.policies.memory.Memory.forward``."""
+        signals = self.signals(observation, blocked, actions)
+        return self.cell(signals, memory).masked_fill(ended[:, None], 0.0)
+
+    def signals(self, observation: Tensor, blocked: Tensor, actions: Tensor) -> Tensor:
+        """What the unit reads (..., CODE + 4) of observations (..., R, C), bumps (...) and actions (...)."""
+        codes = self.code(observation.flatten(0, -3)).unflatten(0, observation.shape[:-2])
+        acts = nn.functional.one_hot(actions, ACTIONS)
+        return torch.cat([codes, acts, blocked[..., None]], dim=-1)
+
+    def unrolled(
+        self, memory: Tensor, observation: Tensor, blocked: Tensor, actions: Tensor, ended: Tensor
+    ) -> Tensor:
+        """Memories (T, E, H) at each of T states, from the first one's (E, H), so that gradients flow.
+
+        ``observation`` (T, E, R, C), ``blocked`` (T, E) and ``actions`` (T, E) of these states; where
+        ``ended`` (T, E) the step from a state began another episode.
+        """
+        signals = self.signals(observation, blocked, actions)
+        memories = [memory]
+        for t in range(len(signals) - 1):
+            memories.append(self.cell(signals[t], memories[t]).masked_fill(ended[t, :, None], 0.0))
+        return torch.stack(memories)
+
+
+class RecurrentQNetwork(nn.Module):
+    """A convolution over neighbouring rays as in ``agent.policies.network``, then two layers that read it and the
+    hidden state: about 94,000 parameters.
+    """
+
+    def __init__(self, rays: int = 40, channels: int = 2, width: int = 128) -> None:
+        """Draw first weights from torch's generator."""
+        super().__init__()
+        self.shape = (rays, channels, ())
+        self.memory = Recurrence(rays, channels)
+        self.look = nn.Conv1d(channels, 16, kernel_size=5, stride=2)
+        self.judge = nn.Sequential(
+            nn.Linear(16 * ((rays - 5) // 2 + 1) + HIDDEN, width),
+            nn.LayerNorm(width),
+            nn.ReLU(),
+            nn.Linear(width, width),
+            nn.LayerNorm(width),
+            nn.ReLU(),
+            nn.Linear(width, ACTIONS),
+        )
+
+    def forward(self, observation: Tensor, memory: Tensor) -> Tensor:
+        """Q-values (B, A) of observations (B, R, C) and memories (B, H)."""
+        seen = torch.relu(self.look(observation.transpose(1, 2))).flatten(1)
+        return self.judge(torch.cat([seen, memory], dim=1))

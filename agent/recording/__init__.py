@@ -1,0 +1,1 @@
+"""An episode as a film or as a trace."""

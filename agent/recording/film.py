@@ -1,0 +1,172 @@
+"""Film an agent's episode: the body, its rays and its trail in the house; beside it the agent's map.
+
+Others may look on: what writes an episode's trace, for one (``agent.recording.recorder``).
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import torch
+from PIL import Image
+from torch import Tensor
+
+from agent.algorithms.build import policy_of
+from agent.evaluation.episodes import reset
+from agent.learning.environments import make_envs
+from agent.learning.simulator import sensor
+from agent.policies.policies import Explorer, QPolicy
+from agent.progress import Report
+from agent.recording.map_picture import MapPicture, beside
+from agent.runs.checkpoint import Checkpoint
+from logic import House
+from sim import HouseVectorEnv
+from sim.film import Camera, film, largest, mosaic
+from vitruvius.commands.evaluate import WIDTH
+
+STRIDE = 4
+"""Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
+
+
+class Moment(NamedTuple):
+    """What a watcher is told of E environments, before each step and after the last one."""
+
+    step: int
+    ended: np.ndarray
+    """(E,) bool: which episodes have ended."""
+    actions: Tensor | None
+    """(E,) int64: what the policy has chosen to do, None after the last step."""
+    blocked: Tensor
+    """(E,) bool: whether the actions before came to nothing."""
+
+
+class Watcher(Protocol):
+    """What looks on while an episode is played in one environment."""
+
+    def begin(self, envs: HouseVectorEnv, policy: QPolicy | Explorer) -> None:
+        """An episode is to begin."""
+        ...
+
+    def note(self, moment: Moment) -> None:
+        """Look at the environment and the policy, as they are now."""
+        ...
+
+
+def watch(
+    agent: Checkpoint,
+    house: House,
+    watchers: Sequence[Watcher],
+    *,
+    targets: str = "main",
+    seed: int = 0,
+    steps: int | None = None,
+    report: Report = lambda done, words: None,
+) -> None:
+    """Play the agent's episode in the house, whole or its first ``steps``: see ``record``."""
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    for watcher in watchers:
+        watcher.begin(envs, policy)
+    for moment in _played(envs, policy, seed, steps, report):
+        for watcher in watchers:
+            watcher.note(moment)
+
+
+def record(
+    agent: Checkpoint,
+    house: House,
+    path: Path,
+    *,
+    targets: str = "main",
+    seed: int = 0,
+    steps: int | None = None,
+    stride: int = STRIDE,
+    width: int = WIDTH,
+    report: Report = lambda done, words: None,
+    watchers: Sequence[Watcher] = (),
+) -> Path:
+    """Write a film of the agent's episode in the house, whole or its first ``steps``; its path. ``watchers``
+    look on.
+
+    With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
+    """
+    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    planner = policy.tracker.planner if isinstance(policy, Explorer) else None
+    camera, map_picture = Camera(envs, width=width), MapPicture(house, width)
+    for watcher in watchers:
+        watcher.begin(envs, policy)
+
+    def shots() -> Iterator[Image.Image]:
+        for moment in _played(envs, policy, seed, steps, report):
+            for watcher in watchers:
+                watcher.note(moment)
+            if planner and planner.read("time")[0] == 1:
+                # again where only the first wall shows how the body stands
+                map_picture.begin(envs.scene(0).pose)
+            if moment.step % stride == 0 or moment.ended.all():
+                shot = camera.shoot()
+                yield beside(shot, map_picture.drawn(planner), planner.body.prior) if planner else shot
+
+    return film(shots(), path)
+
+
+def record_mosaic(
+    agent: Checkpoint,
+    houses: Sequence[House],
+    path: Path,
+    columns: int,
+    rows: int,
+    *,
+    targets: str = "main",
+    seed: int = 0,
+    steps: int | None = None,
+    stride: int = STRIDE,
+    width: int = WIDTH,
+    report: Report = lambda done, words: None,
+) -> Path:
+    """Write one film of an episode in each of many environments, side by side in rows; its path.
+
+    Environment i is in house i, from the first again where there are fewer, with starts and targets of
+    ``seed`` + i. ``width``: pixels of each. Where an episode ends before the others, its last picture stays.
+    """
+    count = columns * rows
+    several = [houses[index % len(houses)] for index in range(count)]
+    envs = make_envs(several, count, targets, preset=sensor(agent.config))
+    policy = policy_of(agent.network, agent.config, envs, seed)
+    frame = largest(several, width)
+    cameras = [Camera(envs, index, width, frame) for index in range(count)]
+    shots: list[np.ndarray] = [np.empty(0)] * count
+
+    def frames() -> Iterator[np.ndarray]:
+        over = np.zeros(count, bool)
+        for step, ended, *_ in _played(envs, policy, seed, steps, report):
+            due = step % stride == 0 or bool(ended.all())
+            for index in np.flatnonzero(~over & (due | ended)):
+                shots[index] = np.asarray(cameras[index].shoot())
+            over = ended
+            if due:
+                yield mosaic(shots, columns)
+
+    return film(frames(), path)
+
+
+def _played(
+    envs: HouseVectorEnv, policy: QPolicy | Explorer, seed: int, steps: int | None, report: Report
+) -> Iterator[Moment]:
+    """Play an episode in each environment."""
+    observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)
+    policy.begin(envs.num_envs)
+    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
+    ended = np.zeros(envs.num_envs, bool)
+    for step in range(length):
+        actions = policy(observation, blocked)
+        yield Moment(step, ended, actions, blocked)
+        observation, _, terminated, truncated, info = envs.step_torch(actions)
+        blocked = info["blocked"]
+        ended = ended | (terminated | truncated).numpy()
+        report((step + 1) / length, f"step {step + 1}")
+        if ended.all():
+            break
+    yield Moment(length, np.ones(envs.num_envs, bool), None, blocked)

@@ -1,0 +1,128 @@
+"""What an agent with a map believes, drawn to lie beside its house."""
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from agent.planner import FREE, TAKEN, Planner
+from agent.planner.config import CERTAIN
+from agent.planner.frame import AXES, quarters
+from agent.planner.state import NONE, TARGET
+from logic import House
+from logic.drawing.canvas import Block, Drawing, Oval, Shape, Text, png, text_width
+from logic.drawing.palettes import Inks
+from sim.film import BODY, MARGIN, SHARP, View
+from sim.film import TARGET as FOUND
+from sim.geometry import geometry
+
+UNKNOWN, LIKELY, EARLIER, LATELY = (226, 226, 222), (190, 214, 178), (178, 205, 232), (255, 255, 255)
+"""Colours of ground: never seen; the same but surely free floor; seen before the last pick-up; seen since."""
+OCCUPIED, VIEWPOINT = (51, 58, 69), (140, 70, 160)
+
+TRUE = (200, 60, 50)
+"""Colour of the house's true lines, where a network foresees what was not seen."""
+
+PALE = 0.3
+"""What floor without targets is drawn as, of certain floor with targets."""
+
+KEY = (
+    (OCCUPIED, "occupied"),
+    (LATELY, "seen since the last pick-up"),
+    (EARLIER, "seen before"),
+    (LIKELY, "unseen, likely floor"),
+    (VIEWPOINT, "next viewpoint"),
+    (FOUND, "target"),
+)
+FORESEEN = {LIKELY: "a target is likely (red: how the house is)"}
+"""Other words, where a network foresees."""
+
+ROW = 18
+"""Pixels: the height of a row of the key."""
+
+
+class MapPicture:
+    """Draws maps as the house lies: the film knows where the episode began, which the agent does not."""
+
+    def __init__(self, house: House, width: int) -> None:
+        """For pictures of the house of this width, as ``sim.film.Camera`` takes them."""
+        self.view, self.solids = View(geometry(house), width), geometry(house).solids
+
+    def begin(self, pose: np.ndarray) -> None:
+        """The map begins at the pose (3,) of the eye: x and y in metres, and its heading."""
+        frame = self.view.frame
+        self.corner = -np.array([frame.left, frame.top]) / frame.scale - pose[:2]  # metres from the start
+        self.quarters = quarters(pose[2])
+
+    def drawn(self, planner: Planner) -> Image.Image:
+        """The first environment's planner."""
+        scale = self.view.frame.scale * planner.cell  # pixels to a cell
+        side = 1 << planner.config.map_bits  # cells; the episode began in the middle
+        corner = self.corner / planner.cell + side // 2
+        box = np.concatenate([corner, corner + np.array(self.view.shown) / scale])
+        whole = Image.fromarray(np.ascontiguousarray(np.rot90(_ground(planner), self.quarters)))
+        picture = whole.transform(
+            self.view.size,
+            Image.Transform.EXTENT,
+            tuple(box),
+            fillcolor=UNKNOWN,
+        )
+        draw, scale = ImageDraw.Draw(picture), SHARP * scale
+
+        def mark(place: np.ndarray, colour: tuple[int, int, int]) -> None:
+            x, y = (place @ AXES[self.quarters] + side // 2 - corner) * scale
+            radius = 6 * SHARP
+            draw.ellipse([x - radius, y - radius, x + radius, y + radius], colour, "white", SHARP)
+
+        if planner.body.prior:
+            for x, y, wide, high in self.solids:
+                draw.rectangle(
+                    self.view.box(x - wide, y - high, x + wide, y + high), outline=TRUE, width=SHARP
+                )
+        kind = planner.read("kind")[0]
+        if kind != NONE:
+            goal = np.array(divmod(int(planner.read("goal")[0]), side)[::-1])
+            mark((goal + side // 2) % side - side // 2, FOUND if kind == TARGET else VIEWPOINT)
+        mark(np.array(planner.pose(0)[:2]), BODY)
+        return picture.reduce(SHARP)
+
+
+def _ground(planner: Planner) -> np.ndarray:
+    """What the first environment's map shows of each cell: colours (S, S, 3) uint8."""
+    states, since = planner.occupancy(0), int(planner.read("since")[0])
+    share = _likely(planner).repeat(2, axis=0).repeat(2, axis=1)[..., None]
+    ground = np.asarray(UNKNOWN) + share * (np.asarray(LIKELY) - UNKNOWN)
+    ground[states == FREE] = EARLIER
+    ground[(states == FREE) & (planner.last_seen(0) >= since)] = LATELY
+    ground[states == TAKEN] = OCCUPIED
+    return ground.astype(np.uint8)
+
+
+def _likely(planner: Planner) -> np.ndarray:
+    """How surely the first environment's blocks (S / 2, S / 2), if never seen, are floor where a target may
+    lie: 0 to 1. Floor that is foreseen to hold none counts ``PALE``.
+    """
+    if not planner.body.prior:
+        return planner.unseen_floor(0) / CERTAIN
+    counts = planner.foreseen(0)
+    return np.maximum(counts / CERTAIN, PALE * (counts > 0))
+
+
+def beside(house: Image.Image, map_: Image.Image, foresees: bool = False) -> Image.Image:
+    """Both pictures side by side, and below them what the map's colours mean, if a network ``foresees``."""
+    width = house.width + map_.width
+    shapes: list[Shape] = []
+    x, y = float(MARGIN), ROW / 2
+    for colour, words in ((each, FORESEEN.get(each, was) if foresees else was) for each, was in KEY):
+        needed = 16 + text_width(words, 11) + 16
+        if x > MARGIN and x + needed > width:
+            x, y = float(MARGIN), y + ROW
+        box, fill = (x, y - 5.5, x + 11, y + 5.5), "#{:02x}{:02x}{:02x}".format(*colour)
+        shapes.append(Oval(box, fill) if colour in (VIEWPOINT, FOUND) else Block(box, fill, Inks().wall, 0.8))
+        shapes.append(Text((x + 16, y), words, 11, Inks().ink, "start"))
+        x += needed
+    high = round(y + ROW / 2 + 4)
+    key = png([((0, 0), Drawing(width, high, tuple(shapes)))], width, high).reduce(SHARP)
+    whole = Image.new("RGB", (width, max(house.height, map_.height) + high), "white")
+    whole.paste(house, (0, 0))
+    whole.paste(map_, (house.width, 0))
+    whole.paste(key, (0, whole.height - high))
+    return whole

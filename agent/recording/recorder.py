@@ -1,0 +1,165 @@
+"""Writes an episode's trace while it is played: a watcher of ``agent.recording.film``."""
+
+from collections import defaultdict
+
+import msgspec
+import numpy as np
+
+from agent.planner import FREE, TAKEN, Planner
+from agent.planner.belief_map import BeliefMap
+from agent.planner.frame import metres, quarters
+from agent.policies.policies import Explorer, QPolicy
+from agent.recording.film import Moment
+from agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
+from logic import House
+from sim import HouseVectorEnv
+from sim.film import Scene
+from sim.geometry import geometry
+
+ACTIONS = "turn left", "turn right", "forward"
+
+EVERY = 5
+"""Steps between two pictures of the map: 20 a second of the paper's 15 s."""
+
+
+class Recorder:
+    """Notes what there is to see at each step."""
+
+    def __init__(self, name: str, mode: str, seed: int) -> None:
+        """For the episode of the agent of this name, with targets in this mode."""
+        self.name, self.mode, self.seed = name, mode, seed
+
+    def begin(self, envs: HouseVectorEnv, policy: QPolicy | Explorer) -> None:
+        """See ``Watcher``."""
+        self.envs, self.policy, self.house = envs, policy, envs.houses[0]
+        self.columns, self.places = defaultdict[str, list](list), list[np.ndarray]()
+        self.targets = list[tuple[float, float]]()
+        mapped = isinstance(policy, Explorer)
+        self.map = _MapNotes(self.house, policy.tracker.planner) if mapped else None
+
+    def note(self, moment: Moment) -> None:
+        """See ``Watcher``."""
+        if moment.step:
+            self.columns["blocked"].append(bool(moment.blocked[0]))
+        scene = self._state()
+        if moment.actions is not None:
+            self._choice(int(moment.actions[0]))
+            if self.map:
+                self.map.note(moment.step, scene)
+
+    def _choice(self, action: int) -> None:
+        """Note what the policy has chosen, and why."""
+        columns, choice = self.columns, self.policy.choice
+        columns["action"].append(action)
+        columns["allowed"].append(sum(1 << a for a, free in enumerate(choice.allowed[0].tolist()) if free))
+        columns["wanted"].append(int(choice.preference[0].argmax()))
+        columns["values"].append(choice.values[0].tolist())
+        if self.map:
+            columns["advice"].append(int(self.map.planner.advice[0]))
+
+    def _state(self) -> Scene:
+        """Note what the environment is like."""
+        scene, columns = self.envs.scene(0), self.columns
+        heading = round(float(scene.pose[2]) / (np.pi / 4)) % 8
+        eye = np.array(scene.config.eye)
+        self.places.append(scene.pose[:2] - (eye[heading % 2] - eye[0]))
+        columns["heading"].append(heading)
+        columns["distance"].append(np.rint(scene.distance / scene.config.range * 65535))
+        columns["hits"].append(np.packbits(scene.is_target))
+        if len(self.targets) == scene.found:
+            self.targets.append((round(float(scene.target[0]), 4), round(float(scene.target[1]), 4)))
+        columns["found"].append(min(scene.found, len(self.targets) - 1))
+        return scene
+
+    @property
+    def trace(self) -> Trace:
+        """The episode, once it has ended."""
+        config = self.envs.config
+        columns = {name: np.array(rows) for name, rows in self.columns.items()}
+        steps = np.rint((np.array(self.places) - self.places[0]) / config.step)
+        columns |= {"east": steps[:, 0], "south": steps[:, 1]}
+        unit = max(float(np.abs(columns["values"]).max()), 1e-6) / 32767
+        columns["values"] = np.rint(columns["values"] / unit)
+        if self.map:
+            columns |= self.map.columns
+        sensor = {name: getattr(config, name) for name in Sensor.__struct_fields__}
+        return Trace(
+            format=FORMAT,
+            agent=self.name,
+            house=self.house.to_dict(),
+            mode=self.mode,
+            seed=self.seed,
+            actions=ACTIONS,
+            sensor=msgspec.convert(sensor, Sensor),
+            origin=(float(self.places[0][0]), float(self.places[0][1])),
+            targets=tuple(self.targets),
+            length=len(columns["action"]),
+            longest=config.steps,
+            columns=packed(columns),
+            value_unit=unit,
+            map=self.map.packed() if self.map else None,
+        )
+
+
+class _MapNotes:
+    """What a planner knows and believes, turned to lie as the house does: that, the planner does not know."""
+
+    def __init__(self, house: House, planner: Planner) -> None:
+        self.planner, self.belief_map = planner, BeliefMap(planner)
+        west, north, east, south = geometry(house).bounds
+        self.corner = np.array([west, north]) - AROUND
+        size = (np.array([south - north, east - west]) + 2 * AROUND) / planner.cell
+        self.shape = tuple(np.ceil(size).astype(int) + 1)
+        self.ground, self.belief = list[np.ndarray](), list[np.ndarray]()
+        self.goals, self.kinds = list[np.ndarray](), list[int]()
+
+    def note(self, step: int, scene: Scene) -> None:
+        """Note where it goes, and at every few steps its map."""
+        planner = self.planner
+        if planner.read("time")[0] == 1:
+            self._begin(scene.pose)
+        kind, goal = int(planner.read("kind")[0]), planner.goal(0)
+        self.kinds.append(kind)
+        place = metres(self.pose, np.array(goal or (0, 0)), planner.cell)
+        self.goals.append(np.rint(100 * place) if goal else np.zeros(2))
+        if step % EVERY == 0:
+            self.ground.append(self._laid(_ground(planner)))
+            known = bool(planner.read("known")[0])  # then it is there, and nowhere else
+            belief = self.belief_map.read() * np.uint8(not known)
+            self.belief.append(self._laid(belief.repeat(2, axis=0).repeat(2, axis=1)))
+
+    def _begin(self, pose: np.ndarray) -> None:
+        """Begin the map at the pose (3,) of the eye: again, where only the first wall shows how the body
+        stands, and what was drawn before that lay askew.
+        """
+        self.pose = pose
+        self.first = np.floor((self.corner - pose[:2]) / self.planner.cell).astype(int)
+        self.ground = [np.zeros_like(each) for each in self.ground]
+        self.belief = [np.zeros_like(each) for each in self.belief]
+
+    def _laid(self, cells: np.ndarray) -> np.ndarray:
+        """A map (S, S), in whose middle the episode began, as the house lies, cut to it."""
+        turned = np.rot90(cells, quarters(self.pose[2]))
+        rows, columns = (
+            np.arange(first, first + size) + len(cells) // 2
+            for first, size in zip(self.first[::-1], self.shape, strict=True)
+        )
+        return turned.take(rows, axis=0, mode="wrap").take(columns, axis=1, mode="wrap")
+
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """Where it went at each step."""
+        return {"goal": np.array(self.goals), "goal_kind": np.array(self.kinds)}
+
+    def packed(self) -> Map:
+        """All pictures."""
+        west, north = self.pose[:2] + self.first * self.planner.cell
+        ground, belief = (Packed.of(np.stack(each)) for each in (self.ground, self.belief))
+        return Map(EVERY, float(west), float(north), self.planner.cell, ground, belief)
+
+
+def _ground(planner: Planner) -> np.ndarray:
+    """What the first environment's map shows of each cell (256, 256) uint8: places in ``GROUND``."""
+    states, since = planner.occupancy(0), int(planner.read("since")[0])
+    ground = np.where(states == FREE, 1 + (planner.last_seen(0) >= since), 0)
+    return np.where(states == TAKEN, 3, ground).astype(np.uint8)

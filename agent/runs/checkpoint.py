@@ -1,0 +1,92 @@
+"""Checkpoints: a network with the config that made it, in one safetensors file that is whole or absent."""
+
+import json
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import safetensors
+import safetensors.torch
+
+from agent.algorithms.build import network_of
+from agent.learning.config import TrainConfig
+from agent.algorithms.presets import ALGORITHMS
+from agent.runs.released import FORMAT, CheckpointError, located, require_sizes
+from logic.house.files import write_whole
+from logic.spelling import printable
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A trained network, the config of its run, the steps that it has seen, and where it comes from."""
+
+    network: Any
+    config: TrainConfig
+    steps: int
+    name: str = "agent"
+    """What to call it: the preset's name."""
+    houses: str = ""
+    """``agent.banks.bank_hash`` of the houses that it learnt in."""
+    command: str = ""
+    """What made it."""
+
+
+def save(checkpoint: Checkpoint, path: str | Path) -> None:
+    """Write the checkpoint beside its place and rename it: a kill leaves the old file or the new one."""
+    record = {
+        "format": FORMAT,
+        "algorithm": checkpoint.config.algorithm,
+        "config": json.dumps(asdict(checkpoint.config)),
+        "steps": str(checkpoint.steps),
+        "name": checkpoint.name,
+        "houses": checkpoint.houses,
+        "command": checkpoint.command,
+    }
+    tensors = {name: value.cpu().contiguous() for name, value in checkpoint.network.state_dict().items()}
+    write_whole(path, safetensors.torch.save(tensors, metadata=record))
+
+
+def load(path: str | Path) -> Checkpoint:
+    """Read a checkpoint: tensors and text, never code. A released agent may be given by its name alone.
+
+    Raises ``CheckpointError``.
+    """
+    path = located(path)
+    if path.is_dir():
+        hint = f": did you mean {run}?" if (run := path / "agent.safetensors").exists() else ""
+        raise CheckpointError(f"{path}: is a folder, and no agent{hint}")
+    try:
+        require_sizes(path)
+        with safetensors.safe_open(path, framework="pt") as file:
+            record = file.metadata() or {}
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except OSError as error:
+        raise CheckpointError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except safetensors.SafetensorError:
+        raise CheckpointError(f"{path}: not a checkpoint. Make one with: vitruvius train") from None
+    if record.get("format") != FORMAT:
+        raise CheckpointError(
+            f"{path}: not a checkpoint of this version ({FORMAT}). Train again: vitruvius train"
+        )
+    try:
+        config = config_of(record["algorithm"], json.loads(record["config"]))
+        network = network_of(config)
+        network.load_state_dict(tensors)
+        if not all(value.isfinite().all() for value in network.state_dict().values()):
+            raise ValueError("some weights are no finite numbers")
+        provenance = {name: printable(record[name]) for name in ("name", "houses", "command")}
+        return Checkpoint(network.eval(), config, int(record["steps"]), **provenance)
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        reason = str(error).splitlines()[0]
+        raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
+
+
+def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:
+    """A config from what JSON has of it. Raises ``ValueError`` that names what is wrong."""
+    if algorithm not in ALGORITHMS:
+        raise ValueError(f"unknown algorithm {algorithm!r}")
+    kind = ALGORITHMS[algorithm]
+    if unknown := set(values) - {field.name for field in fields(kind)}:
+        raise ValueError(f"unknown field {min(unknown)!r}")
+    return msgspec.convert(values, kind)

@@ -1,0 +1,103 @@
+"""The network for other runtimes: one ONNX file, a pure function of what the agent sees and remembers.
+
+| input | shape | |
+|---|---|---|
+| ``observation`` | (B, R, C) float32 | distance / range, is target |
+| ``memory`` | (B, M, 6) float32 | averages (recurrent: (B, H)); zeros where an episode begins |
+| ``blocked`` | (B,) bool | whether the last move was |
+
+| output | shape | |
+|---|---|---|
+| ``q`` | (B, A) float32 | the value of each action, in discounted targets |
+| ``memories`` | (B, A, M, 6) float32 | the memory to go on with, for each action that may be made |
+
+The layers above, the shield and the rest, choose the action: so ``memories`` has one for each, and the caller
+takes that of the action made. Nothing is kept between two calls.
+"""
+
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from agent.actions import ACTIONS
+from logic.errors import RequestError, VitruviusError
+from logic.house.files import write_whole
+
+INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
+
+
+class NoExporter(VitruviusError):
+    """The packages that write ONNX files are missing."""
+
+    exit_code = 69
+
+
+class Step(nn.Module):
+    """A network and its memory as the one function that is exported."""
+
+    def __init__(self, network: Any) -> None:
+        """Share the network's weights."""
+        super().__init__()
+        self.network = network
+
+    def forward(self, observation: Tensor, memory: Tensor, blocked: Tensor) -> tuple[Tensor, Tensor]:
+        """Q-values (B, A), and the memory (B, A, ...) after each action; for the inputs see above."""
+        same = torch.zeros_like(blocked)
+        each = [torch.full_like(blocked, action, dtype=torch.int64) for action in range(ACTIONS)]
+        memories = [self.network.memory(memory, observation, blocked, action, same) for action in each]
+        return self.network(observation, memory), torch.stack(memories, dim=1)
+
+    def example(self, size: int, seed: int = 0) -> tuple[Tensor, ...]:
+        """Random inputs for a batch of that size, in the order of ``forward``."""
+        generator = torch.Generator().manual_seed(seed)
+        rays, channels, _ = self.network.shape
+        kept = tuple(self.network.memory.empty(1).shape[1:])
+        shapes = [(rays, channels), kept, ()]
+        observation, memory, blocked = (torch.rand(size, *shape, generator=generator) for shape in shapes)
+        observation[..., -1].round_()
+        return observation, memory, blocked < 0.5
+
+
+def export(network: Any, path: str | Path) -> None:
+    """Write the network with its memory to an ONNX file, whole or not at all, for batches of any size.
+
+    Raises ``RequestError`` for a network that works on a planner's map, of viewpoints or map completion, and
+    ``NoExporter`` where the packages ``onnx`` and ``onnxscript`` are missing.
+    """
+    if not hasattr(network, "memory"):
+        raise RequestError("only a Q-network over moves can be exported: this needs a planner's whole map")
+    step = Step(network).eval()
+    batch = torch.export.Dim("batch")
+    try:
+        with _quiet():
+            program = torch.onnx.export(
+                step,
+                step.example(2),  # of two: an axis of length one would be taken for a constant
+                input_names=INPUTS,
+                output_names=OUTPUTS,
+                dynamic_shapes={name: {0: batch} for name in INPUTS},
+                verbose=False,
+            )
+    except ImportError as error:
+        raise NoExporter(f"ONNX needs the package {error.name}. Try: pip install onnx onnxscript") from None
+    assert program is not None
+    write_whole(path, program.model_proto.SerializeToString())
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without the exporter's remarks on packages and axes that do not matter here."""
+    before = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.disable(before)

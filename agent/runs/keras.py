@@ -1,0 +1,68 @@
+"""The original program's weights, from the HDF5 file that Keras wrote, as a checkpoint of ours.
+
+The file is read as arrays: its description of the model is not run, and not needed.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, cast
+
+import h5py
+import numpy as np
+import torch
+
+from agent.runs.checkpoint import Checkpoint
+from agent.learning.config import PaperConfig
+from agent.algorithms.paper import PaperNetwork
+from agent.algorithms.presets import PRESETS
+from agent.runs.released import CheckpointError
+
+ORIGINAL = cast(PaperConfig, PRESETS["paper"])
+"""How the original's network reads, plays and learnt, as far as its code and its file say."""
+
+
+def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
+    """A checkpoint of the weights in a Keras file (``model.save`` or ``save_weights``) of the original's
+    layers: dense 25 for each ray, flatten, 50, 100, 50, 25, 3.
+
+    Its ``steps`` are 0: the file has the updates of its training, not the steps. Raises ``CheckpointError``
+    for a file that is none, of other layers or of other shapes.
+    """
+    network = PaperNetwork.of(ORIGINAL)
+    expected = {key: tuple(value.shape) for key, value in network.named_parameters()}
+    try:
+        with h5py.File(path) as file:
+            found = list(_arrays(file))
+    except FileNotFoundError:
+        raise CheckpointError(f"{path}: there is no such file") from None
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise CheckpointError(f"{path}: no weights that Keras wrote: {str(error).splitlines()[0]}") from None
+    shapes = [array.shape[::-1] for _, array in found]
+    if len(shapes) != len(expected):
+        raise CheckpointError(
+            f"{path}: {len(shapes)} arrays of weights; the paper's network has {len(expected)}"
+        )
+    for (label, _), shape, wanted in zip(found, shapes, expected.values(), strict=True):
+        if shape != wanted:
+            raise CheckpointError(f"{path}: {label} is {shape[::-1]}; the paper's network has {wanted[::-1]}")
+    tensors = {key: torch.from_numpy(array.T.copy()) for key, (_, array) in zip(expected, found, strict=True)}
+    network.load_state_dict(tensors, strict=False)
+    if not all(value.isfinite().all() for value in tensors.values()):
+        raise CheckpointError(f"{path}: some weights are no finite numbers")
+    return Checkpoint(network.eval(), ORIGINAL, 0, name, command=command)
+
+
+def _arrays(file: Any) -> Iterator[tuple[str, np.ndarray]]:
+    """Each layer's kernel (inputs, outputs) and bias, with its name, in the model's order."""
+    layers = file.get("model_weights", file)
+    for layer in layers.attrs["layer_names"]:
+        group = layers[_text(layer)]
+        for weight in group.attrs["weight_names"]:
+            data = group[_text(weight)]
+            if data.size > 1_000_000:
+                raise ValueError(f"{_text(weight)} has {data.size:,} numbers")
+            yield _text(weight), np.asarray(data, np.float32)
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)

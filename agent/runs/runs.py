@@ -1,0 +1,295 @@
+"""A training run in its folder: it is saved on the way, and a run that was killed goes on.
+
+| file | |
+|---|---|
+| ``agent.safetensors`` | the network, never older than half a minute: for ``vitruvius evaluate`` |
+| ``config.json`` | what was asked for, in which houses, by which command, with which versions |
+| ``metrics.jsonl`` | a line for each report: ``agent.learning.learner.Progress`` |
+| ``tensorboard/`` | the same for TensorBoard |
+| ``state.pt.gz`` | all that the next step depends on: for ``--resume`` |
+"""
+
+import fcntl
+import gzip
+import io
+import json
+import platform
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from math import inf
+from pathlib import Path
+from threading import Event
+from time import perf_counter
+from typing import Any
+
+import msgspec
+import torch
+
+from agent.runs import checkpoint
+from agent.learning import ranks
+from agent.learning.allocation import keep_freed_memory
+from agent.banks import bank_hash
+from agent.runs.checkpoint import Checkpoint
+from agent.learning.config import PQNConfig, TrainConfig
+from agent.learning.learner import Diverged, Learner, Progress
+from agent.algorithms.learners import LEARNERS
+from agent.learning.precision import set_precision
+from agent.progress import progress
+from agent.runs.released import CheckpointError
+from agent.learning.simulator import simulator
+from agent.learning.environments import make_envs
+from logic import House
+from logic.errors import RequestError, VitruviusError
+from logic.house.files import write_whole
+from logic.spelling import keywords
+from logic.stopping import Terminated, at_sigterm
+
+SAVE_EVERY = 30.0
+"""Seconds between checkpoints."""
+
+MORE_STATE, MOST_METRICS = 1 << 24, 1 << 28
+"""What is read of a run's state, unpacked, besides twice that of a new run; of its reports."""
+
+
+@dataclass(frozen=True)
+class Folder:
+    """Where a run's files lie."""
+
+    path: Path
+
+    @property
+    def agent(self) -> Path:
+        """The checkpoint."""
+        return self.path / "agent.safetensors"
+
+    @property
+    def config(self) -> Path:
+        """What was asked for."""
+        return self.path / "config.json"
+
+    @property
+    def metrics(self) -> Path:
+        """The reports."""
+        return self.path / "metrics.jsonl"
+
+    @property
+    def state(self) -> Path:
+        """What the next step depends on."""
+        return self.path / "state.pt.gz"
+
+    @property
+    def tensorboard(self) -> Path:
+        """The reports, for TensorBoard."""
+        return self.path / "tensorboard"
+
+    @property
+    def lock(self) -> Path:
+        """An empty file, locked by the run that is at work."""
+        return self.path / ".lock"
+
+    def _require_own(self) -> None:
+        for path in (self.agent, self.config, self.metrics, self.state, self.lock, self.tensorboard):
+            is_own = path.is_dir() if path == self.tensorboard else path.is_file()
+            if path.is_symlink() or (path.exists() and not is_own):
+                kind = "folder" if path == self.tensorboard else "file"
+                raise CheckpointError(f"{path}: is no {kind} of its own, so no run goes on here")
+
+    @contextmanager
+    def alone(self, resume: bool) -> Iterator[None]:
+        """Hold the folder for as long as the block lasts.
+
+        Raises ``RequestError`` where another run does, or where a run lies in it and is not to go on, and
+        ``CheckpointError`` where what lies in it is no run's: what leads out of it would be written to.
+        """
+        self.path.mkdir(parents=True, exist_ok=True)
+        self._require_own()
+        with self.lock.open("a") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise RequestError(
+                    f"{self.path}: another run is at work here. Give this one another folder"
+                ) from None
+            if not resume and any(
+                path.exists() for path in (self.config, self.agent, self.metrics, self.state)
+            ):
+                raise RequestError(
+                    f"{self.path}: holds a run already. Go on with it by --resume, or give another folder"
+                )
+            yield
+
+
+@keywords(preset="config", out="path", folder="path")
+def run(
+    houses: Sequence[House],
+    config: TrainConfig,
+    path: str | Path,
+    *,
+    name: str = "agent",
+    command: str = "",
+    resume: bool = False,
+    every: float | None = None,
+) -> tuple[Checkpoint, list[Progress]]:
+    """Train an agent in the houses, to the end of its run; its files lie in the folder ``path``.
+
+    With ``resume`` a run that lies there goes on where it was last kept, bit for bit on the CPU; where there
+    is none, one begins. ``every`` is the pause between the lines of progress in a pipe, in seconds; None: no
+    lines.
+
+    Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
+    number any more; the last good checkpoint is kept then. Raises ``Terminated`` once the run is saved after
+    a SIGTERM.
+    """
+    with ranks.joined(config.device):
+        folder = Folder(Path(path))
+        if ranks.rank():  # the first rank alone writes
+            learner = _learner(houses, config)
+            return _learn(learner, folder, name, command, resume, every)
+        with folder.alone(resume):
+            return _learn(_learner(houses, config), folder, name, command, resume, every)
+
+
+def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
+    """A new run in new environments: this rank's share of them."""
+    share, left = divmod(config.num_envs, ranks.size())
+    if left:
+        raise RequestError(f"num_envs must be a multiple of the {ranks.size()} ranks, not {config.num_envs}")
+    if ranks.size() > 1 and not isinstance(config, PQNConfig):
+        raise RequestError(f"{config.algorithm} runs in one process alone")
+    if config.device == "cuda" and not torch.cuda.is_available():
+        raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
+    torch.set_num_threads(config.threads)
+    keep_freed_memory()
+    set_precision(config.precision, config.device)
+    envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
+    return LEARNERS[config.algorithm](config, envs)
+
+
+def _learn(
+    learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
+) -> tuple[Checkpoint, list[Progress]]:
+    """Learn to the end, or to the report after a SIGTERM; save the run then and every half a minute."""
+    config, houses = learner.config, bank_hash(learner.envs.houses)
+    history = _resumed(learner, folder) if resume and folder.state.exists() else []
+    made = Checkpoint(learner.network, config, 0, name, houses, command)
+    writer = _Writer(folder, history) if not ranks.rank() else None
+    if writer:
+        write_whole(folder.config, _described(made, learner).encode())
+    saved, terminated = perf_counter(), Event()
+    with progress("training", every if not ranks.rank() else None) as tell, at_sigterm(terminated.set):
+        try:
+            for now in learner.train():
+                history.append(now)
+                rate = now.steps / max(now.seconds, 1e-9)
+                words = f"{now.steps / 1e6:.2f} M steps, {rate:,.0f}/s, {now.targets:.1f} targets"
+                tell(now.fraction, words)
+                if writer:
+                    writer.write(now)
+                age = ranks.first(inf if terminated.is_set() else perf_counter() - saved)
+                if age > SAVE_EVERY:
+                    _keep(learner, replace(made, steps=now.steps), folder)
+                    saved = perf_counter()
+                if age == inf:
+                    raise Terminated
+        except Diverged as error:
+            kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
+            raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None
+        finally:
+            if writer:
+                writer.close()
+    result = replace(made, network=learner.network.eval(), steps=learner.steps)
+    _keep(learner, result, folder)
+    return result, history
+
+
+def _keep(learner: Learner, made: Checkpoint, folder: Folder) -> None:
+    """Write the state of all ranks, then the agent."""
+    parts = ranks.gathered(_saved(learner.state()))
+    if not ranks.rank():
+        states = [torch.load(io.BytesIO(part), weights_only=True) for part in parts]
+        write_whole(folder.state, gzip.compress(_saved(states), compresslevel=1, mtime=0))
+        checkpoint.save(made, folder.agent)
+
+
+def _saved(value: Any) -> bytes:
+    """As torch writes it."""
+    content = io.BytesIO()
+    torch.save(value, content)
+    return content.getvalue()
+
+
+def _resumed(learner: Learner, folder: Folder) -> list[Progress]:
+    """Restore the state that was saved last; the reports up to there."""
+    try:
+        most = ranks.size() * 2 * len(_saved(learner.state())) + MORE_STATE
+        with gzip.open(folder.state) as file:
+            content = file.read(most + 1)
+        if len(content) > most:
+            raise ValueError(f"it holds more than {most >> 20} MiB, which no state of such a run does")
+        states = torch.load(io.BytesIO(content), weights_only=True)
+        if len(states) != ranks.size():
+            raise RequestError(f"{folder.path}: a run of {len(states)} ranks, not of {ranks.size()}")
+        learner.restore(states[ranks.rank()])
+    except VitruviusError:
+        raise
+    except Exception as error:  # what is damaged raises many kinds
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise CheckpointError(f"{folder.state}: cannot be read: {reason}") from None
+    history = []
+    with folder.metrics.open("rb") as file:
+        for line in io.BytesIO(file.read(MOST_METRICS)):
+            try:
+                now = msgspec.json.decode(line, type=Progress)
+            except ValueError:
+                continue  # a kill may tear the last line
+            if now.steps <= learner.steps:
+                history.append(now)
+    if not history:
+        raise CheckpointError(
+            f"{folder.metrics}: holds no report up to step {learner.steps:,}, at which the run was kept"
+        )
+    return history
+
+
+def _described(made: Checkpoint, learner: Learner) -> str:
+    """What a reader must know to run it again."""
+    record: dict[str, Any] = {
+        "preset": made.name,
+        "algorithm": made.config.algorithm,
+        "config": asdict(made.config),
+        "houses": {"number": len(learner.envs.houses), "hash": made.houses},
+        "command": made.command,
+        "ranks": ranks.size(),
+        "python": platform.python_version(),
+        "torch": torch.__version__,
+        "machine": platform.platform(),
+    }
+    return json.dumps(record, indent=2) + "\n"
+
+
+class _Writer:
+    """Writes each report to ``metrics.jsonl`` and for TensorBoard."""
+
+    def __init__(self, folder: Folder, history: list[Progress]) -> None:
+        """Go on after these reports; those that were written after them will be made again."""
+        from torch.utils.tensorboard import SummaryWriter  # half a second to import
+
+        lines = "".join(json.dumps(asdict(one)) + "\n" for one in history)
+        write_whole(folder.metrics, lines.encode())
+        self.lines = folder.metrics.open("a")
+        self.board = SummaryWriter(folder.tensorboard, purge_step=history[-1].steps + 1 if history else None)
+
+    def write(self, now: Progress) -> None:
+        """Write a report, at once."""
+        values = asdict(now)
+        self.lines.write(json.dumps(values) + "\n")
+        self.lines.flush()
+        for name, value in values.items():
+            if value is not None and name != "steps":
+                self.board.add_scalar(name, value, now.steps)
+
+    def close(self) -> None:
+        """Close both."""
+        self.lines.close()
+        self.board.close()

@@ -1,0 +1,181 @@
+/** Plans: houses whose rooms share walls. From a request to such a house. As logic/generation/shared_walls.py and given_rooms.py. */
+
+import { LimitReached, Unsatisfiable } from "./answers.js";
+import { granted, requirements, toFurnish } from "./grammar.js";
+import { nogood, terms } from "./star.js";
+import { atom, compound, list, parseTerm, real } from "./terms.js";
+
+const MOST_TRIES = 200;
+const TOLERANCE = 1e-6;
+const STEP = 0.016, BITS = 9;
+const WALLS = {
+  front: ["front_left", "front_right"],
+  left: ["left_front", "left_back"],
+  back: ["back_left", "back_right"],
+  right: ["right_front", "right_back"],
+};
+
+/** A plan, { rooms, doors, windows, hub }, without a hub where there is not just one; metres, as in a house file. `isFurnishable`: whether a room of a type can be. */
+export function plan(grammar, request, rng, inferences, isFurnishable) {
+  const nogoods = [], unfurnishable = new Set();
+  for (let turn = 0; turn < MOST_TRIES; turn++) {
+    const bare = barePlan(grammar, request, rng, inferences, nogoods, unfurnishable);
+    inferences = bare.inferences;
+    const pieces = furnished(grammar, bare.plan, request, rng, inferences);
+    if (pieces.failed === undefined) return house(bare, pieces);
+    const { type } = bare.plan.rooms[pieces.failed];
+    if (!isFurnishable(type)) unfurnishable.add(type);
+  }
+  throw new LimitReached(`${MOST_TRIES} times a room could not be furnished at its size: try another seed, or larger rooms`);
+}
+
+/** Walls, doors and windows, and the layout that they have. What is found infeasible is added to the nogoods. */
+function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
+  const holds = requirements(request).map(granted);
+  const fails = [...unfurnishable].sort().flatMap((type) => toFurnish(type, request.rooms));
+  for (;;) {
+    const layout = grammar.rooms(request).sample(rng, holds, fails, nogoods);
+    if (!layout) throw new Unsatisfiable([...unfurnishable].sort());
+    const answer = grammar.prolog.ask("plan_placed", compound("plan", terms(layout), [], rng.seed(), "minimal"), inferences);
+    if (answer.limit) throw new LimitReached("the Prolog inferences for a house ran out");
+    inferences -= answer.inferences;
+    if (!answer.infeasible) return { plan: answer, layout, inferences };
+    nogoods.push(nogood(answer.infeasible));
+    if (inferences <= 0) throw new LimitReached("the Prolog inferences for a house ran out");
+  }
+}
+
+function house({ plan: { rooms, doors, windows }, layout }, pieces) {
+  const hubs = layout.map(parseTerm).filter(({ name }) => name === "hub").map(({ args: [number] }) => `R${number}`);
+  const name = (each) => (typeof each === "number" ? `R${each}` : each);
+  return {
+    rooms: rooms.map((room, number) => ({ ...sides(room), name: name(number), type: room.type, children: pieces[number], storey: 0 })),
+    doors: doors.map((door) => ({ ...sides(door), between: door.between.map(name) })),
+    windows: windows.map((window) => ({ ...sides(window), room: name(window.room) })),
+    ...(hubs.length === 1 ? { hub: hubs[0] } : {}),
+  };
+}
+
+const sides = ({ x, y, width, height }) => ({ x, y, width, height });
+
+/** The pieces of each room of a bare plan; { failed: number } of a room that can have none. */
+function furnished(grammar, bare, request, rng, inferences) {
+  const frames = bare.rooms.map((room, number) => new Frame(bare, number));
+  const pieces = bare.rooms.map(() => []), nogoods = bare.rooms.map(() => []);
+  let waiting = [...bare.rooms.keys()].filter((number) => grammar.hasFurniture(bare.rooms[number].type));
+  while (waiting.length) {
+    const asked = [];
+    for (const [place, number] of waiting.entries()) {
+      const { type } = bare.rooms[number], frame = frames[number];
+      const { holds, fails } = frame.given();
+      const required = grammar.requiredIn(type, request).map(granted);
+      const program = grammar.givenRoom(type, frame.doorways(), request);
+      const furniture = program.sample(rng, [...holds, ...required], fails, nogoods[number]);
+      if (!furniture) return { failed: number };
+      asked.push(frame.term(place, type, furniture, rng.seed()));
+    }
+    const again = waiting.some((number) => nogoods[number].length);
+    const answer = grammar.prolog.ask("rooms_furnished", list(asked), again ? "minimal" : "quick", inferences);
+    if (answer.limit || (inferences -= answer.inferences) <= 0)
+      throw new LimitReached("the Prolog inferences for a house ran out");
+    const conflicts = new Map(answer.infeasible);
+    for (const [place, number] of waiting.entries())
+      if (conflicts.has(place)) nogoods[number].push(nogood(conflicts.get(place)));
+      else pieces[number] = answer.rooms[place];
+    waiting = waiting.filter((_, place) => conflicts.has(place));
+  }
+  return pieces;
+}
+
+/** A room as seen from its entrance: x to the right along the front wall, y inwards. */
+class Frame {
+  constructor(bare, number) {
+    const room = bare.rooms[number];
+    const doors = bare.doors.filter(({ between }) => between.includes(number))
+      .sort((a, b) => (a.between[0] !== number) - (b.between[0] !== number));
+    const windows = bare.windows.filter((window) => window.room === number);
+    const [west, north, east, south] = box(room), entrance = box(doors[0]);
+    const lines = { north: [1, south], east: [0, west], south: [1, north], west: [0, east] };
+    this.side = Object.keys(lines).find((side) => {
+      const [axis, line] = lines[side];
+      return Math.max(Math.abs(entrance[axis] - line), Math.abs(entrance[axis + 2] - line)) < TOLERANCE;
+    });
+    [this.x, this.y] = { north: [west, south], east: [west, north], south: [east, north], west: [east, south] }[this.side];
+    const across = this.side === "north" || this.side === "south";
+    this.width = across ? room.width : room.height;
+    this.depth = across ? room.height : room.width;
+    this.doors = this.byWall(doors);
+    this.windows = this.byWall(windows);
+  }
+
+  byWall(segments) {
+    const found = Object.fromEntries(Object.keys(WALLS).map((wall) => [wall, []]));
+    for (const segment of segments) {
+      const [left, front, right, back] = this.own(box(segment));
+      const across = right - left > back - front;
+      const walls = across ? { front, back: this.depth - back } : { left, right: this.width - right };
+      const [one, other] = Object.keys(walls);
+      found[Math.abs(walls[other]) < Math.abs(walls[one]) ? other : one].push(across ? [left, right] : [front, back]);
+    }
+    for (const spans of Object.values(found)) spans.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    return found;
+  }
+
+  /** A box of the house, in the room's frame. */
+  own([west, north, east, south]) {
+    const { x, y } = this;
+    if (this.side === "north") return [west - x, y - south, east - x, y - north];
+    if (this.side === "east") return [north - y, west - x, south - y, east - x];
+    if (this.side === "south") return [x - east, north - y, x - west, south - y];
+    return [y - south, x - east, y - north, x - west];
+  }
+
+  /** All doors but the entrance, as facts. */
+  doorways() {
+    return Object.entries(this.doors)
+      .flatMap(([wall, spans]) => spans.map((_, place) => `doorway(${wall},${place + 1})`))
+      .filter((fact) => fact !== "doorway(front,1)");
+  }
+
+  /** The room across and inwards, and each stretch of wall as far as its doors (m). */
+  *lengths() {
+    yield ["across", this.width];
+    yield ["inwards", this.depth];
+    for (const [wall, [first, last]] of Object.entries(WALLS)) {
+      const size = wall === "front" || wall === "back" ? this.width : this.depth;
+      const spans = this.doors[wall];
+      if (!spans.length) {
+        yield [wall, size];
+        continue;
+      }
+      yield [first, spans[0][0]];
+      for (let place = 1; place < spans.length; place++)
+        yield [`between(${wall},${place})`, spans[place][0] - spans[place - 1][1]];
+      yield [last, size - spans.at(-1)[1]];
+    }
+  }
+
+  /** What rules/doors.lp is to assume of the room. */
+  given() {
+    const holds = [], fails = [];
+    for (const [what, length] of this.lengths()) {
+      const short = Math.max(0, Math.trunc(2 ** BITS - 1 - length / STEP));
+      for (let bit = 0; bit < BITS; bit++) ((short >> bit) & 1 ? holds : fails).push(`short(${what},${bit})`);
+    }
+    for (const [wall, spans] of Object.entries(this.windows)) {
+      (spans.length ? holds : fails).push(`window(${wall})`);
+      fails.push(`loose(${wall})`);
+    }
+    return { holds, fails };
+  }
+
+  /** The room for rules/given_rooms.pl. */
+  term(number, type, furniture, seed) {
+    const pair = (a, b) => `${real(a)}-${real(b)}`;
+    const doors = Object.values(this.doors).map((spans) => spans.map(([start, end]) => pair(start, end - start)));
+    const frame = compound("frame", this.side, real(this.x), real(this.y));
+    return compound("room", number, atom(type), terms(furniture), seed, `(${pair(this.width, this.depth)})`, compound("doors", ...doors), frame);
+  }
+}
+
+const box = ({ x, y, width, height }) => [x, y, x + width, y + height];

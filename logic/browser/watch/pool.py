@@ -1,0 +1,192 @@
+"""Solver processes that have loaded one version of a grammar, asked from asyncio."""
+
+import asyncio
+import contextlib
+import os
+from pathlib import Path
+from typing import Any
+
+from logic.errors import RequestError, VitruviusError
+from logic.workers.solver import Solver
+
+SIZE = min(4, os.cpu_count() or 1)
+"""Processes that make the houses of a sheet side by side."""
+
+GRACE = 0.8
+"""Seconds in which a process may still give an answer that nobody waits for. Most take less, and it is then
+free for the next question; past them it is killed, and another one has to load the rules.
+"""
+
+REFILL = 3.0
+"""Seconds after which spare processes take the place of those that were taken, if they have not yet: to start
+them takes processor time that a sheet needs, so they wait until it is drawn.
+"""
+
+
+class Stale(Exception):
+    """The rules have changed since the question was asked."""
+
+
+class Spares:
+    """Processes that are ready to load a grammar: to start one takes longer than to load."""
+
+    def __init__(self, directory: Path) -> None:
+        """Start them, for a grammar's directory."""
+        self._opening = {"prepare": str(directory)}
+        self._ready: list[Solver] = []
+        self._ended = False
+        self.refill()
+
+    def check(self) -> None:
+        """Raise ``MissingProgram`` where the solvers are not installed."""
+        worker = self.take()
+        try:
+            worker.prepared()
+        finally:
+            worker.end()
+        self.refill()
+
+    def take(self) -> Solver:
+        """One of them, or one that has just been started."""
+        while self._ready:
+            worker = self._ready.pop(0)
+            if worker.is_alive():
+                break
+            worker.end()
+        else:
+            worker = Solver(self._opening)
+        with contextlib.suppress(RuntimeError):  # No loop runs before the server does.
+            asyncio.get_running_loop().call_later(REFILL, self.refill)
+        return worker
+
+    def refill(self) -> None:
+        """Start as many as were taken, unless all has ended: connections are closed after the processes."""
+        if self._ended:
+            return
+        self._ready += [Solver(self._opening) for _ in range(SIZE - len(self._ready))]
+
+    def end(self) -> None:
+        """End all, and start no more."""
+        self._ended = True
+        for worker in self._ready:
+            worker.end()
+        self._ready.clear()
+
+
+class Pool:
+    """Processes that load the same rules; a question goes to the first that is free.
+
+    One of them says what is wrong with the rules. The others take no time for that, and so have the first
+    houses when it is known that the rules are right.
+    """
+
+    def __init__(self, directory: Path, spares: Spares) -> None:
+        """Let them load a grammar's directory as it is now."""
+        self._opening = {"grammar": str(directory), "cell": 0.0, "errors": "all"}
+        self._spares, self._ended = spares, False
+        self._busy: set[Solver] = set()
+        self._left = SIZE
+        # Or the error that stands in the place of all of them.
+        self._free: asyncio.Queue[Solver | VitruviusError | Stale] = asyncio.Queue()
+        self._verdict, *others = (asyncio.ensure_future(self._open(hasty=bool(each))) for each in range(SIZE))
+        for each in (self._verdict, *others):
+            each.add_done_callback(_heard)
+
+    async def verdict(self) -> dict[str, Any]:
+        """What is said of the rules: see ``worker.py``. Raises what they raise, and ``Stale``."""
+        await asyncio.wait([self._verdict])
+        if self._ended:
+            raise Stale
+        return self._verdict.result()
+
+    async def ask(self, question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
+        """The answer to a question; raises ``LimitReached`` with ``late`` past the seconds, and ``Stale``.
+
+        A caller that is cancelled leaves at once; the process that worked for it is free again soon.
+        """
+        worker = await self._free.get()
+        if not isinstance(worker, Solver):
+            self._free.put_nowait(worker)
+            raise worker
+
+        def answered() -> dict[str, Any]:
+            worker.ask(question, seconds)
+            return worker.answer(seconds, late)
+
+        self._busy.add(worker)
+        answer = asyncio.ensure_future(asyncio.to_thread(answered))
+        answer.add_done_callback(_heard)
+        answer.add_done_callback(lambda _: self._release(worker))
+        try:
+            return await asyncio.shield(answer)
+        except asyncio.CancelledError:
+            asyncio.get_running_loop().call_later(GRACE, self._hurry, worker, answer)
+            raise
+        except VitruviusError:
+            if self._ended:
+                raise Stale from None
+            raise
+
+    def end(self) -> None:
+        """End all processes; what waits for them gets an error."""
+        self._ended = True
+        for worker in self._busy:
+            worker.interrupt()
+        while not self._free.empty():
+            worker = self._free.get_nowait()
+            if isinstance(worker, Solver):
+                worker.end()
+        self._free.put_nowait(Stale())
+
+    async def _open(self, hasty: bool = True) -> dict[str, Any]:
+        """Add a process, and say what it says of the rules; raises ``Stale`` past the end."""
+        if self._ended:
+            raise Stale
+        worker = self._spares.take()
+
+        def loaded() -> dict[str, Any]:
+            worker.prepared()
+            worker.open(self._opening | {"hasty": hasty})
+            return worker.loaded()
+
+        self._busy.add(worker)
+        try:
+            answer = await asyncio.to_thread(loaded)
+        except VitruviusError as error:
+            self._lose(worker, error)
+            raise
+        if "findings" in answer:
+            self._lose(worker, RequestError("the rules have a mistake"))
+        else:
+            self._release(worker)
+        return answer
+
+    def _lose(self, worker: Solver, why: VitruviusError) -> None:
+        """One process less; where none is left, what is asked is answered by this error."""
+        self._busy.discard(worker)
+        worker.end()
+        self._left -= 1
+        if not self._left:
+            self._free.put_nowait(why)
+
+    def _release(self, worker: Solver) -> None:
+        """The process is free, or where it is of no use any more, another one takes its place."""
+        self._busy.discard(worker)
+        if self._ended:
+            worker.end()
+        elif worker.is_alive() and not worker.unanswered:
+            self._free.put_nowait(worker)
+        else:
+            worker.end()
+            asyncio.ensure_future(self._open()).add_done_callback(_heard)
+
+    def _hurry(self, worker: Solver, answer: asyncio.Future[Any]) -> None:
+        if not answer.done():
+            worker.interrupt()
+
+
+def _heard(future: asyncio.Future[Any]) -> None:
+    """Errors of what nobody waits for any more are of no use, but for our own."""
+    error = None if future.cancelled() else future.exception()
+    if error and not isinstance(error, VitruviusError | Stale):
+        raise error

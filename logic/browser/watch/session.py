@@ -1,0 +1,241 @@
+"""A grammar that is being edited: its rule files as they are now, and the answers about them."""
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
+from watchfiles import awatch
+
+from logic.browser.watch.pool import Pool, Spares, Stale
+from logic.drawing.canvas import svg
+from logic.drawing.draw import plan
+from logic.drawing.palettes import style
+from logic.errors import Finding, GrammarError, RequestError, VitruviusError, to_record
+from logic.grammar import MOST_BYTES
+from logic.house import looks
+from logic.house.house import House
+from logic.request.request import MOST_ROOMS, Request
+from logic.why.answer import file_name
+from logic.workers.explain import INFERENCES
+
+PLAN = 300
+"""CSS pixels: the sides of a plan's square, which the page scales."""
+
+STEP, DEBOUNCE = 10, 200
+"""Milliseconds without another change after which a save is over, and the most to wait for that."""
+
+LOOK = 1000
+"""Milliseconds after which the files are read without a change too: not all file systems tell of changes."""
+
+MOST_HOUSES = 48
+
+
+class Rules(msgspec.Struct, frozen=True):
+    """The rule files at one time."""
+
+    version: int
+    grammar: str
+    files: tuple[dict[str, str], ...]
+
+
+class Sheet(msgspec.Struct, frozen=True):
+    """The houses of a contact sheet: houses 0 to ``count - 1`` of a request."""
+
+    rooms: Annotated[int, Meta(ge=1, le=MOST_ROOMS)]
+    seed: Annotated[int, Meta(ge=0, lt=2**31)]
+    count: Annotated[int, Meta(ge=1, le=MOST_HOUSES)]
+    types: dict[str, int | tuple[int, int | None]] = {}
+    furniture: dict[str, int | tuple[int, int | None]] = {}
+
+
+class Session:
+    """The rules of a directory as they are, told to all who listen, and questions about them."""
+
+    def __init__(self, directory: Path, name: str, seconds: float) -> None:
+        """Start spare processes; raises ``MissingProgram``. ``seconds`` bound each answer."""
+        self._directory, self._name, self._seconds = directory, name, seconds
+        self._ended = False
+        self._changed = asyncio.Event()
+        self._spares = Spares(directory)
+        self._spares.check()
+
+    def begin(self) -> None:
+        """Read the rules, and go on with each change of them, in the loop that runs."""
+        self.rules = self._read(1)
+        self._pool = Pool(self._directory, self._spares)
+        self._watching = asyncio.ensure_future(self._watch())
+
+    def end(self) -> None:
+        """End all processes, and what listens."""
+        self._ended = True
+        self._watching.cancel()
+        self._changed.set()
+        self._pool.end()
+        self._spares.end()
+
+    async def versions(self) -> AsyncIterator[Rules]:
+        """The rules as they are now, then at each change, until the end: the newest always."""
+        version = 0
+        while not self._ended:
+            if self.rules.version > version:
+                version = self.rules.version
+                yield self.rules
+            else:
+                await self._changed.wait()
+
+    async def sheet(self, version: int, sheet: Sheet) -> AsyncIterator[dict[str, Any]]:
+        """The parts of an answer, as ``page/page.js`` lists them."""
+        pool = self._pool_of(version)
+        houses = [asyncio.ensure_future(self._house(pool, sheet, index)) for index in range(sheet.count)]
+        try:
+            said = await self._verdict(pool)
+            yield said
+            if "kinds" not in said:
+                return
+            for house in asyncio.as_completed(houses):
+                part = await house
+                yield part
+                if part.get("problem", {}).get("kind", "LimitReached") != "LimitReached":
+                    return  # No other house would fare better.
+        finally:
+            for house in houses:
+                house.cancel()
+            self._spares.refill()
+
+    async def _verdict(self, pool: Pool) -> dict[str, Any]:
+        """The part of an answer that says whether the rules are right."""
+        try:
+            said = await pool.verdict()
+        except GrammarError as error:
+            where = str(error.file or self._directory)
+            finding = Finding("error", where, error.line or 1, error.column or 1, error.message)
+            return {"findings": _named([finding])}
+        except VitruviusError as error:
+            return {"index": 0, "problem": problem(error)}
+        return {"findings": _named(said["findings"])} if "findings" in said else {"kinds": said["kinds"]}
+
+    async def lint(self, version: int) -> list[dict[str, Any]]:
+        """Findings in rules without errors."""
+        pool = self._pool_of(version)
+        found = await pool.ask(
+            {"lint": True}, self._seconds, "lint reached its limit: raise it with --seconds"
+        )
+        return _named(found["findings"])
+
+    async def why(self, version: int, house: dict[str, Any], part: str) -> dict[str, Any]:
+        """Why a part of a house that these rules made is as it is; raises as ``explain_house`` does."""
+        try:
+            made = House.from_dict(house)
+        except ValueError as error:
+            raise RequestError(f"house: {error}") from None
+        question = {"why": part, "house": made.to_dict(), "inferences": INFERENCES}
+        late = f"{part} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
+        why = (await self._pool_of(version).ask(question, self._seconds, late))["why"]
+        return _short_names(why)
+
+    def _pool_of(self, version: int) -> Pool:
+        if version != self.rules.version:
+            raise Stale
+        return self._pool
+
+    async def _house(self, pool: Pool, sheet: Sheet, index: int) -> dict[str, Any]:
+        """House ``index`` and its plan, or why there is none."""
+        late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
+        try:
+            request = Request.read(msgspec.to_builtins(sheet)).to_dict()
+            question = {"request": request, "seed": sheet.seed, "inferences": INFERENCES, "index": index}
+            house = House.from_dict((await pool.ask(question, self._seconds, late))["house"])
+            drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
+        except VitruviusError as error:
+            return {"index": index, "problem": problem(error)}
+        types = {room.name: room.type for room in house.counted}
+        drawn = svg([((0, 0), drawing)], PLAN, PLAN)
+        return {"index": index, "house": house.to_dict(), "types": types, "svg": drawn}
+
+    async def _watch(self) -> None:
+        """Take each change of the files, also where the directory is removed and comes back."""
+        while True:
+            place = _identity(self._directory)
+            if place is None:
+                self._take()
+                await asyncio.sleep(LOOK / 1000)
+                continue
+            events = awatch(
+                self._directory,
+                step=STEP,
+                debounce=DEBOUNCE,
+                recursive=False,
+                rust_timeout=LOOK,
+                yield_on_timeout=True,
+            )
+            async for _ in events:
+                self._take()
+                if _identity(self._directory) != place:
+                    break
+
+    def _take(self) -> None:
+        """Go on with the files as they are, if they have changed."""
+        rules = self._read(self.rules.version + 1)
+        if rules.files == self.rules.files:
+            return
+        self._pool.end()
+        self.rules, self._pool = rules, Pool(self._directory, self._spares)
+        self._changed.set()
+        self._changed.clear()
+
+    def _read(self, version: int) -> Rules:
+        """The rule files, ``.lp`` before ``.pl``, then the looks."""
+        files = []
+        for file in _rule_files(self._directory):
+            try:
+                files.append({"name": file.name, "text": file.read_text("utf-8", "replace")})
+            except OSError:
+                continue  # What is wrong with it, the solver process says.
+        return Rules(version, self._name, tuple(files))
+
+
+def problem(error: VitruviusError) -> dict[str, Any]:
+    """An error as the page shows it."""
+    return _short_names(to_record(error))
+
+
+def _rule_files(directory: Path) -> list[Path]:
+    """Files whose text may be shown: ``grammar.find`` refuses others, and says so."""
+    found = []
+    for pattern in ("*.lp", "*.pl", looks.NAME):
+        for file in sorted(directory.glob(pattern)):
+            inside = Path(os.path.realpath(file)).parent == directory
+            if (
+                inside
+                and not file.name.startswith(".")
+                and file.is_file()
+                and file.stat().st_size <= MOST_BYTES
+            ):
+                found.append(file)
+    return found
+
+
+def _identity(directory: Path) -> tuple[int, int] | None:
+    try:
+        found = directory.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _named(findings: list[Any]) -> list[dict[str, Any]]:
+    return _short_names(msgspec.to_builtins(findings))
+
+
+def _short_names(record: Any) -> Any:
+    """The same JSON with rule files in short, as in ``rooms.lp`` and ``rules/room.lp``."""
+    if isinstance(record, dict):
+        return {
+            key: file_name(value) if key == "file" and value else _short_names(value)
+            for key, value in record.items()
+        }
+    return [_short_names(each) for each in record] if isinstance(record, list | tuple) else record

@@ -1,0 +1,1 @@
+"""The independent check: plain geometry on a finished house, by what it promises."""

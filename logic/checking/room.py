@@ -1,0 +1,149 @@
+"""What the check asks of a room by its promises: sizes, counts, fronts of pieces, how they stand together."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from logic.checking.figures import figure, number, percent
+from logic.house.boxes import BACK, TOLERANCE, distance, excess, overlap, walls_touched
+from logic.house.parts import Piece, Room
+from logic.house.promises import Promises, Sizes
+
+
+def size_violations(room: Room, side: str | None, names: list[str], promises: Promises) -> Iterator[str]:
+    """Sizes out of their bounds: of a room, whose door is towards that side, and of its pieces.
+
+    ``side`` is empty for a room of no star: then a piece without a front may lie either way.
+    """
+    along_x = side in {"north", "south"}
+    if side != "" and room.type in promises.room_size:
+        width, depth = (room.width, room.height) if along_x else (room.height, room.width)
+        yield from out_of("the room", width, depth, promises.room_size[room.type])
+    for piece, name in zip(room.pieces, names, strict=True):
+        yield from _share_violations(room, piece, name, promises)
+        sizes = promises.piece_size.get(piece.type)
+        if sizes is None:
+            continue
+        length, depth = (
+            (piece.width, piece.height) if piece.orientation in {"N", "S"} else (piece.height, piece.width)
+        )
+        if not piece.orientation:  # It may lie either way.
+            length, depth = (piece.width, piece.height) if along_x else (piece.height, piece.width)
+            if side == "" and not list(out_of(name, depth, length, sizes)):
+                continue
+        yield from out_of(name, length, depth, sizes)
+        if piece.type in promises.spans:
+            wall = room.width if piece.orientation in {"N", "S"} else room.height
+            least, most = promises.spans[piece.type]
+            if not least * wall - TOLERANCE <= length <= most * wall + TOLERANCE:
+                taken = percent(length / wall, least, most)
+                yield f"{name} takes {taken} of its wall ({percent(least)} to {percent(most)})"
+
+
+def _share_violations(room: Room, piece: Piece, name: str, promises: Promises) -> Iterator[str]:
+    if piece.type in promises.shares:
+        least, most = promises.shares[piece.type]
+        for own, whole in ((piece.width, room.width), (piece.height, room.height)):
+            if not least * whole - TOLERANCE <= own <= most * whole + TOLERANCE:
+                taken = percent(own / whole, least, most)
+                yield f"{name} takes {taken} of the room's side ({percent(least)} to {percent(most)})"
+    if piece.type in promises.tops:
+        least, most = promises.tops[piece.type]
+        slack = TOLERANCE * (piece.width + piece.height)
+        if not least - slack <= piece.area <= most + slack:
+            yield f"{name} is of {_beside(piece.area, least, most, 'm²')}"
+
+
+def out_of(name: str, length: float, depth: float, sizes: Sizes) -> Iterator[str]:
+    """Which of two lengths is out of its bounds."""
+    for value, least, most, what in ((length, *sizes[:2], "long"), (depth, *sizes[2:], "deep")):
+        if not least - TOLERANCE <= value <= most + TOLERANCE:
+            yield f"{name} is {_beside(value, least, most, f'm {what}')}"
+
+
+def _beside(value: float, least: float, most: float, unit: str) -> str:
+    """A value that is out of its bounds, and these."""
+    return f"{figure(value, least, most, digits=3)} {unit} ({number(least, 3)} to {number(most, 3)})"
+
+
+def count_violations(room: Room, promises: Promises) -> Iterator[str]:
+    """Pieces and companions out of their numbers."""
+    yield from _counted("it", room.children, promises.counts.get(room.type, {}))
+    for piece in room.children:
+        wanted = promises.companions.get(piece.type, {})
+        alone = piece.type in (promises.turns or ()) and piece.type not in promises.at_head
+        if not (alone and is_turned(piece, room)):
+            yield from _counted(f"its {piece.type}", piece.children, wanted)
+
+
+def _counted(owner: str, pieces: tuple[Piece, ...], wanted: dict[str, tuple[int, int]]) -> Iterator[str]:
+    found = Counter(piece.type for piece in pieces)
+    for type_, (least, most) in wanted.items():
+        if not least <= found[type_] <= most:
+            yield f"{owner} has {found[type_]} {type_} ({least} to {most})"
+
+
+def is_turned(piece: Piece, room: Room) -> bool:
+    """Whether a piece stands at a wall with its side, its back not to a wall or to one that ends it."""
+    walls = walls_touched(piece, room)
+    side = [wall for wall in walls if piece.orientation and wall % 2 != BACK[piece.orientation] % 2]
+    return bool(side)
+
+
+def front_violations(room: Room, names: list[str], promises: Promises) -> Iterator[str]:
+    """What stands too near in front of a piece that is used from there, or its wall."""
+    passage = promises.passage if promises.front is None else promises.front
+    named = list(zip(room.pieces, names, strict=True))
+    for piece, name in named:
+        if piece.type not in promises.clear_front or not piece.orientation:
+            continue
+        back, front = BACK[piece.orientation], (BACK[piece.orientation] + 2) % 4
+        zone = list(piece.box)
+        zone[back] = piece.box[front]
+        zone[front] += passage if front > back else -passage
+        ahead = zone[0], zone[1], zone[2], zone[3]
+        others = ((other, what) for other, what in named if other not in (piece, *piece.children))
+        for other, what in others:
+            if overlap(ahead, other.box) > TOLERANCE:
+                away = figure(distance(piece.box, other.box), passage)
+                yield f"{name} has {what} {away} m in front of it (at least {number(passage)})"
+        beyond = excess(ahead, room.box)
+        if beyond > TOLERANCE:
+            away = figure(passage - beyond, passage)
+            yield f"{name} has a wall {away} m in front of it (at least {number(passage)})"
+
+
+def arrangement_violations(room: Room, names: list[str], promises: Promises) -> Iterator[str]:
+    """How pieces stand to each other: those that meet round corners, and turned ones with a free foot."""
+    tops = [(piece, name) for piece, name in zip(room.pieces, names, strict=True) if piece in room.children]
+    for type_ in promises.meet:
+        walls: dict[int, Piece] = {}
+        for piece, name in tops:
+            if piece.type == type_ and piece.orientation:
+                if BACK[piece.orientation] in walls:
+                    yield f"{name} shares its wall with another {type_}"
+                walls[BACK[piece.orientation]] = piece
+        for wall, piece in walls.items():
+            after = walls.get((wall + 1) % 4)
+            if after is not None and distance(piece.box, after.box) > TOLERANCE:
+                yield f"{type_}: those at neighbouring walls do not meet"
+        if len(walls) == 2 and not any((wall + 1) % 4 in walls for wall in walls):
+            yield f"{type_}: two stand at opposite walls, and none between them"
+    for piece, name in tops:
+        if piece.type in promises.free_foot and is_turned(piece, room):
+            front = (BACK[piece.orientation] + 2) % 4
+            touched = walls_touched(piece, room)
+            back = BACK[piece.orientation]
+            others = [other for other in room.pieces if other is not piece and other not in piece.children]
+            heads = piece.children if piece.type in promises.at_head else others
+            if back not in touched and not any(_touch(piece, back, other) for other in heads):
+                yield f"{name} has its head neither to a wall nor to another piece"
+            if front in touched or any(_touch(piece, front, other) for other in others):
+                yield f"{name} has something at its foot"
+
+
+def _touch(piece: Piece, wall: int, other: Piece) -> bool:
+    """Whether another piece touches this one's side towards a wall."""
+    gap = other.box[(wall + 2) % 4] - piece.box[wall]
+    across = 1 - wall % 2
+    shared = min(piece.box[across + 2], other.box[across + 2]) - max(piece.box[across], other.box[across])
+    return abs(gap) <= TOLERANCE and shared > TOLERANCE

@@ -1,0 +1,175 @@
+"""What the check asks of a house that is no star: rooms that tile its outline, doors in walls that two of
+them share, an entrance, and windows in outer walls.
+"""
+
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Any
+
+import shapely
+
+from logic.checking.figures import figure, number
+from logic.checking.room import out_of
+from logic.house.boxes import TOLERANCE, Box, distance, is_on_wall, overlap
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door, Rect, Room, Window
+from logic.house.promises import PASSAGE, Promises
+
+BEFORE = 0.3
+"""Metres: what stands nearer before a window hides it."""
+
+
+def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
+    """Rooms that overlap, leave a gap, lie apart, or have another area or shape than promised."""
+    for one, other in combinations(house.rooms, 2):
+        depth = overlap(one.box, other.box)
+        if depth > TOLERANCE:
+            yield f"{_name(one)} overlaps {_name(other)} by {figure(depth)} m"
+    if (parts := shapely.get_num_geometries(_floor(house))) > 1:
+        yield f"house: its rooms lie in {parts} parts that do not touch"
+    if (gap := gaps(house).area) > 1e-3:
+        yield f"house: {figure(gap)} m² between its rooms are no room's"
+    for room in house.rooms:
+        least, most = promises.room_area.get(room.type, (0.0, room.area))
+        if not least - TOLERANCE <= room.area <= most + TOLERANCE:
+            area = figure(room.area, least, most)
+            yield f"{_name(room)} is of {area} m² ({number(least)} to {number(most)})"
+        side, narrowest = min(room.width, room.height), promises.narrowest.get(room.type, 0.0)
+        if side < narrowest - TOLERANCE:
+            width = figure(side, narrowest, digits=3)
+            yield f"{_name(room)} is {width} m wide at its shorter side (at least {number(narrowest)})"
+        yield from (f"{_name(room)}: {line}" for line in _size_violations(room, promises))
+
+
+def _size_violations(room: Room, promises: Promises) -> Iterator[str]:
+    """A size out of its bounds, whichever of its sides is the width."""
+    if sizes := promises.room_size.get(room.type):
+        ways = [
+            list(out_of("it", *sides, sizes))
+            for sides in ((room.width, room.height), (room.height, room.width))
+        ]
+        yield from min(ways, key=len)
+
+
+def gaps(house: House) -> Any:
+    """What squares as wide as a passage close between rooms: courtyards of any size, and slits."""
+    floor = _floor(house)
+    hulls = [shapely.Polygon(part.exterior) for part in shapely.get_parts(floor)]
+    closed = shapely.union_all(hulls).buffer(PASSAGE / 2, join_style="mitre")
+    return closed.buffer(-PASSAGE / 2, join_style="mitre").difference(floor)
+
+
+def _floor(house: House) -> Any:
+    grown = [shapely.box(*room.box).buffer(TOLERANCE, join_style="mitre") for room in house.rooms]
+    return shapely.union_all(grown)
+
+
+def plan_doors(house: House, promises: Promises) -> Iterator[str]:
+    """Doors that are too narrow, on no wall that both rooms share, or not as the grammar lets rooms open."""
+    least = PASSAGE if promises.door_width is None else promises.door_width
+    rooms = {room.name: room for room in house.rooms}
+    for door in house.doors:
+        name, joined = _between(house, door), [rooms[each] for each in door.between if each != OUTSIDE]
+        if door.length < least - TOLERANCE:
+            yield f"{name}: is {figure(door.length, least, digits=3)} m wide (at least {number(least)})"
+        if len(joined) == 1:
+            yield from (f"{name}: {fault}" for fault in _not_outer(house, door, joined[0]))
+        elif not _is_shared(door, *joined):
+            yield f"{name}: is not on a wall that they share"
+        one, other = (rooms[each].type if each in rooms else OUTSIDE for each in door.between)
+        if promises.opens and not (
+            other in promises.opens.get(one, ()) or one in promises.opens.get(other, ())
+        ):
+            yield f"{name}: {one} and {other} do not open into each other"
+    for one, other in combinations(house.doors, 2):
+        if _meet(one, other):
+            yield f"{_between(house, one)}: meets the {_between(house, other)}"
+    if promises.entrance and not any(door.is_entrance for door in house.doors):
+        yield "house: has no door to the outside"
+
+
+def plan_units(house: House, promises: Promises) -> Iterator[str]:
+    """Units that are entered from no public room, by several doors, or from outside."""
+    public = {room.name for room in house.rooms if room.type in promises.public}
+    ends = {OUTSIDE, *public}
+    left = {room.name for room in house.rooms} - public if promises.public else set()
+    while left:
+        unit, new = set(), {min(left)}
+        while new:
+            unit |= new
+            joined = [door.between for door in house.doors if unit & {*door.between}]
+            new = {name for names in joined for name in names} - unit - ends
+        left -= unit
+        doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
+        name = _name(house.room(min(unit, key=lambda each: (len(each), each))))
+        if len(doors) != 1:
+            yield f"{name}: its unit is entered by {len(doors)} doors (must be one)"
+        elif doors[0].is_entrance:
+            yield f"{name}: its unit is entered from outside (must be from a public room)"
+
+
+def plan_windows(house: House, promises: Promises) -> Iterator[str]:
+    """Windows in no outer wall, over a door or another window, behind furniture; rooms that lack one."""
+    rooms = {room.name: room for room in house.rooms}
+    for index, window in enumerate(house.windows):
+        room = rooms[window.room]
+        name = f"{_name(room)}: its window at ({window.x:.2f}, {window.y:.2f})"
+        yield from (f"{name} {fault}" for fault in _not_outer(house, window, room))
+        for kind, openings in (("a door", house.doors), ("another window", house.windows[:index])):
+            if any(_meet(window, other) for other in openings):
+                yield f"{name} meets {kind}"
+        for piece in room.pieces:
+            if piece.type in promises.hides and overlap(_before(window), piece.box) > TOLERANCE:
+                yield f"{name} is behind a {piece.type}"
+    for room in house.rooms:
+        if room.type in promises.lit and not any(window.room == room.name for window in house.windows):
+            yield f"{_name(room)}: has no window"
+
+
+def _is_shared(door: Door, one: Room, other: Room) -> bool:
+    """Whether a door lies on a wall of one room that is also the facing wall of the other."""
+    return any(is_on_wall(door, one, wall) and is_on_wall(door, other, (wall + 2) % 4) for wall in range(4))
+
+
+def _meet(one: Rect, other: Rect) -> bool:
+    """Whether two openings in one wall touch or overlap."""
+    return distance(one.box, other.box) <= TOLERANCE and _along(one) == _along(other)
+
+
+def _not_outer(house: House, opening: Rect, room: Room) -> Iterator[str]:
+    """Why an opening of a room does not lead outside."""
+    if not any(is_on_wall(opening, room, wall) for wall in range(4)):
+        yield "is not on a wall of the room"
+    for other in house.rooms:
+        if other is not room and _shared(opening.box, other.box) > TOLERANCE:
+            yield f"leads into {_name(other)}, not outside"
+
+
+def _shared(segment: Box, box: Box) -> float:
+    """How much of a segment lies in a box or on its boundary, metres; negative where it lies apart."""
+    along, across = (
+        min(segment[k + 2], box[k + 2]) - max(segment[k], box[k])
+        for k in ((0, 1) if segment[2] - segment[0] > segment[3] - segment[1] else (1, 0))
+    )
+    return along if across >= -TOLERANCE else across
+
+
+def _along(opening: Rect) -> int:
+    """The axis that an opening runs along: 0 for x, 1 for y."""
+    return int(opening.height > opening.width)
+
+
+def _before(window: Window) -> Box:
+    """What is before a window and behind it."""
+    west, north, east, south = window.box
+    by_x, by_y = (BEFORE, 0.0) if _along(window) else (0.0, BEFORE)
+    return west - by_x, north - by_y, east + by_x, south + by_y
+
+
+def _name(room: Room) -> str:
+    return f"{room.name} ({room.type})"
+
+
+def _between(house: House, door: Door) -> str:
+    names = (_name(house.room(name)) if name != OUTSIDE else OUTSIDE for name in door.between)
+    return f"door between {' and '.join(names)}"

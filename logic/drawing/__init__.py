@@ -1,0 +1,1 @@
+"""Plans of houses, as SVG, PNG and PDF."""

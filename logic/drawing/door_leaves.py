@@ -1,0 +1,104 @@
+"""How doors swing: which way is free, and where the leaves of open doors stand. Plans show it; no rule asks
+for it.
+"""
+
+import math
+from typing import NamedTuple
+
+from logic.house.boxes import TOLERANCE, Box, distance, excess, overlap
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door, Room
+
+Place = tuple[float, float]
+"""Metres."""
+
+
+class Leaf(NamedTuple):
+    """An open door: from hinge to tip it stands at right angles to the wall, as long as the door is wide."""
+
+    room: str
+    """Where it swings into."""
+    hinge: Place
+    tip: Place
+    jamb: Place
+    """The end of the doorway where the tip is when the door is shut."""
+
+    @property
+    def swing(self) -> Box:
+        """The square around the quarter of a circle that it sweeps: (west, north, east, south), metres."""
+        xs, ys = zip(self.hinge, self.tip, self.jamb, strict=True)
+        return min(xs), min(ys), max(xs), max(ys)
+
+
+def door_leaves(house: House) -> list[Leaf]:
+    """A leaf for each door, in the order of ``house.doors``.
+
+    It swings into the room farther from where bodies start, hung on the jamb nearer to a corner; where that
+    would sweep over furniture, walls or another door's swing, one of the other three ways, if it is free.
+    Where none is, over the least.
+    """
+    steps, rooms = _steps(house), {room.name: room for room in house.rooms}
+    pieces = {room.name: [piece.box for piece in room.pieces] for room in house.rooms}
+    leaves: list[Leaf] = []
+    for door in house.doors:
+        ways = sorted(
+            _ways(door, house, rooms),
+            key=lambda leaf: (-steps.get(leaf.room, 0), _from_corner(leaf, rooms[leaf.room].box)),
+        )
+        swept: list[tuple[float, float]] = []
+        for leaf in ways:
+            swept.append(_swept(leaf, rooms[leaf.room].box, pieces[leaf.room], leaves))
+            if swept[-1] == (0, 0):
+                break
+        leaves.append(ways[swept.index(min(swept))])
+    return leaves
+
+
+def _steps(house: House) -> dict[str, int]:
+    """Through how many doors each room is reached from where bodies start."""
+    steps, level = {house.start.name: 0}, [house.start.name]
+    while level:
+        following = [
+            name
+            for here in level
+            for door in house.doors_of(here)
+            for name in door.between
+            if name not in (*steps, OUTSIDE)
+        ]
+        steps |= dict.fromkeys(following, steps[level[0]] + 1)
+        level = [*dict.fromkeys(following)]
+    return steps
+
+
+def _ways(door: Door, house: House, rooms: dict[str, Room]) -> list[Leaf]:
+    """The leaves that a door may have: into each of its rooms, hung on each of its jambs."""
+    ends = (door.x, door.y), (door.x + door.width, door.y + door.height)
+    names = sorted(
+        (name for name in door.between if name != OUTSIDE),
+        key=lambda name: house.is_star and name == house.hub,
+    )
+    # A star's main room may reach under the room, so that one says on which side it is, and the other lies
+    # beyond.
+    box, across = rooms[names[0]].box, int(door.height == 0)
+    side = 1 if (box[across] + box[across + 2]) / 2 > (door.x, door.y)[across] else -1
+    reach = (0.0, side * door.length) if across else (side * door.length, 0.0)
+    ways = []
+    for name, sign in zip(names, (1, -1), strict=False):
+        for hinge, jamb in (ends, ends[::-1]):
+            ways.append(Leaf(name, hinge, (hinge[0] + sign * reach[0], hinge[1] + sign * reach[1]), jamb))
+    return ways
+
+
+def _swept(leaf: Leaf, room: Box, pieces: list[Box], others: list[Leaf]) -> tuple[float, float]:
+    """How far a leaf would go through furniture and walls, then through the swings of other doors, metres."""
+    swing, length = leaf.swing, math.dist(leaf.hinge, leaf.tip)
+    point = (*leaf.hinge, *leaf.hinge)
+    hit = [length - distance(point, piece) for piece in pieces if overlap(swing, piece) > TOLERANCE]
+    crossed = max((overlap(swing, other.swing) for other in others if other.room == leaf.room), default=0.0)
+    return max([excess(swing, room), *hit, TOLERANCE]) - TOLERANCE, max(crossed, TOLERANCE) - TOLERANCE
+
+
+def _from_corner(leaf: Leaf, room: Box) -> float:
+    """How far the hinge is from the nearer corner along the door's wall, metres."""
+    axis = int(leaf.hinge[0] == leaf.jamb[0])
+    return min(leaf.hinge[axis] - room[axis], room[axis + 2] - leaf.hinge[axis])

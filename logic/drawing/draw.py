@@ -1,0 +1,234 @@
+"""Plans of houses as SVG, PNG and PDF: each alone, many on a sheet, or each on paper, to a scale."""
+
+import math
+from collections.abc import Iterable, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Literal
+
+from PIL import Image
+
+from logic.drawing import palettes
+from logic.drawing.canvas import DENSITY, Drawing, Point, Text, png, svg
+from logic.drawing.door_leaves import door_leaves
+from logic.drawing.labels import SWATCH, abbreviations, key, key_rows, legend, room_names, title, unnamed
+from logic.drawing.palettes import Style, style
+from logic.drawing.plan import Frame, drawn_extent, house_shapes
+from logic.house.files import write_whole
+from logic.house.house import House
+
+TITLE, FOOT, MARGIN = 30, 22, 12
+"""CSS pixels above a plan, below it and around it."""
+WIDTH, CELL = 720, 300
+"""CSS pixels: the width of a plan, and of a plan on a sheet."""
+
+Format = Literal["svg", "png", "pdf"]
+
+Cells = list[tuple[Point, Drawing]]
+"""Drawings, each with the place of its top left corner."""
+
+
+def plan_svg(
+    house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
+) -> str:
+    """Draw a plan as the text of an SVG file, of this width in CSS pixels; for ``scale`` see ``plan``.
+
+    Each part has its name in ``data-part``, as ``explain_house`` takes it.
+    """
+    drawing = plan(house, width, scale=scale, look=style([house], palette))
+    return svg([((0, 0), drawing)], drawing.width, drawing.height)
+
+
+def plan_png(
+    house: House, width: int = WIDTH, scale: float | None = None, palette: palettes.Name = "colour"
+) -> Image.Image:
+    """Draw the same plan as an image, two pixels to a CSS pixel."""
+    drawing = plan(house, width, scale=scale, look=style([house], palette))
+    return png([((0, 0), drawing)], drawing.width, drawing.height)
+
+
+def contact_sheet(
+    houses: Sequence[House],
+    columns: int | None = None,
+    cell: int = CELL,
+    one_scale: bool = False,
+    palette: palettes.Name = "colour",
+) -> Image.Image:
+    """Draw many plans on one image, each in a square of ``cell`` CSS pixels.
+
+    Each is as large as it fits, or with ``one_scale`` as large as all of them fit.
+    """
+    return png(*_sheet(houses, columns, cell, one_scale, palette))
+
+
+def contact_sheet_svg(
+    houses: Sequence[House],
+    columns: int | None = None,
+    cell: int = CELL,
+    one_scale: bool = False,
+    palette: palettes.Name = "colour",
+) -> str:
+    """Draw the same sheet as the text of an SVG file."""
+    return svg(*_sheet(houses, columns, cell, one_scale, palette))
+
+
+def draw(
+    houses: Iterable[House],
+    out_dir: str | Path,
+    format: Format = "svg",
+    one_scale: bool = False,
+    palette: palettes.Name = "colour",
+    grammar: str | Path | None = None,
+) -> list[Path]:
+    """Write a plan of each house, then the sheet of all; return the files' paths.
+
+    Plan ``house-0`` is that of the first house. A PDF is one file, ``plans.pdf``, with a page for each. With
+    ``one_scale`` a metre is as long on all plans, and as long on all of the sheet. ``grammar``: a shipped one
+    or a folder, whose ``looks.json`` says how types look; by default the houses' own where they are shipped
+    ones. Each file appears whole or not at all. Raises ``ValueError`` for another format or no house,
+    ``GrammarError`` for looks that are wrong.
+    """
+    houses = require_drawable(houses, out_dir, format)
+    look = style(houses, palette, grammar)
+    scale = min(_scale(house, WIDTH) for house in houses) if one_scale else None
+    pages: list[Page] = []
+    for house in houses:
+        drawing = plan(house, WIDTH, scale=scale, look=look)
+        pages.append(([((0, 0), drawing)], drawing.width, drawing.height))
+    sheet = None if format == "pdf" else _sheet(houses, None, CELL, one_scale, palette, look)
+    return write_pages(pages, Path(out_dir), format, sheet)
+
+
+Page = tuple[Cells, float, float]
+"""Drawings, and the width and height of what they are on, CSS pixels."""
+
+
+def require_drawable(houses: Iterable[House], out_dir: str | Path, format: str) -> list[House]:
+    """The houses as a list. Raises ``ValueError`` for a format that is none of plans, and for no house."""
+    houses = list(houses)
+    if format not in Format.__args__:
+        raise ValueError(f"plans are drawn as svg, png or pdf, not {format!r}")
+    if not houses:
+        raise ValueError(f"no house to draw in {out_dir}")
+    return houses
+
+
+def write_pages(
+    pages: Sequence[Page], out: Path, format: Format, sheet: Page | None = None, unit: str = ""
+) -> list[Path]:
+    """Write each page as a file, or all of them as a PDF, then the sheet; the files' paths.
+
+    ``unit``: ``mm`` where an SVG says its size in millimetres.
+    """
+    if format == "pdf":
+        from logic.drawing.pdf import pdf
+
+        write_whole(out / "plans.pdf", pdf(pages))
+        return [out / "plans.pdf"]
+    digits = len(str(len(pages) - 1))
+    named = {out / f"house-{index:0{digits}}.{format}": page for index, page in enumerate(pages)}
+    if sheet:
+        named[out / f"contact-sheet.{format}"] = sheet
+    for path, page in named.items():
+        write_whole(path, encoded(page, format, unit))
+    return [*named]
+
+
+def encoded(page: Page, format: Literal["svg", "png"], unit: str = "") -> bytes:
+    """A page as the content of a file."""
+    cells, width, height = page
+    if format == "svg":
+        size = (f"{width * MILLIMETRE:g}mm", f"{height * MILLIMETRE:g}mm") if unit == "mm" else None
+        return svg(cells, width, height, size).encode()
+    buffer = BytesIO()
+    png(cells, width, height).save(buffer, "PNG", dpi=(96 * DENSITY, 96 * DENSITY))
+    return buffer.getvalue()
+
+
+MILLIMETRE = 25.4 / 96
+"""Millimetres to a CSS pixel."""
+
+
+def plan(
+    house: House,
+    width: float,
+    height: float | None = None,
+    scale: float | None = None,
+    look: Style | None = None,
+    stated: str = "",
+) -> Drawing:
+    """Draw a house into these CSS pixels, with its title, a scale and the meaning of its marks and colours.
+
+    ``height``: by default as much as it needs, at most about one and a half widths. ``scale``: CSS pixels to
+    a metre, by default as many as fit; ``stated``: what is said of it beside the bar. Rooms too small for
+    their names have abbreviations, and a key below.
+    """
+    look = look or style([house])
+    leaves = door_leaves(house)
+    every = abbreviations(room.type for room in house.counted)
+    keyed: set[str] = set()
+    while True:  # A key takes space, in which a further name may have stood.
+        short = {kind: every[kind] for kind in every if kind in keyed}
+        rows = key_rows(short, width - 2 * MARGIN)
+        frame, tall = _frame(house, width, height, scale, len(rows))
+        names = room_names(house, frame, look, short, leaves=leaves)
+        if unnamed(house, names) <= keyed:
+            break
+        keyed |= unnamed(house, names)
+    foot = tall - FOOT / 2 - SWATCH * len(rows)
+    shapes = [
+        *house_shapes(house, frame, look, leaves),
+        *(word for name in names for word in name),
+        Text((MARGIN, TITLE / 2), title(house, width - 2 * MARGIN), 11.5, look.inks.ink, "start"),
+        *legend(house, look, frame.scale, MARGIN, foot, stated),
+        *key(rows, short, look, MARGIN, foot + SWATCH + 2),
+    ]
+    return Drawing(width, tall, tuple(shapes))
+
+
+def _frame(
+    house: House, width: float, height: float | None, scale: float | None, rows: int
+) -> tuple[Frame, float]:
+    """A house in the middle of a picture, above a key of so many rows; and the picture's height."""
+    west, north, east, south = drawn_extent(house)
+    below = FOOT + SWATCH * rows
+    if height is None:
+        scale = scale or _scale(house, width)
+        height = round(TITLE + scale * (south - north) + MARGIN + below)
+    scale = scale or _scale(house, width, height - TITLE - MARGIN - below)
+    left = (width - scale * (east - west)) / 2 - scale * west
+    top = TITLE + (height - TITLE - below - scale * (south - north)) / 2 - scale * north
+    return Frame(scale, left, top), height
+
+
+def _scale(house: House, width: float, tall: float | None = None) -> float:
+    """CSS pixels to a metre, where a picture is so wide and so much of its height is for the house."""
+    west, north, east, south = drawn_extent(house)
+    return min((width - 2 * MARGIN) / (east - west), (tall or 1.5 * width) / (south - north))
+
+
+def _sheet(
+    houses: Sequence[House],
+    columns: int | None,
+    cell: int,
+    one_scale: bool,
+    palette: palettes.Name,
+    look: Style | None = None,
+) -> Page:
+    """The cells of a sheet, row by row, and its width and height."""
+    if not houses:
+        raise ValueError("no house for the sheet")
+    look = look or style(houses, palette)
+    columns = columns or min(len(houses), max(1, math.isqrt(len(houses) * 3 // 2)))
+    scale = min(least_scale(house, cell, cell) for house in houses) if one_scale else None
+    cells = [
+        ((index % columns * cell, index // columns * cell), plan(house, cell, cell, scale, look))
+        for index, house in enumerate(houses)
+    ]
+    return [*cells], min(columns, len(houses)) * cell, -(-len(houses) // columns) * cell
+
+
+def least_scale(house: House, width: float, height: float) -> float:
+    """CSS pixels to a metre that surely fit in a picture, above the key that the house may need."""
+    rows = key_rows({room.type: "" for room in house.counted}, width - 2 * MARGIN)
+    return _scale(house, width, height - TITLE - MARGIN - FOOT - SWATCH * len(rows))

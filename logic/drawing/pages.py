@@ -1,0 +1,58 @@
+"""Plans on paper, to a scale: pages whose millimetres are those of the print."""
+
+import math
+import re
+
+from logic.drawing.draw import MILLIMETRE, Page, least_scale, plan
+from logic.drawing.palettes import Style
+from logic.drawing.plan import drawn_extent
+from logic.errors import RequestError
+from logic.house.house import House
+
+SIZES = {"A4": (210, 297), "A3": (297, 420), "A2": (420, 594), "A1": (594, 841), "A0": (841, 1189)}
+"""Millimetres: ISO 216."""
+
+USUAL = (20, 50, 100, 200, 500, 1000)
+"""Scales of plans, as 1 to so many."""
+
+BORDER = 10
+"""Millimetres around the drawing, where many printers do not print."""
+
+
+def scale_of(text: str) -> int:
+    """Metres in the house to a metre on paper, as in ``1:50``. Raises ``RequestError`` for another text."""
+    found = re.fullmatch(r"1\s*:\s*([1-9]\d{0,3})", text.strip())
+    if found is None:
+        raise RequestError(f"--scale {text}: write it as 1:50, one metre on paper to 50 in the house")
+    return int(found[1])
+
+
+def page(house: House, look: Style, ratio: int, size: str | None = None, name: str = "the house") -> Page:
+    """A house at 1 to ``ratio`` on a page of a ``size``, upright or lying as it fits; by default the smallest
+    of ``SIZES`` that holds it.
+
+    Raises ``RequestError`` where the page, or the largest one, is too small; ``name`` is the house's in it.
+    """
+    for each in [size] if size else SIZES:
+        for sides in (SIZES[each], SIZES[each][::-1]):
+            if ratio >= _least_ratio(house, *sides):
+                width, height = ((side - 2 * BORDER) / MILLIMETRE for side in sides)
+                scale = 1000 / ratio / MILLIMETRE
+                drawing = plan(house, width, height, scale, look, f"1:{ratio} on {each}")
+                at = BORDER / MILLIMETRE, BORDER / MILLIMETRE
+                return [(at, drawing)], sides[0] / MILLIMETRE, sides[1] / MILLIMETRE
+    west, north, east, south = drawn_extent(house)
+    needed = " x ".join(f"{1000 * length / ratio:.0f}" for length in (east - west, south - north))
+    last = size or [*SIZES][-1]
+    least = min(_least_ratio(house, *sides) for sides in (SIZES[last], SIZES[last][::-1]))
+    smaller = next((usual for usual in USUAL if usual >= least), math.ceil(least))
+    larger = "" if last == [*SIZES][-1] else "a larger --paper, or "
+    raise RequestError(
+        f"{name} is {needed} mm at 1:{ratio}, too large for {last}: {larger}--scale 1:{smaller}"
+    )
+
+
+def _least_ratio(house: House, width: float, height: float) -> float:
+    """The least ratio at which a house fits on a page of these millimetres."""
+    inside = ((side - 2 * BORDER) / MILLIMETRE for side in (width, height))
+    return 1000 / MILLIMETRE / least_scale(house, *inside)

@@ -1,0 +1,78 @@
+"""Drawings as pages of a PDF: lines and letters, no pixels. By matplotlib, whose font the plans have."""
+
+from collections.abc import Iterable, Sequence
+from io import BytesIO
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse, FancyBboxPatch, PathPatch
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+
+from logic.drawing.canvas import ASCENT, Block, Curve, Drawing, Line, Oval, Plain, Point, Strokes, flat
+from logic.spelling import printable
+
+POINT = 72 / 96
+"""Points to a CSS pixel: matplotlib's unit of lines and letters."""
+
+
+def pdf(pages: Iterable[tuple[Sequence[tuple[Point, Drawing]], float, float]]) -> bytes:
+    """The content of a PDF, with a page for each: drawings, each with the place of its top left corner, and
+    the page's width and height, all in CSS pixels, 96 to an inch.
+    """
+    buffer = BytesIO()
+    # Without dates the same pages give the same bytes.
+    with PdfPages(buffer, metadata={"CreationDate": None}) as file:
+        for cells, width, height in pages:
+            figure = Figure((width / 96, height / 96))
+            axes = figure.add_axes((0, 0, 1, 1), xlim=(0, width), ylim=(height, 0))
+            axes.set_axis_off()
+            for (x, y), drawing in cells:
+                for order, shape in enumerate(flat(drawing.shapes)):
+                    _add(axes, shape, x, y, order)
+            file.savefig(figure)
+    return buffer.getvalue()
+
+
+def _add(axes: Axes, shape: Plain, x: float, y: float, order: int) -> None:
+    """Draw a shape, moved by x and y, over those of a lower order."""
+    common = {"zorder": order, "clip_on": False}
+    if isinstance(shape, Strokes):
+        ends = [[(a + x, b + y) for a, b in pair] for pair in shape.ends]
+        axes.add_collection(
+            LineCollection(ends, colors=shape.stroke, linewidths=POINT * shape.width, **common)
+        )
+        return
+    if isinstance(shape, Line | Curve):
+        bent = isinstance(shape, Curve)
+        codes = [Path.MOVETO, *([Path.CURVE4 if bent else Path.LINETO] * (len(shape.points) - 1))]
+        dashes = (0, [shape.dash / shape.width]) if isinstance(shape, Line) and shape.dash else "-"
+        path = Path([(a + x, b + y) for a, b in shape.points], codes)
+        width = POINT * shape.width
+        axes.add_patch(PathPatch(path, fill=False, edgecolor=shape.stroke, lw=width, ls=dashes, **common))
+        return
+    if isinstance(shape, Block | Oval):
+        left, top, right, bottom = shape.box
+        paint = {"facecolor": shape.fill or "none", "edgecolor": shape.stroke or "none", **common}
+        paint["linewidth"] = POINT * shape.width if shape.stroke else 0
+        wide, high = right - left, bottom - top
+        if isinstance(shape, Oval):
+            axes.add_patch(Ellipse((x + (left + right) / 2, y + (top + bottom) / 2), wide, high, **paint))
+        else:
+            corner = f"round,pad=0,rounding_size={shape.radius}" if shape.radius else "square,pad=0"
+            axes.add_patch(FancyBboxPatch((x + left, y + top), wide, high, boxstyle=corner, **paint))
+        return
+    text = axes.text(
+        x + shape.at[0],
+        y + shape.at[1] + ASCENT * shape.size,
+        printable(shape.text).replace("$", r"\$"),  # else it is a formula
+        fontsize=POINT * shape.size,
+        color=shape.fill,
+        ha={"start": "left", "middle": "center", "end": "right"}[shape.anchor],
+        va="baseline",
+        **common,
+    )
+    if shape.halo:
+        text.set_path_effects([withStroke(linewidth=POINT * shape.size / 4, foreground=shape.halo)])

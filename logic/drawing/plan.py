@@ -1,0 +1,267 @@
+"""A house as shapes: walls, floors by room type, furniture, doors and windows. Plans and films draw these."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from logic.drawing.canvas import Block, Box, Curve, Line, Oval, Part, Point, Shape, Strokes, Text, text_width
+from logic.drawing.door_leaves import Leaf
+from logic.drawing.palettes import Fill, Inks, Style
+from logic.house.boxes import walls_touched
+from logic.house.house import House
+from logic.house.part_names import doors_by_name, part_names, windows_by_name
+from logic.house.parts import ORIGINAL, OUTSIDE, Door, Piece, Rect, Window
+from logic.house.walls import crossing
+
+OUTER, INNER = 0.2, 0.1
+"""Metres: how thick walls are drawn. In our houses they have no thickness: half of an inner wall lies on each
+side of where it stands, and as much of an outer one within, so that both have one face where they go on in
+each other.
+"""
+
+BEYOND = OUTER - INNER / 2
+"""Metres: how much of an outer wall lies outside of the rooms."""
+
+BEND = 0.5523
+"""Of a cubic curve for a quarter of a circle: how far its inner points are from its ends, in radii."""
+
+HATCH = 6.0
+"""CSS pixels between the lines of a pattern."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a house lies on a picture."""
+
+    scale: float
+    """CSS pixels to a metre."""
+    left: float
+    """CSS pixels: where x is 0."""
+    top: float
+    """CSS pixels: where y is 0."""
+
+    def at(self, x: float, y: float) -> Point:
+        """A point, given in metres."""
+        return self.left + self.scale * x, self.top + self.scale * y
+
+    def box(self, rect: Rect) -> Box:
+        """A rectangle, given in metres."""
+        return self.place(rect.box)
+
+    def place(self, box: Box) -> Box:
+        """A box (west, north, east, south), given in metres."""
+        return *self.at(*box[:2]), *self.at(*box[2:])
+
+
+def extent(house: House) -> Box:
+    """The box around the rooms of a house: (west, north, east, south), metres."""
+    boxes = [room.box for room in house.rooms]
+    west, north, _, _ = (min(values) for values in zip(*boxes, strict=True))
+    _, _, east, south = (max(values) for values in zip(*boxes, strict=True))
+    return west, north, east, south
+
+
+def drawn_extent(house: House) -> Box:
+    """The same with the outer walls."""
+    return grown(extent(house), BEYOND)
+
+
+def house_shapes(house: House, frame: Frame, style: Style, leaves: Sequence[Leaf] = ()) -> list[Shape]:
+    """Draw all of a house but words about it: what is outside of the rooms lies under the floors, walls over
+    the furniture.
+
+    ``leaves``: of all doors, or none, as in films, whose bodies and rays pass.
+    """
+    inks, beyond = style.inks, max(BEYOND * frame.scale, 2.0)
+    shapes: list[Shape] = [Block(grown(frame.box(room), beyond), inks.wall) for room in house.rooms]
+    if house.is_star:
+        shapes.append(Part(house.hub, (Block(frame.box(house.main), inks.paper),)))
+    for room in house.counted:
+        shapes.append(Part(room.name, tuple(floor(frame.box(room), style.fill(room.type), inks))))
+    for room in house.counted:
+        names = part_names([piece.type for piece in room.pieces])
+        for name, piece in zip(names, room.pieces, strict=True):
+            drawn = piece_shapes(piece, frame.box(piece), _front(house, room, piece), frame.scale, style)
+            if has_mark(house, piece, style):
+                drawn.append(_front_mark(frame.box(piece), piece.orientation, frame.scale, inks))
+            shapes.append(Part(f"{room.name}.{name}", tuple(drawn)))
+    shapes += [Block(frame.place(box), inks.wall) for box in wall_boxes(house)]
+    for (name, door), leaf in zip_longest(doors_by_name(house).items(), leaves):
+        shapes.append(Part(name, tuple(_door(house, door, leaf, frame, inks))))
+    for name, window in windows_by_name(house).items():
+        shapes.append(Part(name, tuple(_window(frame.place(opening(house, window)), inks))))
+    return shapes
+
+
+def has_mark(house: House, piece: Piece, style: Style) -> bool:
+    """Whether a mark shows a piece's front, for want of a symbol. The original's word for it is not to be
+    trusted.
+    """
+    return bool(piece.orientation) and house.topology != ORIGINAL and style.looks.symbol(piece.type) is None
+
+
+def grown(box: Box, by: float) -> Box:
+    """A box with so much more on each side."""
+    return box[0] - by, box[1] - by, box[2] + by, box[3] + by
+
+
+def wall_boxes(house: House) -> Iterator[Box]:
+    """The walls as thick as inner ones, without the doorways between rooms: metres."""
+    half, walls = INNER / 2, house.walls
+    for axis, lines in enumerate(walls):
+        for at, low, high in lines:
+            first = low - half * crossing(at, low, walls[1 - axis])
+            last = high + half * crossing(at, high, walls[1 - axis])
+            yield (at - half, first, at + half, last) if axis == 0 else (first, at - half, last, at + half)
+
+
+def opening(house: House, segment: Door | Window) -> Box:
+    """The place in its wall of a door or a window, as wide as it is: metres."""
+    across = int(segment.height == 0)
+    x, y = segment.x + segment.width / 2, segment.y + segment.height / 2
+    depths = []
+    for way in (-1, 1):
+        near = (x, y + 0.01 * way) if across else (x + 0.01 * way, y)
+        indoors = any(
+            box[0] < near[0] < box[2] and box[1] < near[1] < box[3]
+            for box in (room.box for room in house.rooms)
+        )
+        depths.append(INNER / 2 if indoors else BEYOND)
+    west, north, east, south = segment.box
+    if across:
+        return west, north - depths[0], east, south + depths[1]
+    return west - depths[0], north, east + depths[1], south
+
+
+def floor(box: Box, fill: Fill, inks: Inks) -> Iterator[Shape]:
+    """A floor with its colour and its pattern, in a box of CSS pixels."""
+    yield Block(box, fill.colour)
+    if fill.hatch:
+        yield Strokes(tuple(_hatch(box, fill.hatch)), inks.pattern, 0.7)
+
+
+def _hatch(box: Box, pattern: str) -> Iterator[tuple[Point, Point]]:
+    """The strokes of a pattern within a box; CSS pixels. Patterns of neighbours go on in each other."""
+    left, top, right, bottom = box
+
+    def steps(low: float, high: float, gap: float) -> Iterator[float]:
+        return (gap * k for k in range(int(low // gap) + 1, int(high // gap) + 1))
+
+    if pattern in "-+":
+        yield from (((left, y), (right, y)) for y in steps(top, bottom, HATCH))
+    if pattern in "|+":
+        yield from (((x, top), (x, bottom)) for x in steps(left, right, HATCH))
+    if pattern in "/x":  # x + y is the same along a stroke
+        for c in steps(left + top, right + bottom, 1.4 * HATCH):
+            yield (max(left, c - bottom), min(bottom, c - left)), (min(right, c - top), max(top, c - right))
+    if pattern in "\\x":  # x - y is
+        for c in steps(left - bottom, right - top, 1.4 * HATCH):
+            yield (max(left, c + top), max(top, left - c)), (min(right, c + bottom), min(bottom, right - c))
+    if pattern == ".":
+        for y in steps(top, bottom, HATCH):
+            shift = round(y / HATCH) % 2 * HATCH
+            dots = (x + shift for x in steps(left - shift, right - shift - 1, 2 * HATCH))
+            yield from (((x, y), (x + 1, y)) for x in dots)
+
+
+def _door(house: House, door: Door, leaf: Leaf | None, frame: Frame, inks: Inks) -> Iterator[Shape]:
+    """The doorway, the open leaf with its swing, and at an entrance a mark."""
+    yield Block(frame.place(opening(house, door)), inks.paper)
+    if leaf is not None:
+        (x, y), tip, jamb = leaf.hinge, leaf.tip, leaf.jamb
+        bent = [(a + BEND * (b[0] - x), a_ + BEND * (b[1] - y)) for (a, a_), b in ((tip, jamb), (jamb, tip))]
+        yield Curve(tuple(frame.at(*point) for point in (tip, *bent, jamb)), inks.faint, _thin(frame.scale))
+        yield Line((frame.at(x, y), frame.at(*tip)), inks.edge, _stroke(0.04 * frame.scale, 1.2, 4.0))
+    if door.is_entrance:
+        (name,) = (name for name in door.between if name != OUTSIDE)
+        size = min(0.3 * frame.scale, 7.5)
+        yield _entrance(frame.place(opening(house, door)), frame.box(house.room(name)), size, inks)
+
+
+def _entrance(place: Box, room: Box, size: float, inks: Inks) -> Line:
+    """A tip outside of an entrance that points in. ``size``: CSS pixels, within a plan's margin."""
+    x, y = (place[0] + place[2]) / 2, (place[1] + place[3]) / 2
+    if place[2] - place[0] > place[3] - place[1]:
+        u, v = 0.0, size if y < (room[1] + room[3]) / 2 else -size
+        y = place[1] if v > 0 else place[3]
+    else:
+        u, v = size if x < (room[0] + room[2]) / 2 else -size, 0.0
+        x = place[0] if u > 0 else place[2]
+    points = (x - u - v, y - v - u), (x - u / 5, y - v / 5), (x - u + v, y - v + u)
+    return Line(points, inks.mark, size / 4)
+
+
+def _window(place: Box, inks: Inks) -> Iterator[Shape]:
+    """A pane between the two faces of the wall."""
+    left, top, right, bottom = place
+    thin = min(right - left, bottom - top) / 8
+    yield Block(place, inks.wood, inks.wall, min(thin, 1.0))
+    middle = ((left, (top + bottom) / 2), (right, (top + bottom) / 2))
+    if right - left < bottom - top:
+        middle = (((left + right) / 2, top), ((left + right) / 2, bottom))
+    yield Line(middle, inks.wall, min(thin, 1.0))
+
+
+def _front(house: House, room: Rect, piece: Piece) -> str:
+    """Where the front of a piece is drawn; empty reads as south."""
+    if house.topology != ORIGINAL:
+        return piece.orientation
+    # The original's word is not to be trusted: the back is the longest side that stands at a wall.
+    sides = [(piece.height, "E"), (piece.width, "S"), (piece.height, "W"), (piece.width, "N")]
+    return max((sides[wall] for wall in walls_touched(piece, room)), default=(0.0, piece.orientation))[1]
+
+
+def piece_shapes(piece: Piece, box: Box, front: str, scale: float, style: Style) -> list[Shape]:
+    """A piece with its symbol, or with its name where it has none."""
+    left, top, right, bottom = box
+    inks, thin = style.inks, _thin(scale)
+    radius = min(0.05 * scale, (right - left) / 3, (bottom - top) / 3)
+    shapes: list[Shape] = [Block(box, inks.wood, inks.edge, _stroke(0.02 * scale, 0.8, 4.0), radius)]
+    forms = style.looks.symbol(piece.type)
+    for form, numbers in forms or ():
+        points = [_at(box, front, *numbers[k : k + 2]) for k in range(0, 2 * (len(numbers) // 2), 2)]
+        x0, y0 = points[0]
+        if form == "ring":
+            by = numbers[2] * min(right - left, bottom - top)
+            shapes.append(Oval((x0 - by, y0 - by, x0 + by, y0 + by), "", inks.faint, thin))
+        elif form == "line":
+            shapes.append(Line(tuple(points), inks.faint, thin))
+        elif form == "curve":
+            shapes.append(Curve(tuple(points), inks.faint, thin))
+        else:
+            x1, y1 = points[1]
+            around = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+            if form == "oval":
+                shapes.append(Oval(around, "", inks.faint, thin))
+            else:
+                shapes.append(Block(around, "", inks.faint, thin, 0.04 * scale))
+    if forms is None:
+        size = min(0.22 * scale, 11.0, 0.9 * (right - left) / text_width(piece.type or "?", 1))
+        if 6 <= size <= bottom - top:
+            shapes.append(Text(((left + right) / 2, (top + bottom) / 2), piece.type, size, inks.edge))
+    return shapes
+
+
+def _front_mark(box: Box, front: str, scale: float, inks: Inks) -> Line:
+    """A bold line along the middle of the front edge, at most 60 cm long."""
+    edge = box[2] - box[0] if front in {"N", "S"} else box[3] - box[1]
+    half = min(0.3, 0.3 * scale / edge)
+    width = _stroke(0.05 * scale, 1.8, 3.0)
+    return Line((_at(box, front, 0.5 - half, 1.0), _at(box, front, 0.5 + half, 1.0)), inks.mark, width)
+
+
+def _thin(scale: float) -> float:
+    return _stroke(0.012 * scale, 0.8, 1.2)
+
+
+def _stroke(width: float, least: float, most: float) -> float:
+    """The width of a line, CSS pixels: at least so wide, but on small plans at most four times its due."""
+    return min(max(width, min(4 * width, least)), most)
+
+
+def _at(box: Box, front: str, across: float, forth: float) -> Point:
+    """A point of a piece's own frame: across, and from its back to its front."""
+    turns = {"N": (1 - across, 1 - forth), "E": (forth, 1 - across), "W": (1 - forth, across)}
+    u, v = turns.get(front, (across, forth))
+    left, top, right, bottom = box
+    return left + u * (right - left), top + v * (bottom - top)

@@ -1,0 +1,129 @@
+"""A house as solid boxes: walls with a thickness and a height, openings cut out of them, furniture.
+
+Files of houses have no third dimension, so heights are chosen here, and those of furniture in ``looks.json``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from logic.drawing.palettes import Inks, style
+from logic.house.boxes import TOLERANCE, Box
+from logic.house.house import House
+from logic.house.looks import looks_of
+from logic.house.walls import Interval, Line, crossing, remaining
+
+WALL_HEIGHT, DOOR_HEIGHT = 2.5, 2.0
+"""Metres."""
+
+SILL, HEAD = 0.9, 2.1
+"""Metres: the lower and the upper edge of windows."""
+
+FLOOR = 0.05
+"""Metres: how thick floors are, below zero."""
+
+PIECE_HEIGHT = 0.8
+"""Metres: of a piece whose type has no height in ``looks.json``."""
+
+INKS = Inks()
+"""Of walls, furniture and a star's main room: those of plans."""
+
+COLOURS = {"wall": INKS.wall, "window": "#a9cfe0", "entrance": "#9a7b56"}
+
+
+class Solid(NamedTuple):
+    """A box along the axes."""
+
+    name: str
+    """Of a room its name, of a piece ``R3.bed``; with a number behind it where there are several."""
+    kind: str
+    """floor, wall, window, entrance or piece."""
+    box: Box
+    """(west, north, east, south), metres."""
+    bottom: float
+    """Metres above the floor."""
+    top: float
+    colour: str
+    """As in CSS, ``#rrggbb``."""
+
+
+def solids(house: House, thickness: float = 0.1) -> list[Solid]:
+    """The solids of a house: floors, walls around doorways and windows, panes, entrances and furniture.
+
+    ``thickness``: metres, of the walls; half of it lies on each side of the line where a wall stands.
+    Entrances and windows are shut. Names are unique, and a function of the house.
+    """
+    found = [*_floors(house), *_walls(house, thickness), *_pieces(house)]
+    several, numbers = Counter(each.name for each in found), Counter[str]()
+    for index, each in enumerate(found):
+        if several[each.name] > 1:
+            found[index] = each._replace(name=f"{each.name}_{numbers[each.name]}")
+            numbers[each.name] += 1
+    return found
+
+
+def _floors(house: House) -> Iterator[Solid]:
+    look = style([house])
+    for room in house.rooms:
+        colour = INKS.paper if house.is_star and room is house.main else look.fill(room.type).colour
+        # A floor that lies over the main room's, as the original's do, is seen above it.
+        top = 0.001 if house.is_star and room is not house.main else 0.0
+        yield Solid(f"{room.name}.floor", "floor", room.box, -FLOOR, top, colour)
+
+
+def _pieces(house: House) -> Iterator[Solid]:
+    looks = looks_of(house)
+    for room in house.rooms:
+        for piece in room.pieces:
+            height = looks.heights.get(piece.type, PIECE_HEIGHT)
+            yield Solid(f"{room.name}.{piece.type}", "piece", piece.box, 0.0, height, INKS.wood)
+
+
+def _walls(house: House, thickness: float) -> Iterator[Solid]:
+    half = thickness / 2
+    for axis, lines in enumerate(house.walls):
+        for line in lines:
+            at, low, high = line
+            ends = _reaches(line, house.walls[1 - axis], half)
+            windows = _on(line, axis, [window.box for window in house.windows])
+            entrances = _on(line, axis, [door.box for door in house.doors if door.is_entrance])
+            parts = [("wall", span, 0.0, WALL_HEIGHT) for span in remaining((low, high), windows + entrances)]
+            for span in windows:
+                parts += [("wall", span, 0.0, SILL), ("window", span, SILL, HEAD)]
+                parts.append(("wall", span, HEAD, WALL_HEIGHT))
+            for span in entrances:
+                parts += [("entrance", span, 0.0, DOOR_HEIGHT), ("wall", span, DOOR_HEIGHT, WALL_HEIGHT)]
+            for kind, span, bottom, top in parts:
+                start = ends[0] if span[0] == low else span[0]
+                end = ends[1] if span[1] == high else span[1]
+                box = (at - half, start, at + half, end) if axis == 0 else (start, at - half, end, at + half)
+                yield Solid(kind, kind, box, bottom, top, COLOURS[kind])
+    for door in house.doors:
+        if not door.is_entrance:
+            west, north, east, south = door.box
+            by_x, by_y = (half, 0.0) if door.height else (0.0, half)
+            box = west - by_x, north - by_y, east + by_x, south + by_y
+            yield Solid("wall", "wall", box, DOOR_HEIGHT, WALL_HEIGHT, INKS.wall)
+
+
+def _on(line: Line, axis: int, segments: list[Box]) -> list[Interval]:
+    """The spans of the segments that lie on a wall."""
+    at, low, high = line
+    return [
+        (box[1 - axis], box[3 - axis])
+        for box in segments
+        if abs(box[axis] - at) <= TOLERANCE
+        and abs(box[axis + 2] - at) <= TOLERANCE
+        and low - TOLERANCE <= box[1 - axis]
+        and box[3 - axis] <= high + TOLERANCE
+    ]
+
+
+def _reaches(line: Line, others: list[Line], half: float) -> Interval:
+    """The ends of a wall, half its thickness farther where it meets a wall across it: so corners are whole,
+    and doorways as wide as they are.
+    """
+    at, low, high = line
+    return low - half * crossing(at, low, others), high + half * crossing(at, high, others)

@@ -1,0 +1,266 @@
+"""Furniture for rooms that stand in a plan: their sizes, doors and windows are given.
+
+Each room is seen in its own frame, from its entrance: x to the right along the front wall, y inwards. Rooms
+do not depend on each other, so one that cannot have its furniture is furnished again while the others stay.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from clingo import Function, Number, Symbol, parse_term
+
+from logic.errors import OutOfInferences
+from logic.house.boxes import TOLERANCE, Box
+from logic.house.parts import Rect
+from logic.layout.account import FURNITURE
+from logic.layout.program import Nogood, Program
+from logic.layout.programs import Programs
+from logic.layout.terms import granted
+from logic.placement.placer import Placer, RoomLayout
+from logic.placement.prolog import Term
+from logic.request.request import Request
+
+WALLS = {
+    "front": ("front_left", "front_right"),
+    "left": ("left_front", "left_back"),
+    "back": ("back_left", "back_right"),
+    "right": ("right_front", "right_back"),
+}
+"""The walls of a room in its own frame, and the stretches before its first and behind its last door."""
+
+STEP, BITS = 0.016, 9
+"""Metres and the bits of their number: how short a wall is, as ``rules/doors.lp`` knows it."""
+
+Span = tuple[float, float]
+"""Metres along a wall, from and to: from the left, or from the front."""
+
+
+@dataclass(frozen=True)
+class GivenRoom:
+    """A bare room of a plan, in metres: its type, rectangle, doors and windows, segments on its walls.
+
+    The first door is its entrance: the room's furniture stands as seen from there.
+    """
+
+    type: str
+    rect: Rect
+    doors: Sequence[Rect]
+    windows: Sequence[Rect] = ()
+    pieces: list[dict[str, Any]] | None = None
+    """The furniture of a room that is furnished already, as in a house file."""
+
+    def __str__(self) -> str:
+        """Its type, size and doors."""
+        size = f"{self.rect.width:.2f} by {self.rect.height:.2f} m"
+        return f"a {self.type} of {size} with {len(self.doors)} door{'s' if len(self.doors) > 1 else ''}"
+
+
+class Unfurnishable(Exception):
+    """Proved: a room of a plan cannot have the furniture that its type needs. ``place``: which one."""
+
+    def __init__(self, place: int, room: GivenRoom) -> None:
+        """Keep the room and its place in the plan."""
+        super().__init__(f"{room} cannot have the furniture that it needs")
+        self.place, self.room = place, room
+
+
+class Frame:
+    """A room as seen from its entrance."""
+
+    def __init__(self, room: GivenRoom) -> None:
+        """Find the walls of the doors and windows; raises ``ValueError`` for one that lies on no wall."""
+        west, north, east, south = room.rect.box
+        entrance = room.doors[0].box
+        sides = {"north": (west, south), "east": (west, north), "south": (east, north), "west": (east, south)}
+        lines = {"north": (1, south), "east": (0, west), "south": (1, north), "west": (0, east)}
+        on = [
+            side
+            for side, (axis, line) in lines.items()
+            if max(abs(entrance[axis] - line), abs(entrance[axis + 2] - line)) < TOLERANCE
+        ]
+        if not on:
+            raise ValueError(f"the entrance of the {room.type} lies on none of its walls")
+        self.side = on[0]
+        self.x, self.y = sides[self.side]
+        across = self.side in ("north", "south")
+        self.width = room.rect.width if across else room.rect.height
+        self.depth = room.rect.height if across else room.rect.width
+        self.doors = self._by_wall(room.doors, room.type)
+        self.windows = self._by_wall(room.windows, room.type)
+
+    def _by_wall(self, segments: Sequence[Rect], type_: str) -> dict[str, list[Span]]:
+        found: dict[str, list[Span]] = {wall: [] for wall in WALLS}
+        for segment in segments:
+            wall, span = self.place(segment, type_)
+            found[wall].append(span)
+        return {wall: sorted(spans) for wall, spans in found.items()}
+
+    def place(self, segment: Rect, type_: str = "room") -> tuple[str, Span]:
+        """The wall of a door or window, and its span there."""
+        left, front, right, back = self._own(segment.box)
+        if right - left > back - front:
+            walls = {"front": front, "back": self.depth - back}
+            span = (left, right)
+        else:
+            walls = {"left": left, "right": self.width - right}
+            span = (front, back)
+        wall = min(walls, key=lambda each: abs(walls[each]))
+        if abs(walls[wall]) > TOLERANCE:
+            raise ValueError(f"a door or window of the {type_} lies on none of its walls")
+        return wall, span
+
+    def _own(self, box: Box) -> Box:
+        """A box of the house, in the room's frame."""
+        west, north, east, south = box
+        match self.side:
+            case "north":
+                return west - self.x, self.y - south, east - self.x, self.y - north
+            case "east":
+                return north - self.y, west - self.x, south - self.y, east - self.x
+            case "south":
+                return self.x - east, north - self.y, self.x - west, south - self.y
+            case _:
+                return self.y - south, self.x - east, self.y - north, self.x - west
+
+    def doorways(self) -> tuple[Symbol, ...]:
+        """All doors but the entrance, as facts."""
+        return tuple(
+            Function("doorway", [Function(wall), Number(number)])
+            for wall, spans in self.doors.items()
+            for number in range(1, len(spans) + 1)
+            if (wall, number) != ("front", 1)
+        )
+
+    def lengths(self) -> Iterator[tuple[str, float]]:
+        """The room across and inwards, and each stretch of wall as far as its doors (m), at most."""
+        yield "across", self.width
+        yield "inwards", self.depth
+        for wall, (first, last) in WALLS.items():
+            size = self.width if wall in ("front", "back") else self.depth
+            earliest, latest = self.earliest[wall], self.latest[wall]
+            if not earliest:
+                yield wall, size
+                continue
+            yield first, latest[0][0]
+            for number, (one, other) in enumerate(zip(earliest, latest[1:], strict=False), start=1):
+                yield f"between({wall},{number})", other[0] - one[1]
+            yield last, size - earliest[-1][1]
+
+    @property
+    def earliest(self) -> dict[str, list[Span]]:
+        """Where the doors of each wall may be, as near to its left or front end as they can."""
+        return self.doors
+
+    @property
+    def latest(self) -> dict[str, list[Span]]:
+        """And as far from there."""
+        return self.doors
+
+    def given(self, windows: bool = True) -> tuple[list[Symbol], list[Symbol]]:
+        """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not.
+
+        Nothing of ``windows`` where they may be anywhere.
+        """
+        holds: dict[bool, list[Symbol]] = {True: [], False: []}
+        for what, length in self.lengths():
+            short = max(0, int(2**BITS - 1 - length / STEP))
+            for bit, atom in enumerate(_bits(what)):
+                holds[bool(short >> bit & 1)].append(atom)
+        for wall, spans in self.windows.items():
+            if windows:
+                holds[bool(spans)].append(_at("window", wall))
+            holds[self.earliest[wall] != self.latest[wall]].append(_at("loose", wall))
+        return holds[True], holds[False]
+
+    def shape(self) -> Term:
+        """Its size and doors for ``rules/given_rooms.pl``."""
+        doors = [
+            [Term("-", float(start), float(end - start)) for start, end in spans]
+            for spans in self.doors.values()
+        ]
+        return Term("given", Term("-", float(self.width), float(self.depth)), Term("doors", *doors))
+
+    def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
+        """The room for ``rules/given_rooms.pl``."""
+        frame = Term("frame", self.side, float(self.x), float(self.y))
+        return Term("room", number, type_, furniture, seed, *self.shape().arguments, frame)
+
+
+class Furnished(NamedTuple):
+    """How a room got its furniture: the room, the program of stage 1, and its layout."""
+
+    room: GivenRoom
+    program: Program
+    layout: RoomLayout
+
+
+@cache
+def _bits(what: str) -> list[Symbol]:
+    """How short this is, bit by bit."""
+    return [Function("short", [parse_term(what), Number(bit)]) for bit in range(BITS)]
+
+
+@cache
+def _at(name: str, wall: str) -> Symbol:
+    return Function(name, [Function(wall)])
+
+
+def furnished(
+    rooms: Sequence[GivenRoom],
+    programs: Programs,
+    placer: Placer,
+    rng: np.random.Generator,
+    inferences: int,
+    request: Request | None = None,
+    how: dict[int, Furnished] | None = None,
+) -> list[list[dict[str, Any]]]:
+    """Furnish the rooms of a bare plan: the pieces of each, in the house's frame, as in a house file.
+
+    With what a ``request`` asks for, if there is one. ``how`` gets how each room got its furniture.
+
+    Raises ``Unfurnishable`` where it is proved that a room cannot have what its type needs, ``LimitReached``
+    past this number of Prolog inferences.
+    """
+    frames = [Frame(room) for room in rooms]
+    pieces = [room.pieces or [] for room in rooms]
+    nogoods: list[list[Nogood]] = [[] for _ in rooms]
+    waiting = [
+        place for place, room in enumerate(rooms) if room.pieces is None and programs.has_furniture(room.type)
+    ]
+    while waiting:
+        terms = []
+        for number, place in enumerate(waiting):
+            room, frame = rooms[place], frames[place]
+            holds, fails = frame.given()
+            required = programs.required_in(room.type, request) if request else ()
+            program = programs.given(room.type, frame.doorways(), required)
+            holds += [granted(each) for each in required]
+            placer.account.at(FURNITURE, f"the furniture of {room} (clingo)")
+            furniture = program.sample(rng, holds, fails, nogoods[place])
+            if furniture is None:
+                raise Unfurnishable(place, room)
+            seed = int(rng.integers(2**63))
+            terms.append(frame.term(number, room.type, furniture, seed))
+            if how is not None:
+                layout = RoomLayout(
+                    place, Function(room.type), Function(frame.side), furniture, seed, given=frame.shape()
+                )
+                how[place] = Furnished(room, program, layout)
+        named = ", ".join(str(rooms[place]) for place in waiting[:3]) + (" ..." if waiting[3:] else "")
+        placer.account.at(FURNITURE, f"the lengths of the furniture of {named} (CLP(R))")
+        again = any(nogoods[place] for place in waiting)
+        found, conflicts, taken = placer.furnish(terms, inferences, minimal=again)
+        inferences -= taken
+        if inferences <= 0:
+            raise OutOfInferences
+        for number, place in enumerate(waiting):
+            if number in conflicts:
+                nogoods[place].append(conflicts[number].atoms)
+                placer.account.refuted(conflicts[number].clauses, furniture=True)
+            else:
+                pieces[place] = found[number]
+        waiting = [waiting[number] for number in sorted(conflicts)]
+    return pieces

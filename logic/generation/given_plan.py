@@ -1,0 +1,185 @@
+"""Houses in a plan of the user's: stage 1 says which walls have doors and windows, stage 2 places them.
+
+What the grammar's lengths forbid in the plan is known before, room by room, so that a proof names the room
+and the clause.
+"""
+
+from collections.abc import Collection
+from typing import Any
+
+import msgspec
+import numpy as np
+from clingo import Function, Number, Symbol
+
+from logic.errors import LimitReached, Unsatisfiable
+from logic.generation.furnish import Unfurnishable
+from logic.generation.movable_doors import LooseRoom, Refuted
+from logic.generation.shared_walls import MOST_TRIES, Planner, doors_of, given_room
+from logic.grammar import Grammar
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Door, Rect
+from logic.language.loaded import LoadedGrammar
+from logic.layout.account import FURNITURE
+from logic.layout.program import Nogood
+from logic.layout.programs import Programs
+from logic.layout.terms import granted, own_requirements
+from logic.proofs.proof import Prover, Walls
+from logic.request.given_plan import OwnPlan
+from logic.request.request import Request
+
+PATIENCE = 5
+"""So many times a room may fail at the places where its doors were sampled before others are looked for."""
+
+
+class OwnPlanner(Planner):
+    """Makes houses in one plan by one grammar."""
+
+    advice = "another seed, a larger room, less furniture, or doors and windows elsewhere"
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, plan: OwnPlan) -> None:
+        """Find what the grammar forbids in the plan."""
+        self.plan = plan
+        rules = grammar.for_own_plan()
+        facts: Walls = [*_meetings(plan), *loaded.placer.own_plan_faults(plan, sorted(loaded.furniture))]
+        prover = Prover(rules, loaded.placer, loaded.lengths, facts, placed=True)
+        super().__init__(rules, loaded, prover)
+        self._failures, self._refuted = 0, list[Refuted]()
+        meetings = [fact for fact, _ in facts]
+        account = loaded.placer.account
+        self._programs = Programs(rules, loaded.furniture, loaded.lengths, account, meetings)
+
+    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+        """A furnished house in the plan; raises as ``Planner.made``."""
+        self._failures, self._refuted = 0, []
+        return super().made(request, rng, inferences)
+
+    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Unsatisfiable:
+        return self._prover.unsatisfiable(request, unfurnishable, refuted=self._refuted)
+
+    def _furnished(
+        self,
+        request: Request,
+        plan: dict[str, Any],
+        layout: list[Symbol],
+        nogoods: list[Nogood],
+        rng: np.random.Generator,
+        inferences: int,
+    ) -> list[list[dict[str, Any]]]:
+        """As of any plan; a room that fails again and again gets doors with which it can be furnished."""
+        try:
+            return super()._furnished(request, plan, layout, nogoods, rng, inferences)
+        except Unfurnishable as proof:
+            self._failures += 1
+            if self._failures < PATIENCE or not self._moved(request, plan, layout, proof.place, rng, nogoods):
+                raise
+        return super()._furnished(request, plan, layout, nogoods, rng, inferences)
+
+    def _moved(
+        self,
+        request: Request,
+        plan: dict[str, Any],
+        layout: list[Symbol],
+        place: int,
+        rng: np.random.Generator,
+        nogoods: list[Nogood],
+    ) -> bool:
+        """Whether a room's doors could be moved to where it can be furnished; if nowhere, it is refuted."""
+        doors = doors_of(plan, place)
+        room = LooseRoom(given_room(plan, place), [self._span(plan, door) for door in doors])
+        furniture: list[Symbol] | None = None
+        doors_elsewhere = f"the furniture of {room.room}, its doors elsewhere (clingo and CLP(Q))"
+        self._placer.account.at(FURNITURE, doors_elsewhere)
+        for windows in (False, True):
+            try:
+                furniture = room.furniture(self._programs, self._placer, rng, request, windows)
+            except LimitReached:
+                self._failures = -MOST_TRIES
+                return False
+            if furniture is None:
+                refuted = self._refutation(request, plan, layout, place, room, windows)
+                self._refuted.append(refuted)
+                nogoods.append(refuted.atoms)
+                return False
+        starts = self._placer.loose_starts(room.loose_term(furniture or ()), int(rng.integers(2**63)))
+        for door, moved in zip(doors, room.moved(starts), strict=True):
+            door.update(msgspec.to_builtins(moved))
+        return True
+
+    def _span(self, plan: dict[str, Any], door: dict[str, Any]) -> Rect | None:
+        """The part of a wall in which a door may stand; None for one that the user's plan has."""
+        names = [room["name"] for room in plan["rooms"]]
+        one, other = (each if isinstance(each, str) else names[each] for each in door["between"])
+        if {one, other} in [{*kept.between} for kept in self.plan.doors]:
+            return None
+        sides = {name: door[name] for name in ("x", "y", "width", "height")}
+        wall = self.plan.wall_of(Door(**sides, between=(one, other)))
+        assert wall
+        length = wall.end - wall.start
+        if door["width"] > door["height"]:
+            return Rect(wall.start, wall.place, length, 0.0)
+        return Rect(wall.place, wall.start, 0.0, length)
+
+    def _refutation(
+        self,
+        request: Request,
+        plan: dict[str, Any],
+        layout: list[Symbol],
+        place: int,
+        room: LooseRoom,
+        windows: bool,
+    ) -> Refuted:
+        """What stage 1 is not to choose again, and what of the user's plan that takes."""
+        program, number = self._programs.rooms_for(request)[0], Number(place)
+        held = {Function(atom.name, atom.arguments[:2]) for atom in layout}
+        atoms = {Function("room", [number, Function(room.room.type)]): True}
+        for name in ("door", "entrance", "window")[: 2 + windows]:
+            atoms |= {atom: atom in held for atom in program.atoms(name, 2) if number in atom.arguments}
+        near = {place, *(each for door in doors_of(plan, place) for each in door["between"])}
+        if OUTSIDE in near:
+            near |= {wall.behind for wall in self.plan.walls if wall.room == place}
+        grants = [
+            granted(each)
+            for each in own_requirements(self.plan)
+            if (each.name == "drawn" and each.arguments[0].number in near)
+            or (each.name == "joined" and number in each.arguments)
+        ]
+        return Refuted(plan["rooms"][place]["name"], room, windows, atoms, tuple(grants))
+
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+        """The plan's own rooms with their types, and doors and windows in their walls."""
+        types = {atom.arguments[0].number: str(atom.arguments[1]) for atom in layout if atom.name == "room"}
+        rooms = [
+            {
+                **msgspec.to_builtins(room),
+                "number": number,
+                "type": types[number],
+                "kept": room.name in self.plan.kept,
+            }
+            for number, room in enumerate(self.plan.rooms)
+        ]
+        openings = self._placer.own_openings(self.plan, layout, seed)
+        # What the plan has stays in its place.
+        kept = {frozenset(door.between): msgspec.to_builtins(door) for door in self.plan.doors}
+        for door in openings["doors"]:
+            names = (each if isinstance(each, str) else rooms[each]["name"] for each in door["between"])
+            door.update(kept.get(frozenset(names), {}) | {"between": door["between"]})
+        if self.plan.windows:
+            numbers = {room["name"]: room["number"] for room in rooms}
+            openings["windows"] = [
+                {**msgspec.to_builtins(window), "room": numbers[window.room]} for window in self.plan.windows
+            ]
+        return {**openings, "rooms": rooms, "inferences": 0}
+
+
+def _meetings(plan: OwnPlan) -> Walls:
+    """Which rooms share walls, which sides are outer walls, wholly or in part, and which have windows."""
+    found = []
+    for wall in plan.walls:
+        room = Number(wall.room)
+        if wall.behind is None:
+            found.append(Function("outside", [room, Function(wall.side)]))
+        else:
+            found.append(Function("touch", [room, Number(wall.behind)]))
+    panes = [wall for window in plan.windows if (wall := plan.wall_of(window))]
+    found += [Function("pane", [Number(wall.room), Function(wall.side)]) for wall in panes]
+    return [(fact, ()) for fact in dict.fromkeys(found)]

@@ -1,0 +1,123 @@
+"""Rooms of a user's plan whose doors may stand elsewhere in their walls: can they be furnished at all?
+
+The layouts of a room are finitely many. Each that CLP(Q) refutes, wherever the doors stand, is a nogood with
+its reasons; where none is left, the room is refuted.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from clingo import Symbol
+from msgspec import structs
+
+from logic.errors import LimitReached
+from logic.generation.furnish import Frame, GivenRoom, Span
+from logic.house.parts import Rect
+from logic.layout.program import Nogood
+from logic.layout.programs import Programs
+from logic.layout.terms import granted
+from logic.placement.placer import Placer
+from logic.placement.prolog import Term
+from logic.request.request import Request
+
+MOST_LAYOUTS = 500
+"""Layouts of one room that are refuted one by one; past it, nothing is known of the room."""
+
+ALONG = {"north": (1, -1), "east": (1, 1), "south": (-1, 1), "west": (-1, -1)}
+"""For each side of a frame: how x and y of the house run along its walls, forwards or backwards."""
+
+
+class LooseRoom(Frame):
+    """A room of given size with its doors and windows; doors with a span may stand anywhere within it."""
+
+    def __init__(self, room: GivenRoom, spans: Sequence[Rect | None]) -> None:
+        """``spans``: for each door the part of a wall in which it may stand, if it may move."""
+        super().__init__(room)
+        self.room = room
+        self._places = [self.place(door) for door in room.doors]
+        self._spans = [self.place(span)[1] if span else None for span in spans]
+
+    @property
+    def earliest(self) -> dict[str, list[Span]]:
+        """Each door of a wall at the near end of its span."""
+        return self._doors([span and span[0] for span in self._spans])
+
+    @property
+    def latest(self) -> dict[str, list[Span]]:
+        """Each door of a wall at the far end of its span."""
+        widths = [end - start for _, (start, end) in self._places]
+        return self._doors(
+            [span and span[1] - width for span, width in zip(self._spans, widths, strict=True)]
+        )
+
+    def _doors(self, starts: Sequence[float | None]) -> dict[str, list[Span]]:
+        doors: dict[str, list[Span]] = {wall: [] for wall in self.doors}
+        for (wall, (start, end)), at in zip(self._places, starts, strict=True):
+            doors[wall].append((start, end) if at is None else (at, at + end - start))
+        return {wall: sorted(spans) for wall, spans in doors.items()}
+
+    def loose_term(self, furniture: Iterable[Symbol]) -> Term:
+        """The room for ``rules/given_rooms.pl``."""
+        doors: dict[str, list[Term]] = {wall: [] for wall in self.doors}
+        for place in sorted(range(len(self._places)), key=lambda place: self._places[place][1]):
+            (wall, (start, end)), span = self._places[place], self._spans[place]
+            at = Term("span", float(span[0]), float(span[1])) if span else float(start)
+            doors[wall].append(Term("-", at, float(end - start)))
+        size = Term("-", float(self.width), float(self.depth))
+        return Term("room", 0, self.room.type, [*furniture], 0, size, Term("doors", *doors.values()), "none")
+
+    def moved(self, starts: Sequence[Sequence[float]]) -> list[Rect]:
+        """The doors where they start on each wall (m), as seen in the room's frame."""
+        by_wall = dict(zip(self.doors, starts, strict=True))
+        doors = []
+        for door, (wall, span) in zip(self.room.doors, self._places, strict=True):
+            by = by_wall[wall][self.doors[wall].index(span)] - span[0]
+            x, y = ALONG[self.side]
+            place = {"x": door.x + x * by} if door.width > door.height else {"y": door.y + y * by}
+            doors.append(structs.replace(door, **place))
+        return doors
+
+    def furniture(
+        self,
+        programs: Programs,
+        placer: Placer,
+        rng: np.random.Generator,
+        request: Request,
+        windows: bool,
+    ) -> list[Symbol] | None:
+        """A layout that fits somewhere, with windows as they are or any; None proves that none does.
+
+        Raises ``LimitReached`` past ``MOST_LAYOUTS``.
+        """
+        required = programs.required_in(self.room.type, request)
+        program = programs.given(self.room.type, self.doorways(), required)
+        holds, fails = self.given(windows)
+        nogoods: list[Nogood] = []
+        while len(nogoods) < MOST_LAYOUTS:
+            layout = program.sample(rng, [*holds, *map(granted, required)], fails, nogoods)
+            if layout is None:
+                return None
+            conflict = placer.loose_conflict(self.loose_term(layout))
+            if conflict is None:
+                return layout
+            nogoods.append(conflict.atoms)
+        raise LimitReached(f"{MOST_LAYOUTS} layouts of {self.room} have no places, and there are more")
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """Proved: a room of a plan cannot have its furniture as this type, where it has just these doors."""
+
+    name: str
+    room: LooseRoom
+    windows: bool
+    """Whether the windows are part of it."""
+    atoms: Nogood
+    """Of stage 1: the type, the doors, and the windows if they are part of it."""
+    grants: tuple[Symbol, ...]
+    """What of the plan this takes: where the room lies, and the rooms and doors that it depends on."""
+
+    def __str__(self) -> str:
+        """As a statement."""
+        return f"{self.name} cannot have the furniture that a {self.room.room.type} needs"

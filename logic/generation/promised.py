@@ -1,0 +1,110 @@
+"""What houses of a grammar promise, as its facts and lengths state it: they take it with them."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from clingo import Symbol
+
+from logic.house.parts import OUTSIDE
+from logic.house.promises import Promises, Sizes
+from logic.layout.program import Program
+
+
+def promised(
+    program: Program, extremes: Mapping[str, Any], metres: Mapping[str, Any], shares_walls: bool
+) -> Promises:
+    """The promises of the houses of a program, by its facts.
+
+    ``extremes`` are those of sizes, on the houses' grid, see ``Placer.lengths``; ``metres`` are lengths and
+    areas as they are written, see ``Placer.metres``.
+    """
+    lengths = dict(metres["lengths"])
+    opens = _pairs(program, "opens") if shares_walls else {}
+    for one, other in _atoms(program, "loops", 2):
+        opens.setdefault(one, []).append(other)
+    companions = [*_atoms(program, "beside", 4), *_atoms(program, "around", 4)]
+    return Promises(
+        door_width=lengths["door_width"],
+        door_clearance=lengths["door_clearance"],
+        # Furniture stands a clearance away from a door, though a passage be wider.
+        passage=min(lengths["passage"], lengths["door_clearance"]),
+        front=lengths["passage"],
+        room_gap=None if shares_walls else lengths["room_gap"],
+        room_size={name: _sizes(sizes) for name, sizes in sorted(extremes["rooms"].items())},
+        room_area={name: (float(least), float(most)) for name, least, most in metres["areas"]},
+        opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
+        entrance=bool(opens.get(OUTSIDE)),
+        public=_required(program, "public"),
+        lit=_required(program, "lit"),
+        hides=_required(program, "hides"),
+        empty=_named(_atoms(program, "empty", 1)),
+        piece_size=_piece_sizes(extremes["pieces"]),
+        counts=_counts(_atoms(program, "may", 4), sorted(extremes["rooms"])),
+        companions=_counts(companions, ()),
+        at_head=_named(_atoms(program, "at_head", 2)),
+        at_wall=_at_wall(program),
+        turns=_named(each for each in _atoms(program, "turns", 2) if each[1] != "middle"),
+        clear_front=_required(program, "clear_front"),
+    )
+
+
+def _atoms(program: Program, name: str, arity: int) -> list[tuple[Any, ...]]:
+    """The arguments of the atoms of a name that may hold: words and whole numbers."""
+    return [tuple(map(_plain, atom.arguments)) for atom in sorted(program.atoms(name, arity))]
+
+
+def _plain(term: Symbol) -> str | int:
+    return term.number if term.type.name == "Number" else str(term)
+
+
+def _required(program: Program, name: str) -> tuple[str, ...]:
+    """Of what a property is stated, whatever else holds."""
+    return tuple(sorted(str(fact.arguments[0]) for fact in program.facts(name, 1)))
+
+
+def _named(atoms: Iterable[tuple[Any, ...]]) -> tuple[str, ...]:
+    """The first arguments."""
+    return tuple(sorted({first for first, *_ in atoms}))
+
+
+def _pairs(program: Program, name: str) -> dict[str, list[str]]:
+    """For each first argument all seconds."""
+    found = defaultdict[str, list[str]](list)
+    for one, other in _atoms(program, name, 2):
+        found[one].append(other)
+    return dict(found)
+
+
+def _counts(facts: Iterable[tuple[Any, ...]], names: Iterable[str]) -> dict[str, dict[str, tuple[int, int]]]:
+    """For each of these names, and each first argument, the bounds of each second one."""
+    found: dict[str, dict[str, tuple[int, int]]] = {name: {} for name in names}
+    for owner, thing, least, most in facts:
+        low, high = found.setdefault(owner, {}).get(thing, (least, most))
+        found[owner][thing] = min(low, least), max(high, most)
+    return found
+
+
+def _piece_sizes(rooms: Mapping[str, Mapping[str, Any]]) -> dict[str, Sizes]:
+    """The bounds of each piece, whichever room it stands in."""
+    found: dict[str, list[list[float]]] = {}
+    for pieces in rooms.values():
+        for piece, sizes in pieces.items():
+            found.setdefault(piece, []).append(sizes)
+    bounds = (min, max, min, max)
+    return {
+        piece: _sizes([bound(some) for bound, some in zip(bounds, zip(*each, strict=True), strict=True)])
+        for piece, each in sorted(found.items())
+    }
+
+
+def _sizes(extremes: Iterable[float]) -> Sizes:
+    """Extremes to the micrometre: what a file holds is short."""
+    a, b, c, d = (round(float(each), 6) for each in extremes)
+    return a, b, c, d
+
+
+def _at_wall(program: Program) -> tuple[str, ...]:
+    """Pieces that stand nowhere but at walls."""
+    stands = _pairs(program, "stands")
+    return tuple(piece for piece, places in sorted(stands.items()) if "middle" not in places)

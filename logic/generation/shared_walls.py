@@ -1,0 +1,214 @@
+"""Plans: houses whose rooms share walls, of any topology but a star. From a request to such a house.
+
+Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``rules/walls.pl``), and then
+the rooms are furnished at these sizes (``given_rooms.py``).
+"""
+
+from collections.abc import Collection, Sequence
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+from clingo import Symbol
+
+from logic.errors import LimitReached, OutOfInferences, RequestError
+from logic.generation.furnish import Furnished, GivenRoom, Unfurnishable, furnished
+from logic.generation.tiling import require_tiling
+from logic.grammar import GUARD, Grammar
+from logic.house.house import House
+from logic.house.parts import Door, Rect, Room, Window
+from logic.language.loaded import LoadedGrammar
+from logic.layout.account import LAYOUT, PROOF
+from logic.layout.program import Nogood, Program
+from logic.layout.terms import to_furnish
+from logic.placement.placer import Infeasible
+from logic.proofs.proof import Prover
+from logic.request.request import Request
+
+MOST_TRIES = 200
+"""How often a house may have a room that cannot be furnished at its size, though it might at others."""
+
+
+class Making(NamedTuple):
+    """How a plan was made: by which program and layout of stage 1, who proves what it could not be, and how
+    each room got its furniture, by its number.
+    """
+
+    program: Program
+    layout: list[Symbol]
+    prover: Prover
+    furniture: dict[int, Furnished]
+
+
+class Planner:
+    """Makes plans of one grammar."""
+
+    advice = "another seed, or larger rooms (room_size/3, room_area/3)"
+    """Where rooms cannot be furnished."""
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
+        """Know its rules."""
+        self._topology, self._unproved, self._loaded = (
+            grammar.topology_name,
+            GUARD in grammar.topology,
+            loaded,
+        )
+        self._placer, self._programs, self._prover = loaded.placer, loaded.programs, prover
+        self.making: Making | None = None
+        """How the last house was made."""
+
+    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+        """A furnished plan.
+
+        Raises ``Unsatisfiable`` where it is proved that there is none, ``LimitReached`` past this number of
+        Prolog inferences.
+        """
+        if request.fixed:
+            raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
+        plan, pieces, _ = self.complete(request, rng, inferences)
+        return _house(plan, pieces, self._topology)
+
+    def complete(
+        self, request: Request, rng: np.random.Generator, inferences: int
+    ) -> tuple[dict[str, Any], list[Any], int]:
+        """A plan, the pieces of each of its rooms, and the inferences left. Raises as ``made``."""
+        nogoods: list[Nogood] = []
+        unfurnishable: set[str] = set()
+        last = ""
+        for _ in range(MOST_TRIES):
+            plan, layout, inferences = self.bare(request, rng, inferences, nogoods, unfurnishable)
+            try:
+                pieces = self._furnished(request, plan, layout, nogoods, rng, inferences)
+            except Unfurnishable as proof:
+                name = plan["rooms"][proof.place].get("name", f"R{proof.place}")
+                last = f"{name}, {proof}"
+                self._placer.account.unfurnished(proof.room.type)
+                # At this size and with these doors; or with one door at any size, and then nowhere.
+                self._placer.account.at(PROOF, f"whether a {proof.room.type} can be furnished at any size")
+                if not self._prover.is_furnishable(request, proof.room.type):
+                    unfurnishable.add(proof.room.type)
+                continue
+            hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
+            plan["hub"] = hubs[0] if len(hubs) == 1 else ""
+            return plan, pieces, inferences
+        raise LimitReached(
+            f"{MOST_TRIES} times a room could not be furnished at its size (the last time {last}), though it "
+            f"might be otherwise: try {self.advice}. {self._placer.account.refutations}"
+        )
+
+    def bare(
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        inferences: int,
+        nogoods: list[Nogood],
+        unfurnishable: Collection[str] = (),
+    ) -> tuple[dict[str, Any], list[Symbol], int]:
+        """A plan without furniture and without rooms of some types, its layout, and the inferences left.
+
+        What is found infeasible is added to the nogoods.
+        """
+        while True:
+            layout = self._layout(request, rng, nogoods, unfurnishable)
+            try:
+                plan = self._walls(request, layout, int(rng.integers(2**63)), inferences)
+            except Infeasible as proof:
+                inferences -= proof.inferences
+                nogoods.append(proof.conflicts[0].atoms)
+                self._placer.account.refuted(proof.conflicts[0].clauses)
+            else:
+                self._require_plan(plan)
+                return plan, layout, inferences - plan["inferences"]
+            if inferences <= 0:
+                raise OutOfInferences
+
+    def _require_plan(self, plan: dict[str, Any]) -> None:
+        """Refuse a topology of the user's own whose rooms are no plan: see ``tiling.py``."""
+        if self._unproved:
+            bare: list[tuple[()]] = [()] * len(plan["rooms"])
+            require_tiling(_house({**plan, "hub": ""}, bare, self._topology), self._loaded)
+
+    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        """Why there is no house, where some types of room cannot have their furniture."""
+        return self._prover.unsatisfiable(request, unfurnishable)
+
+    def _furnished(
+        self,
+        request: Request,
+        plan: dict[str, Any],
+        layout: list[Symbol],
+        nogoods: list[Nogood],
+        rng: np.random.Generator,
+        inferences: int,
+    ) -> list[list[dict[str, Any]]]:
+        """The pieces of each room of a plan; raises as ``given_rooms.furnished``."""
+        rooms = [given_room(plan, number) for number in range(request.rooms)]
+        how: dict[int, Furnished] = {}
+        pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request, how)
+        self.making = Making(self._program(request)[0], layout, self._prover, how)
+        return pieces
+
+    def _layout(
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        nogoods: Sequence[Nogood],
+        unfurnishable: Collection[str],
+    ) -> list[Symbol]:
+        """A layout outside the nogoods, without rooms of some types."""
+        program, holds, fails = self._program(request)
+        without = [atom for type_ in sorted(unfurnishable) for atom in to_furnish(type_, request.rooms)]
+        self._placer.account.at(LAYOUT, "types, walls and doors of the rooms (clingo)")
+        layout = program.sample(rng, holds, [*without, *fails], nogoods)
+        if layout is None:
+            raise self._unsatisfiable(request, unfurnishable)
+        self._placer.account.sampled()
+        return layout
+
+    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
+        """The program of the rooms, and what to assume in it: what holds, and what does not."""
+        return *self._programs.rooms_for(request), []
+
+    def stated(self, request: Request) -> Program:
+        """A program of houses of the request: its facts are the grammar's."""
+        return self._program(request)[0]
+
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+        """Walls, doors and windows with their places: see ``Placer.walls``."""
+        return self._placer.walls(layout, seed, inferences)
+
+
+def _house(plan: dict[str, Any], pieces: Sequence[Any], topology: str) -> House:
+    """The house of a plan, its rooms ``R0``, ``R1``... by their numbers, or with names of their own."""
+    names = [room.get("name", f"R{number}") for number, room in enumerate(plan["rooms"])]
+    rooms = tuple(
+        msgspec.convert({**_sides(room), "name": name, "type": room["type"], "children": within}, Room)
+        for name, room, within in zip(names, plan["rooms"], pieces, strict=True)
+    )
+    doors = tuple(Door(**_sides(door), between=_between(door["between"], names)) for door in plan["doors"])
+    windows = tuple(Window(**_sides(window), room=names[window["room"]]) for window in plan["windows"])
+    return House(rooms, doors, windows, hub=plan["hub"], topology=topology)
+
+
+def _between(numbers: Sequence[int | str], names: Sequence[str]) -> tuple[str, str]:
+    one, other = (each if isinstance(each, str) else names[each] for each in numbers)
+    return one, other
+
+
+def _sides(record: dict[str, Any]) -> dict[str, float]:
+    return {name: record[name] for name in ("x", "y", "width", "height")}
+
+
+def given_room(plan: dict[str, Any], number: int) -> GivenRoom:
+    """A room of a plan to be furnished; the door by which it is entered is the first."""
+    room, doors = plan["rooms"][number], doors_of(plan, number)
+    windows = [window for window in plan["windows"] if window["room"] == number]
+    rect, *segments = (Rect(**_sides(each)) for each in (room, *doors, *windows))
+    kept = room["children"] if room.get("kept") else None
+    return GivenRoom(room["type"], rect, segments[: len(doors)], segments[len(doors) :], kept)
+
+
+def doors_of(plan: dict[str, Any], number: int) -> list[dict[str, Any]]:
+    """The doors of a room of a plan, first the one by which it is entered."""
+    doors = [door for door in plan["doors"] if number in door["between"]]
+    return sorted(doors, key=lambda door: door["between"][0] != number)

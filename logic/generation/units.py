@@ -1,0 +1,239 @@
+"""Houses of units, as buildings of flats: each unit is a plan by itself, entered from a public room.
+
+The rules say which units there are and where (the program ``units`` of a topology). Their depths are sampled,
+then the rooms of each: any length between two bounds is possible for these. So all units are placed together
+within their bounds, and then the walls of each at its own size. The time is linear in the number of units.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from clingo import Function, Symbol
+
+from logic.errors import LimitReached
+from logic.generation.shared_walls import MOST_TRIES, Planner
+from logic.grammar import Grammar
+from logic.house.parts import OUTSIDE
+from logic.language.loaded import LoadedGrammar
+from logic.layout.account import LAYOUT
+from logic.layout.program import Nogood, Program
+from logic.placement.placer import Infeasible
+from logic.placement.prolog import Term
+from logic.proofs.proof import Prover
+from logic.proofs.units import UnitsProver, barred_units
+from logic.request.request import Request
+
+SIDES = ("west", "east", "north", "south")
+
+RETRIES = 4
+"""In how many solutions of a unit's layout rooms are furnished before another layout is sampled."""
+
+
+class Impossible(Exception):
+    """A unit has no more layouts at its depth, or at its size."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One unit of a layout of units. ``axis``: that of its depth (metres); ``public``: the number of the room
+    that it is entered from, by its side ``access``; ``inner``: its sides that are no outer walls.
+    """
+
+    number: int
+    request: Request
+    axis: str
+    depth: float
+    public: int
+    access: str
+    inner: frozenset[str]
+
+    def known(self, steps: Sequence[Symbol]) -> dict[bool, list[Symbol]]:
+        """What holds of it and what does not, as ``rules/units.lp`` has it, with these steps of depth."""
+        atoms: dict[bool, list[Symbol]] = {True: [], False: []}
+        for name, some in (("inner", self.inner), ("access", {self.access})):
+            for side in SIDES:
+                atoms[side in some].append(Function(name, [Function(side)]))
+        for axis in "xy":
+            for step in steps:
+                beyond = 1000 * self.depth - step.number
+                for name, holds in (("atmost", beyond <= 0), ("atleast", beyond >= 0)):
+                    atoms[axis == self.axis and holds].append(Function(name, [Function(axis), step]))
+        return atoms
+
+
+class UnitPlanner(Planner):
+    """Makes the rooms of one unit: it is ``measured`` first, and ``complete`` once it has its place."""
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover, unit: Unit) -> None:
+        """Know the unit."""
+        super().__init__(grammar, loaded, prover)
+        self.unit = unit
+        self.range = (0.0, 0.0)
+        """The least and the greatest length of the unit in its layout, metres."""
+        self._place: list[Term] = []
+        self._first: list[Symbol] = []
+        self._retries = 0
+        self._infeasible: list[Nogood] = []
+        """What is infeasible at its depth, whatever its length."""
+
+    def measured(self, rng: np.random.Generator, inferences: int) -> int:
+        """Sample a layout and find the ``range`` of its length. Gives the inferences left."""
+        self._place, self._retries = [], 0
+        found, self._first, left = self.bare(self.unit.request, rng, inferences, self._infeasible)
+        self.range = found["range"]
+        return left
+
+    def within(self, box: Mapping[str, float]) -> None:
+        """Give the unit its place, metres."""
+        x, y = box["x"], box["y"]
+        places = (x, x + box["width"], y, y + box["height"])
+        lines = [Function("outline", [Function(side)]) for side in SIDES]
+        self._place = [Term("at", line, float(place)) for line, place in zip(lines, places, strict=True)]
+        self._retries = RETRIES
+
+    def _layout(
+        self,
+        request: Request,
+        rng: np.random.Generator,
+        nogoods: Sequence[Nogood],
+        unfurnishable: Collection[str],
+    ) -> list[Symbol]:
+        if self._retries and not nogoods and not unfurnishable:
+            self._retries -= 1
+            return self._first
+        excluded = nogoods if nogoods is self._infeasible else [*self._infeasible, *nogoods]
+        return super()._layout(request, rng, excluded, unfurnishable)
+
+    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        return Impossible()
+
+    def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
+        program, assumed = self._programs.unit_for(request)
+        known = self.unit.known([atom.arguments[0] for atom in program.atoms("step", 1)])
+        return program, [*assumed, *known[True]], known[False]
+
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+        if self._place:
+            return self._placer.walls(layout, seed, inferences, self._place)
+        return self._placer.unit_range(layout, self.unit.axis, self.unit.depth, inferences)
+
+
+class UnitsPlanner(Planner):
+    """Makes houses of units by one grammar."""
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
+        """Know its rules."""
+        super().__init__(grammar, loaded, prover)
+        self._units_prover = UnitsProver(grammar, loaded, prover)
+        self._parts = grammar, loaded, prover
+        self._depths = loaded.depths or (0.0, 0.0)
+
+    def complete(
+        self, request: Request, rng: np.random.Generator, inferences: int
+    ) -> tuple[dict[str, Any], list[Any], int]:
+        """A plan of all rooms, first the public ones, then unit by unit, and the pieces of each."""
+        for _ in range(MOST_TRIES):
+            units = self._units(request, rng)
+            try:
+                whole, planners, inferences = self._placed(*units, rng, inferences)
+                return self._with_rooms(whole, planners, rng, inferences)
+            except Impossible:
+                continue
+        raise LimitReached(
+            f"{MOST_TRIES} times a unit had no rooms that fit, though others might: try another seed, or "
+            f"other depths (unit_depth/1). {self._placer.account.refutations}"
+        )
+
+    def stated(self, request: Request) -> Program:
+        """The program of the units."""
+        return self._programs.units_for(request, barred_units(self._programs, request))[0]
+
+    def _units(self, request: Request, rng: np.random.Generator) -> tuple[list[Symbol], list[Unit]]:
+        """A layout of units, and the units."""
+        program, assumed = self._programs.units_for(request, barred_units(self._programs, request))
+        self._placer.account.at(LAYOUT, "the units of the house (clingo)")
+        layout = program.sample(rng, assumed)
+        if layout is None:
+            raise self._units_prover.no_house(request)
+        low, high = self._depths
+        depths = defaultdict[Symbol, float](lambda: float(rng.uniform(low, high)))
+        return layout, _units_of(layout, request, depths)
+
+    def _placed(
+        self, layout: list[Symbol], units: Sequence[Unit], rng: np.random.Generator, inferences: int
+    ) -> tuple[dict[str, Any], list[UnitPlanner], int]:
+        """The units with their places, and the public rooms."""
+        planners = [UnitPlanner(*self._parts, unit) for unit in units]
+        waiting = set(planners)
+        for _ in range(MOST_TRIES):
+            for planner in planners:
+                if planner in waiting:
+                    inferences = planner.measured(rng, inferences)
+            sizes = [
+                Term("size", each.unit.number, each.unit.axis, each.unit.depth, *map(float, each.range))
+                for each in planners
+            ]
+            try:
+                whole = self._placer.walls(layout, int(rng.integers(2**63)), inferences, sizes)
+                return whole, planners, inferences - whole["inferences"]
+            except Infeasible as proof:
+                inferences -= proof.inferences
+                self._placer.account.refuted(proof.conflicts[0].clauses)
+                atoms = proof.conflicts[0].atoms
+                conflict = {atom.arguments[0].number for atom in atoms if atom.name == "unit"}
+                waiting = {planner for planner in planners if planner.unit.number in conflict}
+        raise Impossible
+
+    def _with_rooms(
+        self,
+        whole: dict[str, Any],
+        planners: Sequence[UnitPlanner],
+        rng: np.random.Generator,
+        inferences: int,
+    ) -> tuple[dict[str, Any], list[Any], int]:
+        """The public rooms, and the rooms of each unit in its place, furnished."""
+        boxes = {room["number"]: room for room in whole["rooms"]}
+        rooms = [room for room in whole["rooms"] if room["type"] != "unit"]
+        plan = {"rooms": rooms, "doors": whole["doors"], "windows": whole["windows"], "hub": "R0"}
+        pieces: list[Any] = [[] for _ in rooms]
+        for planner in planners:
+            planner.within(boxes[planner.unit.number])
+            part, inside, inferences = planner.complete(planner.unit.request, rng, inferences)
+            _append(plan, part, planner.unit.public)
+            pieces += inside
+        return plan, pieces, inferences
+
+
+def _units_of(layout: Sequence[Symbol], request: Request, depths: Mapping[Symbol, float]) -> list[Unit]:
+    """The units of a layout, those of each group as deep, with what is asked of each."""
+    stated = defaultdict[tuple[str, int], list[Any]](list)
+    for atom in layout:
+        first, *others = atom.arguments
+        if first.type.name == "Number":
+            stated[atom.name, first.number].append(others)
+    units = []
+    for atom in layout:
+        if atom.name != "unit":
+            continue
+        number, rooms = (argument.number for argument in atom.arguments)
+        (side, public), (axis, group) = stated["way", number][0], stated["deep", number][0]
+        types = {type_.name: (share.number, share.number) for type_, share in stated["share", number]}
+        inner = frozenset(other.name for (other,) in stated["inner", number])
+        asked = replace(request, rooms=rooms, types=types)
+        units.append(Unit(number, asked, axis.name, depths[group], public.number, side.name, inner))
+    return units
+
+
+def _append(plan: dict[str, Any], part: dict[str, Any], public: int) -> None:
+    """Add the rooms of a unit to a plan, numbered after those that are there."""
+    first = len(plan["rooms"])
+
+    def numbered(end: int | str) -> int | str:
+        return public if end == OUTSIDE else int(end) + first
+
+    plan["rooms"] += part["rooms"]
+    plan["doors"] += [{**door, "between": [*map(numbered, door["between"])]} for door in part["doors"]]
+    plan["windows"] += [{**window, "room": window["room"] + first} for window in part["windows"]]

@@ -1,0 +1,1 @@
+"""A house and its parts, its files, and how it looks and is named."""

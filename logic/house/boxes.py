@@ -1,0 +1,51 @@
+"""Plain geometry of axis-aligned boxes: what the independent check measures with."""
+
+import math
+
+from logic.house.parts import Rect
+
+Box = tuple[float, float, float, float]
+"""(west, north, east, south), metres; a segment has no width or no height."""
+
+TOLERANCE = 1e-6
+"""Metres: lengths that differ by less are equal."""
+
+WALLS = ("west", "north", "east", "south")
+"""The walls of a box, in the order of its numbers; the walls ``k`` and ``(k + 2) % 4`` face each other."""
+
+BACK = {"N": 3, "E": 0, "S": 1, "W": 2}
+"""The wall behind a piece whose front faces so, by its place in ``WALLS``."""
+
+
+def overlap(one: Box, other: Box) -> float:
+    """How deep two boxes overlap, metres; negative where they are apart."""
+    return min(min(one[k + 2], other[k + 2]) - max(one[k], other[k]) for k in range(2))
+
+
+def distance(one: Box, other: Box) -> float:
+    """The distance between two boxes, metres; 0 where they touch or overlap."""
+    return math.hypot(*(max(0.0, max(one[k], other[k]) - min(one[k + 2], other[k + 2])) for k in range(2)))
+
+
+def front(door: Box, depth: float) -> Box:
+    """What lies in front of a door and behind it, as wide as it is and this deep, metres."""
+    west, north, east, south = door
+    x, y = (depth, 0.0) if east - west < south - north else (0.0, depth)
+    return west - x, north - y, east + x, south + y
+
+
+def excess(inner: Box, outer: Box) -> float:
+    """How far a box juts out of another, metres; 0 or negative where it lies inside."""
+    return max(max(outer[k] - inner[k], inner[k + 2] - outer[k + 2]) for k in range(2))
+
+
+def is_on_wall(door: Rect, rect: Rect, wall: int) -> bool:
+    """Whether a door lies on a rectangle's wall, from end to end."""
+    edge = list(rect.box)
+    edge[(wall + 2) % 4] = edge[wall]
+    return excess(door.box, (edge[0], edge[1], edge[2], edge[3])) <= TOLERANCE
+
+
+def walls_touched(piece: Rect, room: Rect) -> list[int]:
+    """The walls of a room that a piece inside it stands against."""
+    return [wall for wall in range(4) if abs(piece.box[wall] - room.box[wall]) <= TOLERANCE]

@@ -1,0 +1,159 @@
+"""What differs between two houses: what came, what went, and what moved."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from typing import Any, Literal
+
+import msgspec
+
+from logic.house.boxes import Box
+from logic.house.house import House
+from logic.house.part_names import doors_by_name, part_names, windows_by_name
+
+TOLERANCE = 1e-3
+"""Metres: what differs by less is the same."""
+
+
+class Item(msgspec.Struct, frozen=True):
+    """A part of a house: by the name that ``explain_house`` takes, its type and its place."""
+
+    name: str
+    type: str
+    box: Box
+    """(west, north, east, south), metres."""
+    orientation: str = ""
+
+
+class Change(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A part that is not as it was."""
+
+    what: Literal["came", "went", "moved"]
+    """``moved``: it stands elsewhere, has another size or faces another way."""
+    before: Item | None = None
+    after: Item | None = None
+
+    def __str__(self) -> str:
+        """The change in a sentence."""
+        now = self.after or self.before
+        assert now is not None
+        if self.before is None or self.after is None:
+            return f"{_called(now)} {self.what}"
+        was, renamed = self.before, ""
+        if was.name != now.name:
+            renamed = f", {was.name} before"
+        parts = []
+        if _differ(_size(was.box), _size(now.box)):
+            parts.append(
+                "is {:.2f} x {:.2f} m, was {:.2f} x {:.2f} m".format(*_size(now.box), *_size(was.box))
+            )
+        if way := _way(was.box, now.box):
+            parts.append(f"moved {way}")
+        if was.orientation != now.orientation:
+            parts.append(f"faces {now.orientation or 'nowhere'}, faced {was.orientation or 'nowhere'}")
+        return f"{_called(now)}{renamed} {', '.join(parts)}"
+
+
+def changes(before: House, after: House) -> list[Change]:
+    """What differs between two houses: rooms, then pieces, doors and windows.
+
+    A room is the one before of its type that stands most alike, whatever its name; a piece is one of its type
+    in the same room, a door one between the same rooms, a window one of the same room.
+    """
+    found: list[tuple[Item | None, Item | None]] = []
+    same = {"outside": "outside"}
+    """Names of rooms after, by those before."""
+    rooms = [{room.name: _room(house, room) for room in house.rooms} for house in (before, after)]
+    for was, now in _pairs(
+        [(item.type, item) for item in rooms[0].values()], [(item.type, item) for item in rooms[1].values()]
+    ):
+        found.append((was, now))
+        if was and now:
+            same[was.name] = now.name
+    found += _pairs(
+        [*_parts(before, same)], [*_parts(after, {name: name for name in [*rooms[1], "outside"]})]
+    )
+    return [change for was, now in found if (change := _change(was, now))]
+
+
+def _room(house: House, room: Any) -> Item:
+    hub = house.is_star and room.name == house.hub
+    return Item(room.name, "main room" if hub else room.type, room.box)
+
+
+def _parts(house: House, same: dict[str, str]) -> Iterator[tuple[Hashable, Item]]:
+    """Pieces, doors and windows, each with what it must have in common with the one of the other house: the
+    rooms by their names there, or by their own, which no room there has.
+    """
+
+    def there(name: str) -> str:
+        return same.get(name, f"{name} of this house")
+
+    for room in house.rooms:
+        names = part_names([piece.type for piece in room.pieces])
+        for name, piece in zip(names, room.pieces, strict=True):
+            yield (
+                (there(room.name), piece.type),
+                Item(f"{room.name}.{name}", piece.type, piece.box, piece.orientation),
+            )
+    for name, door in doors_by_name(house).items():
+        yield frozenset(map(there, door.between)), Item(name, "door", door.box)
+    for name, window in windows_by_name(house).items():
+        yield (there(window.room),), Item(name, "window", window.box)
+
+
+def _pairs(
+    before: list[tuple[Hashable, Item]], after: list[tuple[Hashable, Item]]
+) -> list[tuple[Item | None, Item | None]]:
+    """Each item with the one of the other house that has the same key and stands most alike, the most alike
+    first.
+    """
+    near = sorted(
+        (
+            sum(abs(a - b) for a, b in zip(was.box, now.box, strict=True))
+            + (was.orientation != now.orientation),
+            i,
+            j,
+        )
+        for i, (key, was) in enumerate(before)
+        for j, (other, now) in enumerate(after)
+        if key == other
+    )
+    partners: dict[int, int] = {}
+    for _, i, j in near:
+        if i not in partners and j not in partners.values():
+            partners[i] = j
+    taken = set(partners.values())
+    pairs: list[tuple[Item | None, Item | None]] = [
+        (was, after[partners[i]][1] if i in partners else None) for i, (_, was) in enumerate(before)
+    ]
+    return pairs + [(None, now) for j, (_, now) in enumerate(after) if j not in taken]
+
+
+def _change(was: Item | None, now: Item | None) -> Change | None:
+    if was is None or now is None:
+        return Change("came" if was is None else "went", was, now)
+    if _differ(was.box, now.box) or was.orientation != now.orientation:
+        return Change("moved", was, now)
+    return None
+
+
+def _differ(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    return any(abs(a - b) > TOLERANCE for a, b in zip(one, other, strict=True))
+
+
+def _size(box: Box) -> tuple[float, float]:
+    return box[2] - box[0], box[3] - box[1]
+
+
+def _called(item: Item) -> str:
+    return item.name if item.type in item.name or item.name == "entrance" else f"{item.name} ({item.type})"
+
+
+def _way(was: Box, now: Box) -> str:
+    """How the middle of a box moved, in words."""
+    east, south = ((now[k] + now[k + 2] - was[k] - was[k + 2]) / 2 for k in (0, 1))
+    ways = [(east, "east", "west"), (south, "south", "north")]
+    return " and ".join(
+        f"{abs(by):.2f} m {one if by > 0 else other}" for by, one, other in ways if abs(by) > TOLERANCE
+    )

@@ -1,0 +1,250 @@
+"""House files: JSON Lines, a house a line, plain or gzipped; also one house in a ``.json`` file."""
+
+import codecs
+import gzip
+import io
+import json
+import os
+import secrets
+import stat
+import sys
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any, BinaryIO
+
+import msgspec
+
+from logic.encoding import MARKS
+from logic.errors import HouseFileError, RequestError
+from logic.grammar import shipped
+from logic.house.gallery import Houses
+from logic.house.house import House
+from logic.spelling import closest
+
+HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
+"""How the names of house files end."""
+
+FILES = (
+    *(".csv", ".gif", ".gz", ".html", ".json", ".jsonl", ".md", ".mp4", ".onnx", ".pdf", ".png"),
+    *(".safetensors", ".svg", ".txt"),
+)
+"""How names end that are no folder's."""
+
+STANDARD = Path("-")
+"""The standard input where a file is read, the standard output where one is written."""
+
+PACKED = b"\x1f\x8b"
+"""How gzip's files begin."""
+
+MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
+"""What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
+
+
+def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
+    """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file, as a list that notebooks show as
+    plans; ``-`` is the standard input, plain or gzipped.
+
+    ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
+    did. Other files have none, and are refused.
+
+    Raises ``HouseFileError``, with the line, for a file that is absent, empty, truncated or wrong.
+    """
+    path = Path(path)
+    try:
+        with opened(path) as file:
+            houses = Houses(_houses(file, path, whole_pixels))
+    except FileNotFoundError:
+        raise HouseFileError(f"{path}: {_absent(path)}") from None
+    except IsADirectoryError:
+        raise HouseFileError(f"{path}: {_folder(path)}") from None
+    except (OSError, EOFError, zlib.error) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise HouseFileError(f"{path}: cannot be read: {reason}") from None
+    if not houses:
+        raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
+    return houses
+
+
+def opened(path: Path) -> BinaryIO | gzip.GzipFile:
+    """A file, or the standard input, unpacked if it is packed, whatever its name."""
+    if path == STANDARD:
+        file = io.BufferedReader(io.FileIO(sys.stdin.fileno(), closefd=False))
+    else:
+        file = path.open("rb")
+    packed = path.suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED)
+    return gzip.GzipFile(fileobj=file) if packed else file
+
+
+def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
+    """The houses of an open file, line by line: what is too large is not read to its end."""
+    read = file.read if _holds_one(path) else file.readline
+    number, left = 0, MOST_BYTES
+    while line := read(MOST_LINE + 1):
+        if not number:
+            line = _without_mark(line, path)
+        number, left = number + 1, left - len(line)
+        if left < 0 or number > MOST_LINES:
+            most = f"{MOST_BYTES >> 20} MiB or {MOST_LINES:,} lines"
+            raise HouseFileError(f"{path}: holds more than {most}: split it")
+        if len(line) > MOST_LINE:
+            raise HouseFileError(f"{path}:{number}: a house of more than {MOST_LINE >> 20} MiB")
+        if line.strip() and not _ends(line):
+            yield _parsed(line, f"{path}:{number}", whole_pixels)
+
+
+def _without_mark(line: bytes, path: Path) -> bytes:
+    """The first line of a file without UTF-8's byte order mark. Raises ``HouseFileError`` for another one."""
+    for mark, name in MARKS.items():
+        if line.startswith(mark):
+            raise HouseFileError(f"{path}:1: not a house: this file is {name}: save it as UTF-8")
+    return line.removeprefix(codecs.BOM_UTF8)
+
+
+def save(houses: Iterable[House], path: str | Path, stopped: str = "") -> None:
+    """Write houses as JSON Lines (a ``.json`` file takes exactly one), all of them or none.
+
+    ``stopped`` says why there are fewer than were asked for: a last line ``{"stopped": why}``, which
+    ``load`` passes over. The file is written beside its place and renamed: a kill
+    leaves the old file or the new. Raises ``RequestError``, a ``ValueError``, for a name that is no house
+    file's, for no house, and for more than one in a ``.json`` file.
+    """
+    require_ending(path, HOUSE_FILES)
+    records = [msgspec.json.encode(house.to_dict()) for house in houses]
+    if not records:
+        raise RequestError(f"no house to write to {path}")
+    if _holds_one(Path(path)) and len(records) != 1:
+        raise RequestError(f"{path}: a .json file holds one house, not {len(records)}: use .jsonl")
+    if stopped:
+        records.append(msgspec.json.encode({"stopped": stopped}))
+    content = b"\n".join(records) + b"\n"
+    # mtime=0: the same houses give the same bytes, so a bank can be named by its hash.
+    write_whole(path, gzip.compress(content, mtime=0) if Path(path).suffix == ".gz" else content)
+
+
+def require_ending(path: str | Path, endings: Sequence[str]) -> None:
+    """Raise ``RequestError`` for a file's name that says something else than what is written."""
+    path = Path(path)
+    if not path.name.endswith(tuple(endings)) and (path.is_file() or not path.exists()):
+        found = path.suffix or "no extension"
+        raise RequestError(f"{path}: {found} is not written here: name the file with {' or '.join(endings)}")
+
+
+def require_file(path: Path, endings: Sequence[str]) -> None:
+    """Raise ``RequestError`` before the work for a name that is not of these, a folder, and where no file can
+    be written.
+    """
+    if path.is_dir():
+        example = path / f"name{endings[0]}"
+        raise RequestError(f"--out {path}: is a folder: name a file in it, as in {example}")
+    require_ending(path, endings)
+    if not path.exists() or path.is_file():
+        _require_place(Path(os.path.realpath(path)).parent, path)
+
+
+def require_folder(path: Path | None) -> None:
+    """Raise ``RequestError`` before the work for a folder's name that is a file's, as several files are
+    written into it, and where none can be written.
+    """
+    if path is None:
+        return
+    if path.is_file() or path.suffix in FILES:
+        words = f"name it without {path.suffix}" if path.suffix else "this is a file"
+        raise RequestError(f"{path}: a folder is written, of several files: {words}")
+    _require_place(path, path)
+
+
+def _require_place(folder: Path, out: Path) -> None:
+    """Raise ``RequestError`` where no file can be made in a folder, or in the one above that is there."""
+    there = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.exists())
+    try:
+        TemporaryFile(dir=there).close()  # permissions do not say it of every file system
+    except OSError as error:
+        raise RequestError(f"--out {out}: {there} cannot be written to: {error.strerror}") from None
+
+
+def write_whole(path: str | Path, content: bytes) -> None:
+    """Write a file beside its place, flush it to disk and rename it: a kill tears nothing.
+
+    A link stays one, and what it leads to is replaced; a file that was there keeps its mode. What is no
+    regular file, a device or a pipe, is written to. Raises ``OSError`` for a folder or where writing fails.
+    """
+    given, path = Path(path), Path(os.path.realpath(path))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # A link is left where links go round. A pipe by its number, as in /dev/stdout, has no other path.
+    before = given.stat() if given.exists() or path.is_symlink() else None
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        if before and not stat.S_ISREG(before.st_mode):
+            given.write_bytes(content)
+            return
+        with open(beside, "xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if before:
+            beside.chmod(stat.S_IMODE(before.st_mode))
+        beside.replace(path)
+    except BaseException as error:
+        beside.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno:
+            error.filename = str(path)
+        raise
+
+
+def _folder(path: Path) -> str:
+    """What a folder is in place of a house file, and which house file there is in it."""
+    if any(path.glob("*.lp")):
+        return _grammar(path)
+    there = sorted(file.name for file in path.glob("*") if file.name.endswith(HOUSE_FILES))
+    return "is a folder, and no house file" + (f": did you mean {path / there[0]}?" if there else "")
+
+
+def _grammar(name: Path) -> str:
+    made = f"vitruvius generate --grammar {name} --rooms 6 --out houses.jsonl"
+    return f"is a grammar, and no house file. Make houses of it with: {made}"
+
+
+def _absent(path: Path) -> str:
+    """Which house file there is in place of an absent one, or how to make one."""
+    if str(path) in shipped():
+        return _grammar(path)
+    there = sorted(file.name for file in path.parent.glob("*") if file.name.endswith(HOUSE_FILES))
+    if close := closest(path.name, there):
+        return f"there is no such file: did you mean {path.parent / close}?"
+    if there:
+        folder = "this folder" if path.parent == Path() else path.parent
+        return f"there is no such file: {folder} has {', '.join(there[:5])}"
+    return f"there is no such file. Make it with: vitruvius generate --rooms 4 --count 100 --out {path}"
+
+
+def _ends(line: bytes) -> bool:
+    """Whether this is the line that says why a series ended early."""
+    return line.startswith(b'{"stopped":')
+
+
+def _holds_one(path: Path) -> bool:
+    """Whether a file is named ``.json`` (or ``.json.gz``), which is one house over any number of lines."""
+    return path.name.removesuffix(".gz").endswith(".json")
+
+
+def _require_once(pairs: list[tuple[str, Any]]) -> None:
+    """Raise ``ValueError`` for a key that an object has twice: other programs read the other value."""
+    keys = [key for key, _ in pairs]
+    if len(set(keys)) < len(keys):
+        raise ValueError(f"{max(keys, key=keys.count)!r} stands twice in an object")
+
+
+def _parsed(line: bytes, place: str, whole_pixels: bool) -> House:
+    try:
+        record: dict[str, Any] = msgspec.json.decode(line)
+        json.loads(line, object_pairs_hook=_require_once)
+        if whole_pixels:
+            record = json.loads(line, parse_float=lambda text: float(int(float(text))))
+            if "unit" in record:
+                raise ValueError(f"its lengths are in {record['unit']}, so there are no pixels to cut")
+        return House.from_dict(record)
+    except (msgspec.DecodeError, ValueError, OverflowError, RecursionError) as error:
+        hint = " (the file is cut short)" if "truncated" in str(error) else ""
+        raise HouseFileError(f"{place}: not a house: {error}{hint}") from None

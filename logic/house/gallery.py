@@ -1,0 +1,34 @@
+"""Houses as a list that a notebook shows as plans: ``Houses(generate(rooms=5, count=12))``."""
+
+from __future__ import annotations
+
+from typing import SupportsIndex, overload
+
+from logic.house.house import House
+
+SHOWN, CELL = 24, 260
+"""How many plans a notebook shows of a list, and how wide each is, CSS pixels."""
+
+
+class Houses(list[House]):
+    """A list of houses, which ``load`` gives; a slice of it is one too."""
+
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> House: ...
+    @overload
+    def __getitem__(self, index: slice) -> Houses: ...
+    def __getitem__(self, index: SupportsIndex | slice) -> House | Houses:
+        """A house, or for a slice the list of its houses."""
+        found = super().__getitem__(index)
+        return Houses(found) if isinstance(found, list) else found
+
+    def _repr_html_(self) -> str:
+        """The plans of the first houses, each with its index; notebooks show it."""
+        figure = '<figure style="margin:0"><figcaption style="font-size:small">{}</figcaption>{}</figure>'
+        plans = [figure.format(index, house._repr_svg_(CELL)) for index, house in enumerate(self[:SHOWN])]
+        words = f"{len(self)} house{'s' * (len(self) != 1)}"
+        if len(self) > SHOWN:
+            words += f", the first {SHOWN} shown"
+        # Plans are dark on white, in dark notebooks too.
+        box = "display:flex;flex-wrap:wrap;gap:8px;align-items:flex-start;background:#fff;color:#333"
+        return f'<p style="margin:0.3em 0">{words}</p><div style="{box}">{"".join(plans)}</div>'

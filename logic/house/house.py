@@ -1,0 +1,149 @@
+"""The house: rooms, doors and windows, whatever its topology and the format of its file."""
+
+from __future__ import annotations
+
+from pkgutil import resolve_name
+from typing import Any, Literal
+
+import msgspec
+
+from logic.house.parts import (
+    FORMAT,
+    MAIN,
+    ORIGINAL,
+    OUTSIDE,
+    STAR,
+    STAR_FORMAT,
+    Door,
+    Provenance,
+    Room,
+    Window,
+)
+from logic.house.records import Record, read
+from logic.house.star import Star, star_record
+from logic.house.walls import Line, walls_of_rooms, walls_of_star
+from logic.spelling import unknown
+
+
+class House(msgspec.Struct, frozen=True):
+    """A furnished house, whatever its topology and its file's format.
+
+    ``hub`` names the room that the others lie around, if there is one; ``topology`` the rules by which they
+    do. A star has its main room as its hub, last in ``rooms``, and the others are ``R0``, ``R1``... by their
+    place.
+    """
+
+    rooms: tuple[Room, ...]
+    doors: tuple[Door, ...] = ()
+    windows: tuple[Window, ...] = ()
+    hub: str = ""
+    topology: str = ""
+    format: Literal["vitruvius-1", "original", "vitruvius-2"] = FORMAT
+    provenance: Provenance | None = None
+
+    @property
+    def is_star(self) -> bool:
+        """Whether the rooms stand around a main room, each with one door to it: ``star.py``."""
+        return self.topology in (STAR, ORIGINAL)
+
+    @property
+    def main(self) -> Room:
+        """The hub. Raises ``ValueError`` where the house names none."""
+        return self.room(self.hub)
+
+    @property
+    def start(self) -> Room:
+        """Where bodies start: the hub; without one, the room of the first entrance; else the first."""
+        entered = (name for door in self.doors if door.is_entrance for name in door.between)
+        name = self.hub or next((name for name in entered if name != OUTSIDE), self.rooms[0].name)
+        return self.room(name)
+
+    @property
+    def secondary(self) -> tuple[Room, ...]:
+        """All rooms but the hub."""
+        return tuple(room for room in self.rooms if room.name != self.hub)
+
+    @property
+    def counted(self) -> tuple[Room, ...]:
+        """The rooms that a request for rooms counts: a star's main room is none of them."""
+        return self.secondary if self.is_star else self.rooms
+
+    def room(self, name: str) -> Room:
+        """The room of this name. Raises ``ValueError`` where there is none."""
+        for room in self.rooms:
+            if room.name == name:
+                return room
+        if not name:
+            raise ValueError(f"the house names no hub: it has {', '.join(room.name for room in self.rooms)}")
+        raise ValueError(unknown("room", name, [room.name for room in self.rooms]))
+
+    def doors_of(self, name: str) -> tuple[Door, ...]:
+        """The doors of a room, by its name; those of ``outside`` are the entrances."""
+        return tuple(door for door in self.doors if name in door.between)
+
+    def only(self, *names: str) -> House:
+        """The house with these rooms alone (``"R0"``), and a star's main room, for ``generate(keep=...)``.
+
+        Raises ``ValueError`` for a name that no room has.
+        """
+        for name in names:
+            self.room(name)
+        main = (self.hub,) if self.is_star else ()
+        rooms = tuple(room for room in self.rooms if room.name in (*names, *main))
+        left = {OUTSIDE, *(room.name for room in rooms)}
+        doors = tuple(door for door in self.doors if left.issuperset(door.between))
+        windows = tuple(window for window in self.windows if window.room in left)
+        return House(rooms, doors, windows, self.hub if self.hub in left else "", self.topology, self.format)
+
+    @property
+    def star(self) -> Star:
+        """The house as a star. Raises ``ValueError`` where it is none."""
+        if not self.is_star:
+            raise ValueError(f"its topology is {self.topology or 'not named'}: only a star has a main room")
+        return Star.of(self.rooms, self.doors, self.hub)
+
+    @property
+    def walls(self) -> tuple[list[Line], list[Line]]:
+        """The walls that run north to south, as (x, from y, to y), then those that run west to east: see
+        ``walls.py``.
+        """
+        if self.is_star:
+            star = self.star
+            return walls_of_star(star.floor, star.rooms)
+        return walls_of_rooms(self.rooms, self.doors)
+
+    def converted(self) -> House:
+        """The same house as one that is written as ``vitruvius-2``. It simulates as before, bit for bit."""
+        return msgspec.structs.replace(self, format=FORMAT)
+
+    def _repr_svg_(self, width: int = 480) -> str:
+        """The plan, so many CSS pixels wide: notebooks show it."""
+        # By name, when it is called: what draws houses imports this file.
+        return resolve_name("logic.drawing.draw:plan_svg")(self, width)
+
+    @classmethod
+    def of_star(cls, star: Star, topology: str = STAR, provenance: Provenance | None = None) -> House:
+        """The house that a star is, of the topology ``star`` or ``original`` and of the files for it."""
+        format_ = ORIGINAL if topology == ORIGINAL else STAR_FORMAT
+        return cls(*star.parts(), (), MAIN, topology, format_, provenance)
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any]) -> House:
+        """Read a house from its JSON form, of any format; lengths without ``unit`` are the original's pixels.
+
+        Raises ``ValueError`` (``msgspec.ValidationError``) that names the first wrong field.
+        """
+        found, format_ = read(record)
+        openings = found.doors, found.windows
+        return cls(found.rooms, *openings, found.hub or "", found.topology, format_, found.provenance)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Write the house in its JSON form, in metres; ``from_dict`` gives the same house back.
+
+        Raises ``ValueError`` where it is no star and its format is of stars alone.
+        """
+        if self.format != FORMAT:
+            return star_record(self.star, self.format, self.provenance)
+        openings = self.doors, self.windows
+        record = Record(FORMAT, "m", self.rooms, *openings, self.hub or None, self.topology, self.provenance)
+        return msgspec.to_builtins(record)

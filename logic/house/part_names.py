@@ -1,0 +1,124 @@
+"""The parts of a house that can be asked about, by name: ``R3``, ``R3.bed``, ``R1-R3``, ``entrance``."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from logic.errors import RequestError
+from logic.house.house import House
+from logic.house.parts import Door, Window
+from logic.spelling import closest
+
+DOOR, ENTRANCE, WINDOW = "door", "entrance", "window"
+"""Names of parts that are no pieces."""
+
+Part = int | str | Door | Window | None
+"""A piece by its index in its room, a star's ``door``, a plan's door or window; None: the room itself."""
+
+
+def target_in(house: House, target: str) -> tuple[int | None, Part]:
+    """The room of a target, by its place in ``house.counted``, and the part of it that is meant.
+
+    No room is that of a star's main room, and of the doors of a plan. Raises ``RequestError`` for a target
+    that the house does not have.
+    """
+    return _in_star(house, target) if house.is_star else _in_plan(house, target)
+
+
+def _in_star(house: House, target: str) -> tuple[int | None, Part]:
+    rooms = [room.name for room in house.counted]
+    name, part = _split(target, [house.hub, *rooms])
+    _require(name, [house.hub, *rooms])
+    if name not in rooms:
+        if part:
+            raise RequestError(f"{target}: the main room has no parts: ask for {name}")
+        return None, None
+    return rooms.index(name), _part(name, part, {DOOR: DOOR} | _pieces(house, name))
+
+
+def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
+    rooms, doors = [room.name for room in house.rooms], doors_of_plan(house)
+    either_way = _numbered(("-".join(reversed(door.between)), door) for door in doors.values())
+    outside = {"-".join(door.between): door for door in doors.values() if door.is_entrance}
+    if door := (either_way | outside | doors).get(target):
+        return None, door
+    name, part = _split(target, [*rooms, *doors])
+    _require(name, [*rooms, *doors])
+    if name not in rooms:
+        raise RequestError(f"{target}: a door has no parts: ask for {name}")
+    windows = _numbered((WINDOW, window) for window in house.windows if window.room == name)
+    own = [each for each in doors if doors[each] in house.doors_of(name)]
+    if part == DOOR:
+        raise RequestError(f"{target}: ask for a door by both its rooms: {name} has {', '.join(own)}")
+    return rooms.index(name), _part(name, part, windows | _pieces(house, name))
+
+
+def _split(target: str, names: Iterable[str]) -> tuple[str, str]:
+    """The name of a target, which may have dots in it, and the part that is named after it."""
+    for name in sorted(names, key=len, reverse=True):
+        if target == name or target.startswith(f"{name}."):
+            return name, target[len(name) + 1 :]
+    name, _, part = target.partition(".")
+    return name, part
+
+
+def doors_of_plan(house: House) -> dict[str, Door]:
+    """The doors of a plan by their names: ``R1-R3``, or ``entrance`` for one that leads outside."""
+    return _numbered((ENTRANCE if door.is_entrance else "-".join(door.between), door) for door in house.doors)
+
+
+def doors_by_name(house: House) -> dict[str, Door]:
+    """The doors of a house by their names, in its order: those of a star are ``R3.door``."""
+    if not house.is_star:
+        return doors_of_plan(house)
+    return {
+        f"{next(name for name in door.between if name != house.hub)}.{DOOR}": door for door in house.doors
+    }
+
+
+def windows_by_name(house: House) -> dict[str, Window]:
+    """The windows of a house by their names, in its order: ``R3.window``, ``R3.window2``."""
+    return _numbered((f"{window.room}.{WINDOW}", window) for window in house.windows)
+
+
+def part_names(types: Sequence[str]) -> list[str]:
+    """``bed``, ``bed2`` ... for pieces of these types, in the file's order."""
+    counts = [types[: index + 1].count(type_) for index, type_ in enumerate(types)]
+    return [type_ if count == 1 else f"{type_}{count}" for type_, count in zip(types, counts, strict=True)]
+
+
+def _pieces(house: House, name: str) -> dict[str, Part]:
+    """The pieces of a room by their names in short: their indices."""
+    return {
+        piece: index
+        for index, piece in enumerate(part_names([piece.type for piece in house.room(name).pieces]))
+    }
+
+
+def _numbered(named: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Parts by their names, those of the same name with numbers."""
+    pairs = list(named)
+    names = part_names([name for name, _ in pairs])
+    return {name: each for name, (_, each) in zip(names, pairs, strict=True)}
+
+
+def _part(name: str, part: str, parts: dict[str, Part]) -> Part:
+    """The part of a room by its name: ``bed2``, ``bed.2``, and ``bed1`` for ``bed``."""
+    if not part:
+        return None
+    type_, _, number = part.rpartition(".")
+    plain = type_ + number if number.isdigit() else part
+    found = parts.get(plain, parts.get(plain.removesuffix("1")))
+    if found is None:
+        hint = _hint(f"{name}.", part, [*parts])
+        raise RequestError(f"there is no {name}.{part}: {hint}{name} has {', '.join(parts) or 'no parts'}")
+    return found
+
+
+def _require(name: str, names: Sequence[str]) -> None:
+    if name not in names:
+        raise RequestError(f"there is no {name}: {_hint('', name, names)}the house has {', '.join(names)}")
+
+
+def _hint(before: str, name: str, names: Sequence[str]) -> str:
+    close = closest(name, names)
+    return f"did you mean {before}{close}? " if close else ""

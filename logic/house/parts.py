@@ -1,0 +1,144 @@
+"""The parts of a house: rooms with their furniture, the doors that join them, and windows.
+
+Metres; x grows east and y grows south, so a rectangle's ``x, y`` is its north-west corner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from logic.house.promises import Promises
+
+FORMAT = "vitruvius-2"
+"""Files of any house: rooms, doors and windows in lists in words (``records.py``)."""
+
+STAR_FORMAT = "vitruvius-1"
+"""Files of stars alone: a main room, and rooms with one door each (``star.py``)."""
+
+STAR = "star"
+"""The topology of rooms around a main room: each touches it from outside, where its door is."""
+
+ORIGINAL = "original"
+"""The original program's topology, and its files: a star whose rooms overlap ``floor``, and the main room is
+``floor`` minus the rooms.
+"""
+
+MAIN, OUTSIDE = "main", "outside"
+"""Names: of the main room of a star; of what is no room, where a door may lead."""
+
+PIXEL = 0.3048 / 8.5
+"""Metres in a pixel of the original's files: 8.5 px to a foot."""
+
+BODY = 0.287
+"""Metres: side of the square body that walks in houses, and the least cell of a grid."""
+
+FARTHEST, MOST_ROOMS, MOST_PIECES, MOST_OPENINGS = 1000.0, 1024, 256, 4096
+"""What is read of a file: metres from the origin, rooms of a house, pieces of a room, doors or windows."""
+
+# What the published schema says beside the types; the reader says it in words (``records.py``).
+Place = Annotated[float, Meta(extra_json_schema={"minimum": -FARTHEST, "maximum": FARTHEST})]
+Length = Annotated[float, Meta(extra_json_schema={"minimum": 0, "maximum": 2 * FARTHEST})]
+
+LONGEST_NAME = 64
+"""Characters."""
+
+WORDS = r"^[^\s\x00-\x1f\x7f]([^\x00-\x1f\x7f]*[^\s\x00-\x1f\x7f])?$"
+"""Any letters, with spaces between them."""
+
+Name = Annotated[str, Meta(pattern=WORDS, max_length=LONGEST_NAME)]
+"""Of a room, in words: as ``explain`` takes it, in ``R3.bed`` or ``Living Room.sofa``."""
+
+Orientation = Literal["", "N", "E", "S", "W"]
+
+
+class Rect(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """An axis-aligned rectangle, in metres."""
+
+    x: Place
+    y: Place
+    width: Length
+    height: Length
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """(west, north, east, south), metres."""
+        return self.x, self.y, self.x + self.width, self.y + self.height
+
+    @property
+    def area(self) -> float:
+        """Square metres."""
+        return self.width * self.height
+
+    @property
+    def length(self) -> float:
+        """The longer side, metres: of a segment, from one end to the other."""
+        return max(self.width, self.height)
+
+
+class Piece(Rect, frozen=True, forbid_unknown_fields=True):
+    """An item of furniture; ``orientation`` says where its front faces, empty where it has none."""
+
+    type: str
+    orientation: Orientation = ""
+    children: tuple[Piece, ...] = ()
+
+
+def pieces_of(children: tuple[Piece, ...]) -> tuple[Piece, ...]:
+    """Every piece of a room, each before its own children."""
+    return tuple(piece for top in children for piece in _family(top))
+
+
+def _family(piece: Piece) -> Iterator[Piece]:
+    yield piece
+    for child in piece.children:
+        yield from _family(child)
+
+
+class Room(Rect, frozen=True, forbid_unknown_fields=True):
+    """A room: a rectangle with a name, a type and furniture."""
+
+    name: Name
+    type: str
+    children: tuple[Piece, ...] = ()
+    storey: Literal[0] = 0
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """Every piece in the room, each before its own children."""
+        return pieces_of(self.children)
+
+
+class Door(Rect, frozen=True, forbid_unknown_fields=True):
+    """An opening in the wall between two rooms, or between a room and ``outside``: a segment, so its width or
+    its height is zero.
+    """
+
+    between: tuple[Name, Name]
+
+    @property
+    def is_entrance(self) -> bool:
+        """Whether it leads outside."""
+        return OUTSIDE in self.between
+
+
+class Window(Rect, frozen=True, forbid_unknown_fields=True):
+    """A window in an outer wall of a room: a segment."""
+
+    room: Name
+
+
+class Provenance(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
+    """Where a house comes from: enough to make it again."""
+
+    grammar: str
+    grammar_hash: str
+    request: dict[str, Any]
+    seed: int
+    index: int
+    versions: dict[str, str]
+    promises: Promises | None = None
+    """What houses of the grammar keep, by plain geometry: ``vitruvius check`` judges by it."""

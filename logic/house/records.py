@@ -1,0 +1,144 @@
+"""Records: the JSON form of a house, read and written in each format, and the schema of ours."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from logic.house.parts import (
+    BODY,
+    FARTHEST,
+    FORMAT,
+    MAIN,
+    MOST_OPENINGS,
+    MOST_PIECES,
+    MOST_ROOMS,
+    ORIGINAL,
+    OUTSIDE,
+    STAR,
+    Door,
+    Name,
+    Provenance,
+    Rect,
+    Room,
+    Window,
+)
+from logic.house.star import Star, read_star
+from logic.spelling import unknown
+
+
+class Record(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
+    """A house of the format ``vitruvius-2``. Lengths in metres; x grows east, y south."""
+
+    format: Literal["vitruvius-2"]
+    unit: Literal["m"]
+    rooms: Annotated[tuple[Room, ...], Meta(min_length=1, max_length=MOST_ROOMS + 1)]
+    doors: Annotated[tuple[Door, ...], Meta(max_length=MOST_OPENINGS)]
+    windows: Annotated[tuple[Window, ...], Meta(max_length=MOST_OPENINGS)] = ()
+    hub: Name | None = None
+    topology: str = ""
+    provenance: Provenance | None = None
+
+
+def read(record: dict[str, Any]) -> tuple[Record, Any]:
+    """The parts of a house from a record of any format, and the format's name.
+
+    Raises ``msgspec.ValidationError`` that names the first wrong field.
+    """
+    if not isinstance(record, dict):
+        raise msgspec.ValidationError(f"a house is a JSON object, not {type(record).__name__}")
+    if "format" not in record and "roomNumber" not in record and "rooms" in record:
+        record = {"format": FORMAT, "doors": [], **_known(record)}
+    if record.get("format") == FORMAT:
+        found, format_ = msgspec.convert(record, Record), FORMAT
+        _require_names(found)
+    else:
+        star, format_, provenance = read_star(record)
+        topology = ORIGINAL if format_ == ORIGINAL else STAR
+        found = Record(FORMAT, "m", *star.parts(), (), MAIN, topology, provenance)
+    _require_sizes(found, format_ != FORMAT)
+    return found, format_
+
+
+def _known(record: dict[str, Any]) -> dict[str, Any]:
+    """A record that names no format, if its rooms are as ours are: it is read as of today's."""
+    rooms = record["rooms"] if isinstance(record["rooms"], list) else []
+    first = rooms[0] if rooms and isinstance(rooms[0], dict) else {}
+    lacking = [key for key in ("name", "type", "x", "y", "width", "height") if key not in first]
+    if lacking:
+        raise msgspec.ValidationError(
+            f"it names no format, and its rooms have {', '.join(map(str, [*first][:5])) or 'nothing'}, not "
+            f"{', '.join(lacking)}: of another program, as it looks: give its rooms as GeoJSON"
+        )
+    return record
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of the format ``vitruvius-2``.
+
+    What it cannot say, the reader asks for beside it: names that are each one room's, doors and windows that
+    are segments and of rooms that there are, rooms and pieces with an area, and in each room at most 256
+    pieces.
+    """
+    found = json.loads(json.dumps(msgspec.json.schema(Record)))
+    found["$defs"]["House"] = found["$defs"].pop("Record") | {"title": "House"}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "$ref": "#/$defs/House"}
+
+
+def _require_names(house: Record) -> None:
+    """Refuse names that mean two rooms or none, and a star that is none."""
+    names = Counter(room.name for room in house.rooms)
+    spaces = [*names, OUTSIDE]
+    name, times = names.most_common(1)[0]
+    if times > 1:
+        raise msgspec.ValidationError(f"rooms: the name {name} stands twice")
+    if OUTSIDE in names:
+        raise msgspec.ValidationError(f"rooms: no room is named {OUTSIDE}: that is where an entrance leads")
+    used = [("hub", house.hub, names)] if house.hub else []
+    used += [(f"doors[{i}]", name, spaces) for i, door in enumerate(house.doors) for name in door.between]
+    used += [(f"windows[{i}]", window.room, names) for i, window in enumerate(house.windows)]
+    for place, name, known in used:
+        if name not in names and name not in known:
+            raise msgspec.ValidationError(f"{place}: {unknown('room', name, known)}")
+    for index, door in enumerate(house.doors):
+        if door.between[0] == door.between[1]:
+            raise msgspec.ValidationError(f"doors[{index}]: joins {door.between[0]} with itself")
+    if house.topology in (STAR, ORIGINAL):
+        try:
+            Star.of(house.rooms, house.doors, house.hub or "")
+        except ValueError as error:
+            raise msgspec.ValidationError(f"topology {house.topology}: {error}") from None
+
+
+def _require_sizes(house: Record, in_star: bool) -> None:
+    """Refuse what is no house at all: sizes that are not positive, lengths that are not finite, and too many
+    or too far parts, before anything is computed of them.
+    """
+    cell = house.provenance.request.get("cell", 0.0) if house.provenance else 0.0
+    if type(cell) not in (int, float) or (cell and not BODY <= cell <= FARTHEST):
+        raise msgspec.ValidationError(f"provenance.request.cell must be a length in metres, not {cell!r}")
+
+    def require(rect: Rect, name: str) -> None:
+        if not all(abs(value) <= FARTHEST for value in rect.box):
+            raise msgspec.ValidationError(f"{name} lies beyond {FARTHEST:g} m or is not a number")
+        if rect.width < 0 or rect.height < 0 or (rect.area == 0 and not isinstance(rect, Door | Window)):
+            raise msgspec.ValidationError(f"{name} is {rect.width} by {rect.height}: sizes must be positive")
+
+    for room in house.rooms:
+        require(room, "floor" if in_star and room.name == house.hub else room.name)
+        if len(room.pieces) > MOST_PIECES:
+            raise msgspec.ValidationError(
+                f"{room.name} has {len(room.pieces)} pieces: at most {MOST_PIECES:,}"
+            )
+        for place, piece in enumerate(room.pieces):
+            require(piece, f"{room.name}, piece {place} ({piece.type})")
+    for kind, openings in (("doors", house.doors), ("windows", house.windows)):
+        for index, each in enumerate(openings):
+            name = f"{each.between[0]}.door" if in_star and isinstance(each, Door) else f"{kind}[{index}]"
+            require(each, name)
+            if (each.width > 0) == (each.height > 0):
+                raise msgspec.ValidationError(f"{name} must be a segment: its width or its height is zero")

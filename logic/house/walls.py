@@ -1,0 +1,111 @@
+"""Where the walls of a house stand: segments without thickness, each once, that the doors between rooms open.
+
+Windows and the doors to the outside are shut: neither a ray nor a body passes there.
+"""
+
+from collections.abc import Iterable, Sequence
+
+from logic.house.parts import Door, Rect, Room
+from logic.house.star import StarRoom
+
+TOLERANCE = 1e-6
+"""Metres: lines nearer than this are one line."""
+
+Interval = tuple[float, float]
+
+Line = tuple[float, float, float]
+"""Where a wall is across its own axis, and where along it begins and ends, metres."""
+
+
+def walls_of_rooms(rooms: Iterable[Room], doors: Iterable[Door]) -> tuple[list[Line], list[Line]]:
+    """The walls of rooms side by side: those that run north to south (at an x), then west to east (at a y).
+
+    Walls on one line are joined, so a wall that two rooms share stands once, and each door is cut out of it.
+    """
+    boxes, found = [room.box for room in rooms], []
+    open_doors = [door.box for door in doors if not door.is_entrance]
+    for axis in (0, 1):
+        edges = sorted((box[end], *_span(box, axis)) for box in boxes for end in (axis, axis + 2))
+        lines: list[tuple[float, list[Interval]]] = []
+        for at, low, high in edges:
+            if not lines or at - lines[-1][0] > TOLERANCE:
+                lines.append((at, []))
+            lines[-1][1].append((low, high))
+        walls = []
+        for at, spans in lines:
+            gaps = [
+                _span(door, axis)
+                for door in open_doors
+                if door[axis] == door[axis + 2] and abs(door[axis] - at) <= TOLERANCE
+            ]
+            walls += [(at, *left) for span in _joined(spans) for left in remaining(span, gaps)]
+        found.append(walls)
+    return found[0], found[1]
+
+
+def walls_of_star(floor: Rect, rooms: Sequence[StarRoom]) -> tuple[list[Line], list[Line]]:
+    """The walls of a star, in both conventions of files: rooms may touch the main room from outside (ours) or
+    overlap it (the original's). They are every room's boundary but for its door, and the main room's boundary
+    where no room covers it.
+    """
+    verticals: list[Line] = []
+    horizontals: list[Line] = []
+    for room in rooms:
+        west, north, east, south = room.box
+        doorway_x, doorway_y, doorway_east, doorway_south = room.door.box
+        door_x = min(west, east, key=lambda x: abs(x - doorway_x)) if room.door.width == 0 else None
+        door_y = min(north, south, key=lambda y: abs(y - doorway_y)) if room.door.height == 0 else None
+        for x in (west, east):
+            gaps = [(doorway_y, doorway_south)] if x == door_x else []
+            verticals += [(x, *span) for span in remaining((north, south), gaps)]
+        for y in (north, south):
+            gaps = [(doorway_x, doorway_east)] if y == door_y else []
+            horizontals += [(y, *span) for span in remaining((west, east), gaps)]
+    west, north, east, south = floor.box
+    boxes = [room.box for room in rooms]
+    for x in (west, east):
+        covers = [(b[1], b[3]) for b in boxes if b[0] - TOLERANCE <= x <= b[2] + TOLERANCE]
+        verticals += [(x, *span) for span in remaining((north, south), covers)]
+    for y in (north, south):
+        covers = [(b[0], b[2]) for b in boxes if b[1] - TOLERANCE <= y <= b[3] + TOLERANCE]
+        horizontals += [(y, *span) for span in remaining((west, east), covers)]
+    return verticals, horizontals
+
+
+def _span(box: tuple[float, float, float, float], axis: int) -> Interval:
+    """Where a box lies along the other axis."""
+    return box[1 - axis], box[3 - axis]
+
+
+def _joined(spans: Iterable[Interval]) -> list[Interval]:
+    """Spans of one line as those that do not touch, in order."""
+    joined: list[Interval] = []
+    for low, high in sorted(spans):
+        if joined and low - joined[-1][1] <= TOLERANCE:
+            joined[-1] = joined[-1][0], max(joined[-1][1], high)
+        else:
+            joined.append((low, high))
+    return joined
+
+
+def remaining(span: Interval, gaps: Iterable[Interval]) -> list[Interval]:
+    """What is left of a span when the gaps are cut out of it, in order."""
+    low, high = span
+    left = []
+    for start, end in sorted(gaps):
+        if start - low > TOLERANCE:
+            left.append((low, min(start, high)))
+        low = max(low, end)
+        if low >= high:
+            break
+    if high - low > TOLERANCE:
+        left.append((low, high))
+    return left
+
+
+def crossing(at: float, end: float, others: Iterable[Line]) -> bool:
+    """Whether a wall at ``at`` meets one across it where it ends."""
+    return any(
+        abs(other - end) <= TOLERANCE and low - TOLERANCE <= at <= high + TOLERANCE
+        for other, low, high in others
+    )

@@ -1,0 +1,92 @@
+"""What may stand in a grammar's .lp files: rules whose layouts can be sampled by picks, and no code."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from clingo.ast import ASTType
+
+from logic.encoding import illegible, shown
+from logic.errors import GrammarError
+from logic.language.integers import too_large
+from logic.language.statements import Statement
+from logic.spelling import closest
+
+CHOICES = {ASTType.Aggregate, ASTType.HeadAggregate, ASTType.Disjunction}
+STAGES = ("house", "room")
+"""The two programs of a layout; ``base`` belongs to both."""
+
+UNITS = "units"
+"""The program that comes before them where a topology has units."""
+
+OBJECTIONS = {
+    ASTType.External: "a grammar holds rules: what is #external holds in no house",
+    ASTType.Script: "a grammar holds rules, no scripts",
+    ASTType.Minimize: "layouts are sampled, not optimised: use weight/2 or a constraint",
+    ASTType.ShowSignature: "the core alone shows what makes a layout: leave #show out",
+    ASTType.ShowTerm: "the core alone shows what makes a layout: leave #show out",
+    ASTType.ProjectSignature: "layouts are sampled by picks: leave #project out",
+    ASTType.ProjectAtom: "layouts are sampled by picks: leave #project out",
+    ASTType.Heuristic: "layouts are sampled by picks, whatever the heuristic: use the weights of option/3",
+    ASTType.Edge: "a grammar holds rules: leave #edge out, and forbid cycles by a constraint",
+    ASTType.TheoryDefinition: "a grammar holds rules without theories",
+}
+
+
+UNREAD = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|%[^\n]*', re.DOTALL)
+"""Strings and comments of clingo's language."""
+
+
+def audit(statements: Iterable[Statement], stages: Sequence[str] = STAGES) -> Iterator[GrammarError]:
+    """What would be passed over, or would choose past the picks (``rules/pick.lp``), each by its place.
+
+    ``stages``: the programs that there are beside ``base``.
+    """
+    for statement in statements:
+        if why := _objection(statement.node, stages):
+            yield statement.error(why)
+
+
+def _objection(node: Any, stages: Sequence[str]) -> str:
+    if node.ast_type == ASTType.Program and (node.parameters or node.name not in {"base", *stages}):
+        meant = closest(node.name, stages)
+        others = f"there are {', '.join(stages[:-1])} and {stages[-1]}, and base for "
+        others += "both" if len(stages) == 2 else "all"
+        hint = f"did you mean {meant}?" if meant else others
+        return f"#program {node.name} is part of no layout: {hint}"
+    if node.ast_type == ASTType.Rule and node.head.ast_type == ASTType.TheoryAtom:
+        return OBJECTIONS[ASTType.TheoryDefinition]
+    if node.ast_type == ASTType.Rule and node.head.ast_type in CHOICES:
+        return "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
+    return OBJECTIONS.get(node.ast_type, "")
+
+
+def unreadable(file: Path) -> Iterator[GrammarError]:
+    """What is no text, what clingo would end at without a word or read as another number, and what it would
+    read from elsewhere.
+    """
+    content = file.read_bytes()
+    if wrong := illegible(content):
+        line, column, why = wrong
+        yield GrammarError(why, file, line, column)
+        return
+    if file.suffix != ".lp":
+        return
+    text = content.decode()
+    if text.startswith("\ufeff"):
+        yield GrammarError(
+            "a byte order mark, which clingo does not read: save as UTF-8 without it", file, 1, 1
+        )
+        return
+    code = UNREAD.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+    yield from too_large(code, file)
+    for number, line in enumerate(code.split("\n"), start=1):
+        for column, letter in enumerate(line, start=1):
+            if not letter.isascii():
+                yield GrammarError(f"{shown(letter)}: names are of plain letters", file, number, column)
+    for number, line in enumerate(text.split("\n"), start=1):
+        # In comments and strings too: a file cannot be read by another idea of where these end than clingo's.
+        if include := re.search(r"#\s*include\b", line):
+            why = "all .lp files of the grammar's directory are read: leave #include out, copy the file there"
+            yield GrammarError(why, file, number, include.start() + 1)

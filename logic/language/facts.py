@@ -1,0 +1,114 @@
+"""What is wrong with the facts of a grammar's .lp files, and with what is not stated, each by its place."""
+
+import re
+from collections.abc import Iterator, Sequence, Set
+from pathlib import Path
+
+from clingo import Function, Symbol
+
+from logic.errors import GrammarError
+from logic.grammar import Grammar
+from logic.language.causes import Mistake
+from logic.language.statements import error_at
+from logic.language.vocabulary import Words, places
+from logic.layout.program import Program
+
+MOST_NAMED = 3
+"""Of how many names each has an error of its own, where one thing is wrong with all."""
+
+NAME = "[a-z][A-Za-z0-9_]*"
+"""Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
+
+
+class Facts:
+    """The facts of a grammar with these words."""
+
+    def __init__(self, grammar: Grammar, words: Words) -> None:
+        """Know them."""
+        self._grammar, self._words = grammar, words
+
+    def at(self, fact: Symbol, why: str) -> GrammarError:
+        """An error at the fact's place in the files."""
+        found = places(fact, self._words)
+        return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
+
+    def absent_from(self, kind: str, names: Sequence[str], files: Sequence[Path]) -> Mistake:
+        """The mistake that no file of a kind states these predicates."""
+        there = ", ".join(file.name for file in files)
+        why = f"no {kind} file states {', '.join(names)}: is a file gone? There is {there}"
+        return Mistake(GrammarError(why, self._grammar.directory), frozenset({*names, "topology/1"}))
+
+    def absent(self, clauses: Sequence[Symbol]) -> Iterator[GrammarError]:
+        """An error for each clause that no ``.pl`` file states; one for many of a predicate."""
+        for size in ("room_size/3", "piece_size/4"):
+            each = {
+                c.arguments[-1].name: c for c in clauses if len(c.arguments) == 1 + (size == "piece_size/4")
+            }
+            each = {name: c for name, c in each.items() if c.name == "size"}
+            if len(each) > MOST_NAMED:
+                names = ", ".join(list(each)[:MOST_NAMED])
+                why = (
+                    f"{size} has no clause for {names} and {len(each) - MOST_NAMED} more: is a .pl file gone?"
+                )
+                yield GrammarError(why, self._grammar.directory)
+            else:
+                yield from map(self._absent_clause, each.values())
+        yield from (self._absent_clause(clause) for clause in clauses if clause.name == "length")
+
+    def _absent_clause(self, clause: Symbol) -> GrammarError:
+        """An error for a clause that no ``.pl`` file states: at the fact that calls for it."""
+        if clause.name == "length":
+            name = clause.arguments[0].name
+            hint = f"{name}/1 has no clause: add one, as {name}(0.5). for half a metre"
+            return GrammarError(hint, self._grammar.prolog[-1], 1, 1)
+        *room, name = clause.arguments
+        facts = [("type", [name])]
+        if room:
+            facts = [("may", [*room, name]), ("beside", [name]), ("around", [name])]
+        why = f"{'piece_size/4' if room else 'room_size/3'} has no clause for {name}: add one to a .pl file"
+        errors = [self.at(Function(predicate, names), why) for predicate, names in facts]
+        return next((error for error in errors if error.line), errors[0])
+
+    def wrong(self, probe: Program, strange: Set[str]) -> tuple[list[Mistake], list[Mistake]]:
+        """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``): with values,
+        which explain the ``strange`` names among them, and with what is not there. Of several facts that name
+        one unknown thing, the first.
+        """
+        types = {str(symbol.arguments[0]) for symbol in probe.atoms("type", 1)}
+        values: list[Mistake] = []
+        absent: dict[tuple[str, str], Mistake] = {}
+        for symbol in probe.atoms("wrong", 2):
+            fact, why = stated(symbol.arguments[0]), symbol.arguments[1].string
+            names = [str(each) for each in fact.arguments]
+            error = self.at(fact, f"{fact}: {why}")
+            if ": see " not in why:
+                values.append(Mistake(error, frozenset(names) & strange))
+                continue
+            known = types if "type/1" in why else ()
+            name = next((each for each in names if each not in known), names[0])
+            absent.setdefault((name, why), Mistake(error, frozenset({name})))
+        for symbol in probe.atoms("twice", 2):
+            facts = sorted(map(stated, symbol.arguments), key=lambda fact: self.at(fact, "").line or 0)
+            first = self.at(facts[0], "")
+            place = f"{Path(str(first.file)).name}:{first.line}:{first.column}"
+            why = f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them"
+            values.append(Mistake(self.at(facts[1], why)))
+        return values, list(absent.values())
+
+    def misnamed(self, probe: Program) -> Iterator[GrammarError]:
+        """Types and pieces whose names are no plain words."""
+        pieces = [fact for name in ("may", "beside", "around") for fact in probe.atoms(name, 4)]
+        for facts, place, what in (
+            (probe.atoms("type", 1), 0, "type is named by a word that begins in lower case, as in bedroom"),
+            (pieces, 1, "piece is named by a word that begins in lower case, as in bed"),
+        ):
+            for fact in sorted(facts):
+                if not re.fullmatch(NAME, str(fact.arguments[place])):
+                    yield self.at(fact, f"{fact.arguments[place]}: a {what}")
+
+
+def stated(fact: Symbol) -> Symbol:
+    """The grammar's own fact: of companions of both kinds it is named by the first argument."""
+    if fact.name != "companions":
+        return fact
+    return Function(fact.arguments[0].name, fact.arguments[1:])

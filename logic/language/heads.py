@@ -1,0 +1,127 @@
+"""Which heads a grammar may have: not those of the core, whose picks alone make a layout.
+
+A predicate that a rule of the core derives is closed to grammars, unless the core opens it by ``#defined``.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from clingo.ast import ASTType
+
+from logic.grammar import STATED, Grammar
+from logic.language.audit import STAGES
+from logic.language.statements import Statement, place
+from logic.language.vocabulary import Signature, Use, Words, core_words
+from logic.layout.messages import written
+
+CHOICES = {("option", 3), ("picks", 2)}
+"""What states a choice by its name, the first argument."""
+
+NAMES = {ASTType.Function, ASTType.SymbolicTerm}
+UNNAMED = "name the choice by a word, as in option(mine(X),..): what stands here may be a choice of the core"
+
+
+def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
+    """Statements that derive or rename what is the core's or the topology's, each with what to write."""
+    core = own.core or core_words()
+    yield from _of_topology(own, core, grammar)
+    for signature, uses in own.derived.items():
+        if signature in core.derived and signature not in core.opened:
+            for use in uses:
+                yield use.statement, _instead(signature, use, own, core)
+    for name, use in own.defined.items():
+        if name in core.defined:
+            yield use.statement, f"{name} comes from the request: leave #const {name} out"
+        elif name in core.constants:
+            yield use.statement, f"{name} is a word of the core: choose another name"
+    taken = {_functor(use.node.arguments[0]) for each in CHOICES for use in core.derived.get(each, ())}
+    for signature in CHOICES:
+        for use in own.derived.get(signature, ()):
+            if use.node.arguments[0].ast_type not in NAMES:
+                yield use.statement, UNNAMED
+            elif (choice := _functor(use.node.arguments[0])) in taken:
+                name = f"{choice[0]}/{choice[1]}" if choice[1] else choice[0]
+                yield (
+                    use.statement,
+                    f"the core picks {name} itself: state a constraint, or name another choice",
+                )
+
+
+def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
+    """What stands elsewhere than in the file of the topology, and is for that to state."""
+    name = grammar.topology_name
+    mine = [str(file) for file in grammar.own if file.stem == name]
+    for signature, opened in core.opened.items():
+        if place(opened.node)[0] != str(STATED):
+            continue
+        for use in own.derived.get(signature, ()):
+            if place(use.node)[0] not in mine:
+                said = f"the topology states {signature[0]}/{signature[1]}"
+                hint = f"here {name}: one of your own is a file NAME.lp that topology(NAME) names"
+                yield use.statement, f"{said}: move this to {name}.lp" if mine else f"{said}, {hint}"
+
+
+def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
+    name = f"{signature[0]}/{signature[1]}"
+    origins = [origin.statement for origin in core.derived[signature]]
+    programs = {origin.program for origin in origins}
+    stages = [stage for stage in STAGES if programs & {stage, "pick"}]
+    if all(_is_fact(origin) for origin in origins):
+        return f"the core states all of {name}: use it in bodies, or choose another name"
+    if signature not in core.documented or not stages:
+        return f"the core derives {name} for itself: choose another name"
+    stage = use.statement.program if use.statement.program in stages else stages[0]
+    rule = _constraint(use, stage, own)
+    where = "" if stage == use.statement.program else f" after #program {stage}."
+    hint = f"require it{where} by {rule} A constraint has no head: it says what never holds"
+    hint = hint if rule else "a choice of yours is made by option/3"
+    return f"the core alone derives {name}: {hint}"
+
+
+def _is_fact(statement: Statement) -> bool:
+    node = statement.node
+    return not node.body and node.head.ast_type == ASTType.Literal and statement.program in {"base", *STAGES}
+
+
+def _constraint(use: Use, stage: str, own: Words) -> str:
+    """The constraint that requires what the head of a rule was to state."""
+    node = use.statement.node
+    head = node.head
+    if head.ast_type == ASTType.Aggregate:
+        bounded = head.left_guard is not None or head.right_guard is not None
+        required = [f"not {written(head)}"] if bounded else []
+    elif head.ast_type == ASTType.Disjunction:
+        required = [_unless(str(each)) for each in head.elements]
+    elif head.ast_type == ASTType.Literal:
+        required = [_unless(str(each)) for each in head.unpool()]
+    else:
+        required = []
+    if not required:
+        return ""
+    parts = [written(literal) for literal in node.body] + required
+    if stage == "room" and not node.body and (type_ := _type_of(use, own)):
+        parts.insert(0, f"this_room = {type_}")
+    return f":- {('; ' if any(':' in part for part in parts) else ', ').join(parts)}."
+
+
+def _unless(literal: str) -> str:
+    return literal.removeprefix("-") if literal.startswith("-") else f"not {literal}"
+
+
+def _type_of(use: Use, own: Words) -> str:
+    """A type of room that may have a piece which an atom names: without it, rooms of all types are bound."""
+    named = {str(argument) for argument in use.node.arguments}
+    return next(
+        (
+            str(fact.node.arguments[0])
+            for fact in own.derived.get(("may", 4), ())
+            if str(fact.node.arguments[1]) in named
+        ),
+        "",
+    )
+
+
+def _functor(term: Any) -> Signature:
+    if term.ast_type == ASTType.Function:
+        return term.name, len(term.arguments)
+    return str(term), 0

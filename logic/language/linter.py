@@ -1,0 +1,133 @@
+"""The mistakes in a grammar that clingo and SWI-Prolog pass over, by file, line and column."""
+
+import re
+from collections.abc import Iterable, Iterator
+from itertools import chain, zip_longest
+from pathlib import Path
+from typing import Any
+
+from logic.errors import Finding, GrammarError, Reason
+from logic.grammar import Grammar
+from logic.house.looks import DEFAULT, NAME, read_looks, unused
+from logic.language.audit import UNITS
+from logic.language.loaded import LoadedGrammar
+from logic.layout.account import GROUNDING
+from logic.layout.program import Part
+from logic.layout.programs import GIVEN
+from logic.layout.relaxed import Relaxed, Source
+
+SIZES = (6, 8, 4, 3, 2, 1)
+"""Numbers of rooms for which a rule is looked for to bind, in this order."""
+
+BUILDINGS = (16,)
+"""The same of houses of units."""
+
+LARGER = (10, 14, 20, 27, 40, 53, 64, 90, 128, 5, 7, 12, 16)
+"""Numbers for which the rules are looked at that bind in none of these, if the topology allows them."""
+
+MOST_INSTANCES = 1_000_000
+"""Ground rules that are looked at in all, which takes two seconds; shipped grammars take 100,000."""
+
+Ground = tuple[dict[str, Any], list[Part]]
+"""Constants and the parts of the program that is ground with them."""
+
+
+def findings(grammar: Grammar) -> list[Finding]:
+    """All that is wrong with a grammar: errors, or else warnings."""
+    loaded = LoadedGrammar(grammar)
+    return errors(grammar, loaded) or all_warnings(grammar, loaded)
+
+
+def errors(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
+    """For which ``generate`` refuses a grammar, and ``draw`` its looks."""
+    looks = grammar.directory / NAME
+    wrong = read_looks(looks, DEFAULT)[1] if looks.exists() else []
+    return _findings("error", [*loaded.errors, *wrong], grammar)
+
+
+def all_warnings(grammar: Grammar, loaded: LoadedGrammar) -> list[Finding]:
+    """What is of no use in the rules and the looks of a grammar without errors."""
+    return warnings(grammar, loaded) + _findings(
+        "warning", _unseen(grammar.directory / NAME, loaded), grammar
+    )
+
+
+def _unseen(looks: Path, loaded: LoadedGrammar) -> Iterator[GrammarError]:
+    """Types that a grammar's looks name and its rules do not."""
+    if looks.exists():
+        pieces = {piece for pieces in loaded.furniture.values() for piece in pieces}
+        yield from unused(looks, map(str, loaded.types), pieces)
+
+
+def warnings(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None = None) -> list[Finding]:
+    """What is of no use in rules without errors, where houses of these ``rooms`` are asked for, if any."""
+    return _findings("warning", [*loaded.warnings, *_idle(grammar, loaded, rooms)], grammar)
+
+
+def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) -> list[Finding]:
+    """Findings of one severity; what has no place is of the grammar's directory."""
+    return [
+        Finding(severity, str(each.file or grammar.directory), each.line or 1, each.column or 1, each.message)
+        for each in found
+    ]
+
+
+def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[GrammarError]:
+    """Rules that bind in no house that the topology allows and in no type of room, as far as was looked."""
+    unbound: dict[Reason, None] = {}
+    source, left, most = Source(grammar.asp), MOST_INSTANCES, 0
+    limit = ""
+    for constants, parts in _programs(loaded, rooms, unbound):
+        named = ", ".join(f"{name} = {value}" for name, value in constants.items() if name not in GIVEN)
+        loaded.placer.account.at(GROUNDING, f"which rules bind where {named} (clingo)")
+        program = Relaxed(source, constants, parts, most=left)
+        left -= program.instances
+        bound = {each.reason for each in program.statements if program.binds(each)}
+        if not most:
+            unbound |= dict.fromkeys(each.reason for each in program.statements)
+        for reason in bound & unbound.keys():
+            del unbound[reason]
+        if left < 0:
+            limit = f" in houses of up to {most} rooms"
+        if left < 0 or not unbound:
+            break
+        most = max(most, constants.get("rooms", 0))
+    return [
+        GrammarError(f"this rule never binds{limit}: {reason.text}", reason.file, reason.line, reason.column)
+        for reason in (unbound if most else ())
+    ]
+
+
+def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason]) -> Iterator[Ground]:
+    """Programs in which a rule may bind: first those in which most do, and last of these numbers of rooms
+    that ``unbound`` rules name, as they are then.
+    """
+    stages = [("house", loaded.most_rooms)]
+    if loaded.depths:
+        stages = [(UNITS, loaded.most_rooms), ("house", loaded.most_in_unit)]
+
+    def houses(some: Iterable[int], stage: str, most: int) -> list[Ground]:
+        numbers = (number for number in dict.fromkeys(some) if 0 < number <= most)
+        return [({"rooms": number}, [(stage, [])]) for number in numbers]
+
+    usual = [
+        houses([rooms or 0, *(BUILDINGS if stage == UNITS else SIZES)], stage, most) for stage, most in stages
+    ]
+    yield from filter(None, chain.from_iterable(zip_longest(*usual, _furniture(loaded))))
+    for stage, most in stages:
+        named = [number + by for number in _numbers(unbound, loaded) for by in (0, 1, -1)]
+        yield from houses([*named, *LARGER, most], stage, most)
+
+
+def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
+    """The programs of furniture of each type; where rooms share walls, with any doors in them too."""
+    for type_ in map(str, loaded.types):
+        yield {"this_room": type_}, [("room", [])]
+        if loaded.walls:
+            yield {"this_room": type_, **GIVEN}, [("room", []), ("plan", []), ("doorways", [])]
+
+
+def _numbers(rules: Iterable[Reason], loaded: LoadedGrammar) -> list[int]:
+    """The numbers in some rules, and in all constants that the grammar defines."""
+    texts = [*(reason.text for reason in rules), *loaded.constants]
+    return sorted({int(number) for text in texts for number in re.findall(r"\b\d{1,3}\b", text)})

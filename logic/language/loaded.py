@@ -1,0 +1,319 @@
+"""A grammar's rule files, read without running them: what they state, or what is wrong with them."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence, Set
+from dataclasses import replace
+from typing import Any
+
+from clingo import Function, Symbol
+
+from logic.errors import GrammarError
+from logic.grammar import LENGTHS, OWN, PLANS, STAR, Grammar
+from logic.language.audit import audit, unreadable
+from logic.language.causes import Mistake, first_causes, misspelt_name
+from logic.language.facts import NAME, Facts, stated
+from logic.language.heads import closed_heads
+from logic.language.integers import overflowing
+from logic.language.metres import impossible, unlikely
+from logic.language.prolog_problems import problem, unknown
+from logic.language.stages import misplaced
+from logic.language.statements import Statement, error_at, read
+from logic.language.stratification import unstratified
+from logic.language.vocabulary import (
+    Words,
+    capitalised,
+    core_words,
+    misspelt_names,
+    misspelt_predicates,
+    stages,
+    words,
+)
+from logic.layout.program import Endless, Program
+from logic.layout.programs import Programs
+from logic.layout.relaxed import Relaxed, Source
+from logic.layout.terms import Lengths, depth_steps, length_facts, wall_facts
+from logic.placement.placer import Placer
+from logic.request.request import MOST_ROOMS
+from logic.spelling import closest
+
+MOST_INSTANCES = 50_000
+"""Ground rules of a house of one room without furniture: the core and a grammar have hundreds."""
+
+
+class LoadedGrammar:
+    """What a grammar states, read in the order in which one mistake hides another."""
+
+    def __init__(self, grammar: Grammar, cell: float = 0.0, remarks: bool = True) -> None:
+        """Load the files, for houses on a grid of such cells (m) if not 0.
+
+        Without ``remarks`` it takes half the time, and what clingo only remarks on is no error.
+        ``errors`` is what is wrong with them: the rest stands only where it is empty. ``warnings`` are about
+        lengths that are no likely number of metres, about variables that are likely to be constants, and
+        about pieces that no room has.
+        """
+        self._grammar = grammar
+        files = grammar.own + grammar.prolog
+        self._illegible = [error for file in files for error in unreadable(file)]
+        self.placer = Placer(replace(grammar, prolog=()) if self._illegible else grammar, cell)
+        self.types: list[Symbol] = []
+        self.furniture: dict[str, list[str]] = {}
+        self.extremes: dict[str, Any] = {}
+        """Of the sizes of rooms and pieces, see ``Placer.lengths``."""
+        self.most_rooms = MOST_ROOMS
+        """How many rooms a house has at most."""
+        self.depths: tuple[float, float] | None = None
+        """How deep units are, metres, where a house is one of units: ``buildings.py``."""
+        self.most_in_unit = 0
+        """How many rooms a unit has at most."""
+        self._words = Words()
+        self._facts = Facts(grammar, self._words)
+        self._of_no_room: list[GrammarError] = []
+        self.errors = first_causes(self._readable()) or first_causes(self._errors())
+        self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
+        self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
+        self.warnings = [] if self.errors else [*self._unlikely()]
+        walls = [fact for fact, _ in self.walls]
+        self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, walls)
+        if remarks and not self.errors:
+            self.errors = list(self.programs.remarks())
+
+    @property
+    def constants(self) -> list[str]:
+        """What the grammar defines as constants of clingo's, as text."""
+        return [str(use.node) for use in self._words.defined.values()]
+
+    def _readable(self) -> Iterator[Mistake]:
+        """What is wrong with statements by themselves."""
+        if self._illegible:
+            yield from map(Mistake, self._illegible)
+            return
+        try:
+            misused = list(self._misused(read(self._grammar.own)))
+        except GrammarError as error:
+            yield Mistake(error)
+        else:
+            yield from map(Mistake, misused)
+            strange = [] if misused else self._strange()
+            strange += [] if misused else self._gone(strange, ("type", 1))
+            if self.placer.problems or any({"type/1", "topology/1"} & each.explains for each in strange):
+                yield from strange
+        # Which clauses there are depends on the topology, and that is a star where none is named.
+        unnamed = self._grammar.topology_name == STAR.stem
+        for error in (problem(*row) for row in self.placer.problems):
+            yield Mistake(error, about=frozenset({"topology/1", "type/1"} if unnamed else {"type/1"}))
+
+    def _strange(self) -> list[Mistake]:
+        """Predicates that are not known; the topology's name alone, as it says which others there are."""
+        found = list(misspelt_predicates(self._words))
+        named = [mistake for mistake in found if "topology/1" in mistake.explains]
+        star = core_words()
+        stated = self._words.derived.keys() - star.opened.keys() - star.used.keys() - star.derived.keys()
+        shared = [
+            use for each in stated & core_words(PLANS).opened.keys() for use in self._words.derived[each]
+        ]
+        if shared and not named and self._grammar.topology_name == STAR.stem:
+            first = min(shared, key=lambda use: use.node.location.begin)
+            why = f"{first.node.name} is for rooms that share walls: name a topology, as in topology(ring)."
+            named = [Mistake(error_at(first.node, why), frozenset({"topology/1"}))]
+        return named or found
+
+    def _gone(self, strange: Sequence[Mistake], *needed: tuple[str, int]) -> list[Mistake]:
+        """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
+        names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self._words.derived}
+        names -= {name for mistake in strange for name in mistake.explains}
+        return [self._facts.absent_from(".lp", sorted(names), self._grammar.own)] if names else []
+
+    def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
+        """Statements that no grammar may have, and those that do not act where they stand."""
+        try:
+            self._words = words(statements, core_words(self._grammar.topology))
+            self._facts = Facts(self._grammar, self._words)
+        except RecursionError:
+            yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
+            return
+        yield from self._other_topologies()
+        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words, self._grammar)}
+        yield from refused.values()
+        programs = stages(core_words(self._grammar.topology))
+        yield from audit((each for each in statements if id(each.node) not in refused), programs)
+        yield from misplaced(self._words, refused)
+        yield from unstratified(statements)
+        yield from overflowing(statements)
+
+    def _other_topologies(self) -> Iterator[GrammarError]:
+        """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""
+        found = self._words.derived.get(("topology", 1), [])
+        for use in found:
+            named = f"topology({self._grammar.topology_name})."
+            if str(use.statement.node) != named and self._grammar.topology_name != OWN.stem:
+                yield use.statement.error("a topology is named by a fact alone, as in topology(ring).")
+        if not found and self._grammar.topology_name not in (STAR.stem, OWN.stem):
+            name = self._grammar.topology_name
+            yield GrammarError(f"topology({name}). is no fact where it stands", self._grammar.directory)
+
+    def _errors(self) -> Iterator[Mistake]:
+        sized = self.placer.sized()
+        strange = self._strange()
+        gone = [] if strange else list(self._unstated({predicate for predicate, *_ in sized}))
+        if not gone:
+            strange += misspelt_names(self._words, (name for _, name, *_ in sized))
+        meant, others = _by_meaning(strange)
+        try:
+            probe = self._probe({"rooms": 1}, "house")
+            self._probe({}, "room")
+        except GrammarError as error:
+            yield from [*gone, Mistake(error), *strange]
+            return
+        names = {name for mistake in strange for name in mistake.about or ()}
+        values, wrong = self._facts.wrong(probe, names)
+        wrong += map(Mistake, self._facts.misnamed(probe))
+        types, empty = ({each.arguments[0] for each in probe.atoms(name, 1)} for name in ("type", "empty"))
+        absent = self._gone(strange, ("may", 4)) if wrong and types - empty else []
+        yield from [*gone, *values, *meant, *absent, *wrong, *others]
+        self.types = sorted(symbol.arguments[0] for symbol in probe.atoms("type", 1))
+        if strange or gone or values or wrong:
+            return
+        self.furniture = furniture_of(probe)
+        yield from self._mismeasured(probe, sized)
+
+    def _unstated(self, stated: set[str]) -> Iterator[Mistake]:
+        """What no ``.pl`` file has a clause of, so that a file is likely to be gone."""
+        lengths = [Function("length", [Function(name)]) for name in LENGTHS]
+        anything = Function("any")  # A clause for all names has none of its own.
+        room, piece = Function("size", [anything]), Function("size", [anything, anything])
+        found = self.placer.origins([*lengths, room, piece])
+        names = ["room_size/3"] if "room_size" not in stated and room not in found else []
+        if "piece_size" not in stated and piece not in found and ("may", 4) in self._words.derived:
+            names.append("piece_size/4")
+        absent = [f"{each.arguments[0].name}/1" for each in lengths if each not in found]
+        if names or len(absent) > 1:
+            yield self._facts.absent_from(".pl", [*names, *absent], self._grammar.prolog)
+
+    def _unsized(
+        self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: Set[str]
+    ) -> Iterator[Mistake]:
+        """Clauses of sizes that are for no type of room that there is.
+
+        What is said of pieces that no room has is kept, as warnings: files may be shared by grammars. It is
+        an error where a piece is ``lacking`` that it is likely to be meant for.
+        """
+        pieces = {piece for pieces in self.furniture.values() for piece in pieces}
+        of_rules: dict[str, GrammarError] = {}  # One statement may state many facts.
+        for symbol in sorted(probe.atoms("unused", 2)):
+            fact, why = stated(symbol.arguments[0]), symbol.arguments[1].string
+            found = self._facts.at(fact, f"{fact}: {why}{_meant(str(fact.arguments[0]), pieces)}")
+            of_rules.setdefault(f"{found.file}:{found.line}:{found.column}", found)
+        self._of_no_room += of_rules.values()
+        for predicate, name, file, line, column in sized:
+            known = pieces if predicate == "piece_size" else set(self.furniture)
+            if name in known:
+                continue
+            kind = "room type: see type/1" if known is not pieces else "piece in any room: see may/4"
+            text = f"{predicate}: {name} is no {kind}{_meant(name, known)}"
+            error = unknown(name, text, file, line, column)
+            # A name that no piece can have is no piece of another grammar's.
+            if known is not pieces or closest(name, known) in lacking or not re.fullmatch(NAME, name):
+                yield misspelt_name(error, name, closest(name, known) or "")
+            else:
+                self._of_no_room.append(error)
+
+    def _mismeasured(
+        self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]]
+    ) -> Iterator[Mistake]:
+        """What is wrong with the lengths of what there is."""
+        whole = self._probe({"rooms": 1}, "units") if probe.atoms("units", 2) else probe
+        limits = [symbol.arguments[0].number for symbol in whole.atoms("most_rooms", 1)]
+        if whole is not probe:
+            yield from map(Mistake, self._units(probe.atoms("units", 2)[0], bool(limits)))
+        self.most_rooms = min([MOST_ROOMS, *limits])
+        turned = {str(symbol.arguments[0]) for symbol in probe.atoms("turns", 2)}
+        turned |= {str(symbol.arguments[1]) for symbol in probe.atoms("around", 4)}
+        self.extremes, errors, absent = self.placer.lengths(self.furniture, turned)
+        lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
+        sizes = self.extremes["rooms"].items()
+        usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
+        clashes = self.placer.disagreements(usable, units=whole is not probe)
+        yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
+        yield from map(Mistake, [*errors, *clashes, *self._facts.absent(absent)])
+        if not errors and not absent:
+            yield from map(Mistake, impossible(self.extremes, self.placer.origins))
+
+    def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+        """What stage 1 knows of walls that rooms share."""
+        doorway, contact, extremes = self.placer.wall_lengths(self.furniture)
+        depths = depth_steps(*self.depths) if self.depths else []
+        return [*wall_facts(extremes, doorway, contact), *((step, ()) for step in depths)]
+
+    def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
+        """What is wrong where a grammar states that there are units, which its topology has if ``known``."""
+        self.depths = self.placer.unit_depths()
+        self.most_in_unit = stated.arguments[1].number
+        if not known:
+            name = self._grammar.topology_name
+            yield self._facts.at(stated, f"{stated}: the topology {name} has no units, as building has")
+        elif self.depths is None and not self.placer.origins([Function("unit_depth")]):
+            clause = "unit_depth(D) :- { D >= 7.0, D =< 9.0 }."
+            why = f"unit_depth/1 has no clause: add one, as {clause}"
+            yield GrammarError(why, self._grammar.prolog[-1], 1, 1)
+
+    def _unlikely(self) -> Iterator[GrammarError]:
+        """What is hardly meant."""
+        yield from self._of_no_room
+        yield from unlikely(self.extremes, self.placer.origins)
+        yield from capitalised(self._words)
+
+    def _probe(self, constants: dict[str, Any], stage: str) -> Program:
+        """A stage without furniture: a rule that has very many instances in it is refused."""
+        rules = (constants, [(stage, [])])
+        try:
+            return Program(self._grammar.asp, *rules, most=MOST_INSTANCES)
+        except Endless:
+            endless = Relaxed(Source(self._grammar.asp), *rules, most=MOST_INSTANCES).largest().reason
+        why = (
+            f"this rule has more than {MOST_INSTANCES:,} instances: does it recur without end? {endless.text}"
+        )
+        raise GrammarError(why, endless.file, endless.line, endless.column)
+
+    def topology_error(self, why: str) -> GrammarError:
+        """An error of the topology of the user's own, where it first says on which lines rooms lie."""
+        found = self._words.derived.get(("edge", 3))
+        return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
+
+
+def _too_deep(statement: Statement) -> bool:
+    """Whether the terms of a statement lie deeper in each other than Python's stack is."""
+    try:
+        words([statement])
+    except RecursionError:
+        return True
+    return False
+
+
+def _meant(name: str, names: Iterable[str]) -> str:
+    meant = closest(name, names)
+    return f". Did you mean {meant}?" if meant else ""
+
+
+def _by_meaning(strange: Sequence[Mistake]) -> tuple[list[Mistake], list[Mistake]]:
+    """Misspelt names that are like a known one, and those of which it is better said what they lack."""
+    return (
+        [each for each in strange if not each.about or each.explains - each.about or "/" in min(each.about)],
+        [
+            each
+            for each in strange
+            if each.about and not each.explains - each.about and "/" not in min(each.about)
+        ],
+    )
+
+
+def furniture_of(probe: Program) -> dict[str, list[str]]:
+    """For each room type the pieces that it may have, and their companions."""
+    furniture: dict[str, list[str]] = {str(symbol.arguments[0]): [] for symbol in probe.atoms("type", 1)}
+    for symbol in probe.atoms("may", 4):
+        furniture[str(symbol.arguments[0])].append(str(symbol.arguments[1]))
+    for symbol in [*probe.atoms("beside", 4), *probe.atoms("around", 4)]:
+        piece, companion = map(str, symbol.arguments[:2])
+        for pieces in furniture.values():
+            if piece in pieces and companion not in pieces:
+                pieces.append(companion)
+    return furniture

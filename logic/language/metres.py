@@ -1,0 +1,52 @@
+"""Lengths that are hardly metres: a grammar in centimetres gives a main room of 284 m by 546 m."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from clingo import Function, Symbol
+
+from logic.errors import GrammarError
+from logic.house.parts import FARTHEST
+
+SHORTEST = 0.01
+"""Metres below which a length is likely to be in another unit, if it is not 0."""
+
+LONGEST_LENGTH, LONGEST_SIDE, LONGEST_PIECE = 5.0, 120.0, 20.0
+"""Metres above which a named length, a side of a room or a piece is."""
+
+
+Origins = Callable[[Iterable[Symbol]], Mapping[Symbol, tuple[str, int]]]
+
+
+def impossible(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarError]:
+    """An error at the origin of each clause with a length that no house can have."""
+    found = {}
+    for clause, metres, _ in _sizes(lengths):
+        if max(metres) > FARTHEST:
+            text = f"{clause.arguments[-1]}: {max(metres):g} m, more than the {FARTHEST:g} m of a house"
+            found[origins([clause])[clause]] = text
+    for (file, line), text in found.items():
+        yield GrammarError(text, file, line, 1)
+
+
+def unlikely(lengths: Mapping[str, Any], origins: Origins) -> Iterator[GrammarError]:
+    """A warning at the origin of each clause with such a length, of those of ``Placer.lengths``."""
+    found = {}
+    for clause, metres, longest in _sizes(lengths):
+        wrong = next((m for m in metres if m > longest or 0 < m < SHORTEST), None)
+        if wrong is not None:
+            place, name = origins([clause])[clause], clause.arguments[-1]
+            found[place] = f"{name}: {wrong:g} m. Lengths are in metres: 320 cm are 3.2"
+    for (file, line), text in found.items():
+        yield GrammarError(text, file, line, 1)
+
+
+def _sizes(lengths: Mapping[str, Any]) -> Iterator[tuple[Symbol, Sequence[float], float]]:
+    """The clauses, their least and greatest lengths, and the longest likely one."""
+    for name, metres in lengths["lengths"].items():
+        yield Function("length", [Function(name)]), [metres], LONGEST_LENGTH
+    for type_, room in lengths["rooms"].items():
+        yield Function("size", [Function(type_)]), room, LONGEST_SIDE
+        if max(room) <= LONGEST_SIDE:  # A piece may be as long as its wall.
+            for piece, size in lengths["pieces"][type_].items():
+                yield Function("size", [Function(type_), Function(piece)]), size, LONGEST_PIECE

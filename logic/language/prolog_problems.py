@@ -1,0 +1,25 @@
+"""What is wrong with a grammar's ``.pl`` files, as Prolog finds it, in the words of their author."""
+
+from pathlib import Path
+
+from logic.errors import GrammarError
+from logic.language.inexpressible import inexpressible
+from logic.language.prolog_syntax import explained
+from logic.language.vocabulary import core_words
+
+
+def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarError:
+    """An error for a name in a ``.pl`` file that nothing knows: of a predicate, a room type or a piece."""
+    if name in {each for each, _ in core_words().documented}:
+        text = f"{name} belongs in a .lp file: see docs/rules.md"
+    # A misspelt name is that before it is a word that asks for too much: door_widht is door_width.
+    return GrammarError(text if ": did you mean" in text else inexpressible(name) or text, file, line, column)
+
+
+def problem(file: str, line: int, column: int, text: str, name: str) -> GrammarError:
+    """A problem of the grammar's files; ``name`` is that of a predicate that is not known, or empty."""
+    if name:
+        return unknown(name, text, file, line, column)
+    if text.startswith("syntax error: "):
+        line, column, text = explained(Path(file).read_text("utf-8", "replace"), line, column, text[14:])
+    return GrammarError(text, file, line, column)

@@ -1,0 +1,151 @@
+"""The reference of the rule language: a page made of the core's comments and of recipes.
+
+A documentation comment is ``%*! name(Argument,..): what it says *%`` in an ``.lp`` file, PlDoc in a ``.pl``
+file; its indented lines are an example. A predicate without one is the core's own.
+"""
+
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from clingo.ast import ASTType, parse_files
+
+from logic.grammar import ADJACENT, PLANS, RULES, STAR, STATED, TOPOLOGIES
+from logic.layout.program import CORE
+
+PAGE = Path(__file__).with_name("reference.md")
+"""The page's text, with places for what is generated."""
+
+RECIPES = Path(__file__).with_name("recipes")
+"""A recipe is an ``.lp`` file, with a ``.pl`` file of the same name where it needs lengths."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A predicate or constant that a grammar may state or use."""
+
+    name: str
+    arguments: tuple[str, ...]
+    text: str
+    example: str
+
+    def __str__(self) -> str:
+        """A row of a table."""
+        word = f"{self.name}({', '.join(self.arguments)})" if self.arguments else self.name
+        example = "<br>".join(f"`{line}`" for line in self.example.splitlines())
+        return f"| `{word}` | {self.text} | {example} |"
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How to say something: a file or two that a user copies into a grammar. The first line is the title."""
+
+    name: str
+    files: tuple[Path, ...]
+
+    def __str__(self) -> str:
+        """Its title, the names of its files and what stands in them."""
+        code = f"% {self.name}.pl\n".join(file.read_text(encoding="utf-8") for file in self.files)
+        title, *code = code.splitlines()
+        names = ", ".join(f"`{file.name}`" for file in self.files)
+        return "\n".join([f"**{title.removeprefix('%# ')}** {names}", "```prolog", *code, "```"])
+
+
+def recipes() -> list[Recipe]:
+    """All recipes, by what they are about and by name."""
+    files = sorted(RECIPES.glob("*.lp"))
+    return sorted((Recipe(file.stem, (file, *RECIPES.glob(f"{file.stem}.pl"))) for file in files), key=_about)
+
+
+def _about(recipe: Recipe) -> str:
+    if len(recipe.files) > 1:
+        return "Types, pieces and lengths"
+    return "Furniture of a room" if "#program room." in str(recipe) else "A house's rooms"
+
+
+def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
+    """What the core's ``.lp`` files document, by ``#program``; in base only what a grammar states, what a
+    topology states as ``topology``.
+
+    Of these topologies alone, or of all.
+    """
+    entries: dict[str, list[Entry]] = {
+        "base": [],
+        "topology": [],
+        "units": [],
+        "house": [],
+        "room": [],
+        "pick": [],
+    }
+    stated: set[tuple[str, int]] = set()
+    part = "base"
+
+    def take(statement: Any) -> None:
+        nonlocal part
+        if statement.ast_type == ASTType.Program:
+            stated_there = statement.location.begin.filename == str(STATED)
+            part = "topology" if stated_there else statement.name
+        elif statement.ast_type == ASTType.Defined:
+            stated.add((statement.name, statement.arity))
+        elif statement.ast_type == ASTType.Comment and part in entries:
+            found = re.fullmatch(r"%\*! (\w+)(?:\((.*?)\))?: (.*?)((?:\n    .*)*) \*%", statement.value, re.S)
+            # A topology may include another.
+            if found and (entry := _entry(*found.groups(""))) not in entries[part]:
+                entries[part].append(entry)
+
+    named = [file for file in sorted(TOPOLOGIES.glob("*.lp")) if file.stem in topologies or not topologies]
+    for file in (CORE, *((*PLANS, ADJACENT) if named != [STAR] else ()), *named):
+        parse_files([str(file)], take)
+    entries["base"] = [each for each in entries["base"] if (each.name, len(each.arguments)) in stated]
+    return entries
+
+
+def prolog_entries() -> list[Entry]:
+    """The predicates of a grammar's ``.pl`` files, which ``rules/grammar_files.pl`` declares."""
+    source = (RULES / "grammar_files.pl").read_text(encoding="utf-8")
+    declared = set(re.findall(r"grammar:(\w+)/", source))
+    found = re.findall(r"^%!  (\w+)\((.*)\).*\n((?:%.*\n)*?)((?:%       .*\n)*)\n", source, re.M)
+    return [
+        _entry(name, re.sub("[?+-]", "", arguments), *(re.sub("^%", "", text, flags=re.M) for text in texts))
+        for name, arguments, *texts in found
+        if name in declared
+    ]
+
+
+def _entry(name: str, arguments: str, text: str, example: str) -> Entry:
+    lines = [line.strip() for line in example.strip().splitlines()]
+    return Entry(name, tuple(re.findall(r"\w+", arguments)), " ".join(text.split()), "\n".join(lines))
+
+
+def goals() -> list[str]:
+    """What a clause of a grammar's ``.pl`` files may call, as ``rules/lint.pl`` lists it."""
+    return re.findall(r"\bpure\(\(?(\S+?)\)?/\d\)\.", (RULES / "lint.pl").read_text(encoding="utf-8"))
+
+
+def page() -> str:
+    """The whole page, in Markdown."""
+    parts = {name: _table(entries) for name, entries in asp_entries().items()}
+    parts["lengths"] = _table(prolog_entries())
+    parts["goals"] = ", ".join(f"`{goal}`" for goal in goals())
+    groups = groupby(recipes(), _about)
+    parts["recipes"] = "\n\n".join("\n\n".join([f"### {about}", *map(str, group)]) for about, group in groups)
+    limits = json.loads((RULES / "inexpressible.json").read_text(encoding="utf-8"))
+    parts["inexpressible"] = "\n".join(f"| {each['topic']} | {each['says']} |" for each in limits)
+    return re.sub("<!-- (\\w+) -->", lambda place: parts[place[1]], PAGE.read_text(encoding="utf-8"))
+
+
+def _table(entries: Iterable[Entry]) -> str:
+    return "\n".join(["| | says | example |", "|---|---|---|", *map(str, entries)])
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Print the reference of the rule language: every predicate, recipes, what cannot be said."""
+
+    def run(self) -> None:
+        """Print it as Markdown."""
+        print(page(), end="")

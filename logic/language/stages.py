@@ -1,0 +1,122 @@
+"""Which ``#program`` a rule of a grammar acts in, by the words that it uses and derives.
+
+A layout is made in two programs, house and room, with base in both: what holds in one of them does not hold
+in the other. Where a topology has units, a third one, units, comes before them. Where a word of the core is
+known is read from the core itself.
+"""
+
+from collections.abc import Container, Iterable, Iterator
+from typing import NamedTuple
+
+from logic.errors import GrammarError
+from logic.language.audit import STAGES, UNITS
+from logic.language.statements import Statement, error_at, place
+from logic.language.vocabulary import Signature, Use, Words, core_words, stages
+
+PARTS = {"plan": "room"}
+"""Programs of the core that come with another one, where rooms share walls."""
+
+EVERY = frozenset({"base", UNITS, *STAGES})
+
+
+class Word(NamedTuple):
+    """A word of a rule, and the programs in which it has a meaning."""
+
+    name: str
+    use: Use
+    programs: frozenset[str]
+
+
+def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
+    """Rules that do not act as they read in the program in which they stand.
+
+    ``refused`` holds the ids of nodes of which something else is said.
+    """
+    every = frozenset({"base", *stages(own.core or core_words())})
+    rules: dict[int, tuple[Statement, list[Word]]] = {}
+    for word in _words(own):
+        statement = word.use.statement
+        rules.setdefault(id(statement.node), (statement, []))[1].append(word)
+    for node, (statement, used) in rules.items():
+        found = [word for word in used if word.programs]  # Else another error says that it is not known.
+        if node in refused or statement.program not in every:
+            continue
+        found.sort(key=lambda word: place(word.use.node))
+        fits = every.intersection(*(word.programs for word in found))
+        if _is_constraint(statement):
+            fits -= {"base"}
+        if statement.program in fits:
+            continue
+        put = f"put it after {' or '.join(f'#program {each}.' for each in sorted(fits))}"
+        bad = next((word for word in found if statement.program not in word.programs), None)
+        if bad is None:
+            yield statement.error(f"say which stage this binds: {put}")
+        elif fits:
+            yield error_at(bad.use.node, f"{_where(bad)}: {put}")
+        else:
+            other = next(word for word in found if not word.programs & bad.programs)
+            meant = _with_other_arity(bad, statement.program, own)
+            hint = f"did you mean {meant}?" if meant else "no rule sees both"
+            yield error_at(bad.use.node, f"{_where(bad)}, and {_where(other)}: {hint}")
+
+
+def _with_other_arity(word: Word, program: str, own: Words) -> str:
+    """A predicate of this name that is known in a program, where the word is not."""
+    core = own.core or core_words()
+    name = word.name.split("/")[0]
+    others = {each for each in {*core.derived, *own.derived} if each[0] == name and _name(each) != word.name}
+    known = sorted(each for each in others if program in _known(each, own, core))
+    return _name(known[0]) if known else ""
+
+
+def _words(own: Words) -> Iterator[Word]:
+    core = own.core or core_words()
+    for signature, uses in own.used.items():
+        for use in uses:
+            yield Word(_name(signature), use, _known(signature, own, core))
+    for signature, uses in own.derived.items():
+        for use in uses:
+            yield Word(_name(signature), use, _needed(signature, own, core))
+    for name, definition in core.defined.items():
+        for use in own.constants.get(name, ()):
+            yield Word(name, use, frozenset({definition.statement.program}))
+
+
+def _known(signature: Signature, own: Words, core: Words) -> frozenset[str]:
+    """The programs in which a predicate may hold; all where nothing derives it."""
+    programs = _programs(own.derived.get(signature, ())) | _programs(core.derived.get(signature, ()))
+    if any(use.statement.program not in {*EVERY, "pick"} for use in core.derived.get(signature, ())):
+        # A part that a request or the lengths add, to the stage whose rules use it.
+        programs |= _programs(core.used.get(signature, ()))
+    if programs and not programs & {*EVERY, "pick"} and signature in own.derived:
+        return EVERY  # In a program that is misspelt.
+    return EVERY if not programs or programs & {"base", "pick"} else programs & EVERY
+
+
+def _needed(signature: Signature, own: Words, core: Words) -> frozenset[str]:
+    """The programs in which it is of use to derive a predicate: all, where the core does not use it."""
+    readers = _programs(core.used.get(signature, ())) & EVERY
+    if not readers:
+        return EVERY
+    # What a grammar states is read, and found wrong, in the program house.
+    return frozenset({"base"} if readers & {"room", UNITS} else {"base", "house"})
+
+
+def _programs(uses: Iterable[Use]) -> frozenset[str]:
+    return frozenset(PARTS.get(use.statement.program, use.statement.program) for use in uses)
+
+
+def _is_constraint(statement: Statement) -> bool:
+    return str(statement.node.head) == "#false" or str(statement.node.head).startswith("not ")
+
+
+def _where(word: Word) -> str:
+    if word.programs == {"base"}:
+        return f"{word.name} is read in both stages"
+    return (
+        f"{word.name} is known in {' and '.join(f'#program {each}' for each in sorted(word.programs))} alone"
+    )
+
+
+def _name(signature: Signature) -> str:
+    return f"{signature[0]}/{signature[1]}"

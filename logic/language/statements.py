@@ -1,0 +1,54 @@
+"""The statements of ``.lp`` files, each with the ``#program`` that it belongs to."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from clingo.ast import ASTType, parse_files
+
+from logic.errors import GrammarError
+from logic.layout.messages import clingo_error
+
+
+class Statement(NamedTuple):
+    """A node of clingo's syntax tree and the program's name."""
+
+    node: Any
+    program: str
+
+    def error(self, text: str) -> GrammarError:
+        """Something wrong with this statement."""
+        return error_at(self.node, text)
+
+
+def read(files: Iterable[Path]) -> list[Statement]:
+    """All statements of these files and of what they include, in order.
+
+    Raises ``GrammarError`` for the first syntax error.
+    """
+    found: list[Statement] = []
+    remarks: list[str] = []
+    program = "base"
+
+    def take(node: Any) -> None:
+        nonlocal program
+        if node.ast_type == ASTType.Program:
+            program = node.name
+        found.append(Statement(node, program))
+
+    try:
+        parse_files([str(file) for file in files], take, logger=lambda _, text: remarks.append(text))
+    except RuntimeError as error:
+        raise clingo_error(remarks, str(error)) from None
+    return sorted(found, key=lambda each: place(each.node))
+
+
+def place(node: Any) -> tuple[str, int, int]:
+    """File, line and column at which a node begins."""
+    begin = node.location.begin
+    return begin.filename, begin.line, begin.column
+
+
+def error_at(node: Any, text: str) -> GrammarError:
+    """Something wrong with what stands at a node's place."""
+    return GrammarError(text, *place(node))

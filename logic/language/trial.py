@@ -1,0 +1,143 @@
+# clingo.ast leaves the attributes of its nodes untyped.
+# pyright: reportAttributeAccessIssue=false
+"""A grammar loaded step by step, to find the step that takes too much time or memory.
+
+clingo grounds all rules by one call, which cannot be interrupted. So the process is limited, and says before
+each step what is wrong if it does not end. Rules with a body join the facts one by one, and then each
+constraint is a ``#program`` part, grounded when what it joins is known.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import clingo
+from clingo import Function, ast
+from clingo.ast import ASTType
+
+from logic.errors import GrammarError
+from logic.grammar import RULES, Grammar
+from logic.language.audit import audit, unreadable
+from logic.language.linter import SIZES
+from logic.language.loaded import furniture_of
+from logic.language.statements import Statement, read
+from logic.language.stratification import unstratified
+from logic.language.vocabulary import words
+from logic.layout.differences import STATING
+from logic.layout.messages import written
+from logic.layout.program import CORE, Part, Program
+from logic.layout.relaxed import HERE
+from logic.layout.terms import length_facts, parts
+from logic.placement.placer import Placer
+
+TOO_MUCH = "takes too much time or memory"
+
+
+def steps(grammar: Grammar, sizes: Sequence[int]) -> Iterator[GrammarError]:
+    """Do what loading a grammar does, or grounding houses of so many rooms; say each step before it is done.
+
+    What is said is the error that it is not to end. Stops where the grammar has another one.
+    """
+    try:
+        if not sizes:
+            yield from _reading(grammar)
+        for rooms in sizes or SIZES:
+            yield from _grounding(grammar.asp, {"rooms": rooms}, [("house", [])])
+        placer = Placer(grammar)
+        pieces = {} if placer.problems else furniture_of(Program(grammar.asp, {"rooms": 1}, [("house", [])]))
+        for type_, each in pieces.items():
+            for names in [[], *([piece] for piece in each)]:
+                yield _clause(placer, type_, *names)
+                placer.lengths({type_: names})
+        extremes, wrong, absent = placer.lengths(pieces)
+        for type_, facts in {}.items() if wrong or absent else length_facts(extremes).items():
+            room = [("room", []), *parts(fact for fact, _ in facts)]
+            yield from _grounding(grammar.asp, {"this_room": type_}, room)
+    except GrammarError:
+        return
+
+
+def _reading(grammar: Grammar) -> Iterator[GrammarError]:
+    for file in grammar.asp:
+        yield GrammarError(f"to read this file {TOO_MUCH}", file, 1, 1)
+        statements = [] if any(unreadable(file)) else read([file])
+        words(statements)
+        list(audit(statements))
+        list(unstratified(statements))
+    for file in grammar.prolog:
+        yield GrammarError(f"to read this file {TOO_MUCH}", file, 1, 1)
+        Placer(replace(grammar, prolog=(file,)))
+
+
+def _clause(placer: Placer, type_: str, *piece: str) -> GrammarError:
+    """What is wrong where the sizes of a room or a piece do not come out."""
+    clause = Function("size", [Function(name) for name in (type_, *piece)])
+    file, line = placer.origins([clause]).get(clause, (None, None))
+    head = f"piece_size({piece[0]}, ...)" if piece else f"room_size({type_}, ...)"
+    return GrammarError(f"{head} {TOO_MUCH}: does it try too many ways?", file, line, line and 1)
+
+
+def _grounding(
+    files: Sequence[Path], constants: Mapping[str, object], parts: Sequence[Part]
+) -> Iterator[GrammarError]:
+    """Ground these parts of the core and the files."""
+    shared, own = ([file for file in files if (RULES in file.parents) == known] for known in (True, False))
+    # Differences restrict what is ground, and add little to it.
+    core = _by_kind(read(file for file in shared if file not in STATING))
+    given, derived, constraints = _by_kind(read(own))
+    given = [*core[0], *core[1], *given]
+    for number in range(len(derived) + 1):
+        yield _slow(derived[number - 1]) if number else _large(own[0].parent)
+        control = clingo.Control([f"-c{name}={value}" for name, value in constants.items()], logger=_silent)
+        control.load(str(CORE))
+        with ast.ProgramBuilder(control) as builder:
+            for each in given + derived[:number]:
+                _add(builder, each.node, each.program)
+            for place, each in enumerate(core[2] + constraints):
+                name = f"constraint_{max(0, place + 1 - len(core[2]))}"
+                _add(builder, each.node, f"{name}_{each.program}")
+        control.ground([("base", []), *parts, ("pick", [])])
+        if number == len(derived):
+            programs = {"base", *(name for name, _ in parts)}
+            yield _large(own[0].parent)
+            control.ground([(f"constraint_0_{program}", []) for program in sorted(programs)])
+            for place, each in enumerate(constraints, start=1):
+                if each.program in programs:
+                    yield _slow(each)
+                    control.ground([(f"constraint_{place}_{each.program}", [])])
+
+
+def _by_kind(statements: Iterable[Statement]) -> tuple[list[Statement], list[Statement], list[Statement]]:
+    """Facts and definitions; rules that derive several atoms; constraints."""
+    given: list[Statement] = []
+    derived: list[Statement] = []
+    constraints: list[Statement] = []
+    for each in statements:
+        kind = each.node.ast_type
+        if kind == ASTType.Rule and str(each.node.head) == "#false":
+            constraints.append(each)
+        elif kind == ASTType.Rule and (each.node.body or ".." in str(each.node)):
+            derived.append(each)
+        elif kind not in {ASTType.Program, ASTType.Comment}:
+            given.append(each)
+    return given, derived, constraints
+
+
+def _add(builder: ast.ProgramBuilder, node: ast.AST, program: str) -> None:
+    builder.add(ast.Program(HERE, program, []))
+    builder.add(node)
+
+
+def _large(directory: Path) -> GrammarError:
+    """What is wrong where the shared rules take too much with what the grammar states."""
+    why = f"to ground the shared rules with what this grammar states {TOO_MUCH}"
+    return GrammarError(f"{why}: ask for fewer rooms, or state fewer types and pieces", directory)
+
+
+def _slow(rule: Statement) -> GrammarError:
+    why = "does it recur without end, or join too many values?"
+    return rule.error(f"to ground this rule {TOO_MUCH}: {why} {written(rule.node)}")
+
+
+def _silent(code: clingo.MessageCode, text: str) -> None:
+    """What clingo remarks on is said when the grammar is loaded."""

@@ -1,0 +1,247 @@
+"""The words of a grammar's .lp files: what is misspelt, and what nothing uses."""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from clingo import Symbol
+from clingo.ast import AST, ASTSequence, ASTType, Sign
+
+from logic.errors import GrammarError
+from logic.grammar import ADJACENT, LENGTHS, PLANS, STAR
+from logic.language.audit import STAGES, UNITS
+from logic.language.causes import Mistake, misspelt_name
+from logic.language.inexpressible import inexpressible
+from logic.language.statements import Statement, error_at, read
+from logic.layout.program import CORE
+from logic.spelling import closest
+
+Signature = tuple[str, int]
+
+
+class Use(NamedTuple):
+    """A word in a statement: its node."""
+
+    node: Any
+    statement: Statement
+
+
+@dataclass
+class Words:
+    """The predicates that statements derive and use, their constants and #const names, each with its uses."""
+
+    derived: dict[Signature, list[Use]] = field(default_factory=dict)
+    used: dict[Signature, list[Use]] = field(default_factory=dict)
+    constants: dict[str, list[Use]] = field(default_factory=dict)
+    stated: set[str] = field(default_factory=set)
+    """The constants that stand in heads."""
+    defined: dict[str, Use] = field(default_factory=dict)
+    rules: list[Statement] = field(default_factory=list)
+    opened: dict[Signature, Use] = field(default_factory=dict)
+    """What ``#defined`` names: of the core, what a grammar may state."""
+    documented: set[Signature] = field(default_factory=set)
+    """What a comment ``%*! p(A,B): ... *%`` describes."""
+    core: "Words | None" = None
+    """Of a grammar's words: those of the core with the grammar's topology."""
+
+
+def words(statements: Iterable[Statement], core: Words | None = None) -> Words:
+    """All words of these statements."""
+    found = Words(core=core)
+    for statement in statements:
+        node = statement.node
+        if node.ast_type == ASTType.Rule:
+            found.rules.append(statement)
+            _read(node.head, statement, found, found.derived)
+            for literal in node.body:
+                _read(literal, statement, found, found.used)
+        elif node.ast_type == ASTType.Defined:
+            found.opened[node.name, node.arity] = Use(node, statement)
+        elif node.ast_type == ASTType.Definition:
+            found.defined[node.name] = Use(node, statement)
+        elif node.ast_type == ASTType.Comment and node.value.startswith("%*!"):
+            for name, arguments in re.findall(r"\b([a-z]\w*)\(([^()]*)\):", node.value):
+                found.documented.add((name, arguments.count(",") + 1))
+    return found
+
+
+@cache
+def core_words(topology: tuple[Path, ...] = (STAR,)) -> Words:
+    """The words of the core with these files of a topology, and what is read where a rule names it."""
+    named = [ADJACENT] if set(PLANS) <= set(topology) and ADJACENT not in topology else []
+    return words(read([CORE, *topology, *named]))
+
+
+def stages(core: Words) -> tuple[str, ...]:
+    """The programs of a layout with these words of the core, in their order."""
+    return (UNITS, *STAGES) if ("unit", 2) in core.derived else STAGES
+
+
+def _read(node: Any, statement: Statement, found: Words, atoms: dict[Signature, list[Use]]) -> None:
+    """Collect atoms and constants below a node; conditions and negative literals in a head are used."""
+    if isinstance(node, ASTSequence | list | tuple):
+        for part in node:
+            _read(part, statement, found, atoms)
+        return
+    if not isinstance(node, AST):
+        return
+    kind = node.ast_type
+    if kind == ASTType.ConditionalLiteral:
+        _read(node.literal, statement, found, atoms)
+        _read(node.condition, statement, found, found.used)
+        return
+    if kind == ASTType.Literal and node.sign != Sign.NoSign:
+        atoms = found.used
+    if kind == ASTType.SymbolicAtom:
+        for atom in alternatives(node.symbol):
+            if atom.ast_type == ASTType.Function:
+                arguments = atom.arguments
+                atoms.setdefault((atom.name, len(arguments)), []).append(Use(atom, statement))
+                _read(arguments, statement, found, atoms)
+        return
+    name = ""
+    if kind == ASTType.Function and not node.arguments:
+        name = str(node.name)
+    elif kind == ASTType.SymbolicTerm and not re.fullmatch(r"-?\d+|#\w+", str(node.symbol)):
+        name = str(node.symbol)
+    if name:
+        found.constants.setdefault(name, []).append(Use(node, statement))
+        if atoms is found.derived:
+            found.stated.add(name)
+    if kind not in _CHILDREN:
+        _CHILDREN[kind] = node.child_keys
+    for key in _CHILDREN[kind]:
+        _read(getattr(node, key), statement, found, atoms)
+
+
+_CHILDREN: dict[ASTType, list[str]] = {}
+"""The children of each kind of node: to ask each node takes most of the time of reading."""
+
+
+def alternatives(symbol: Any) -> list[Any]:
+    """The functions of an atom: those of a pool, and what classical negation negates."""
+    if symbol.ast_type == ASTType.Pool:
+        return [each for part in symbol.arguments for each in alternatives(part)]
+    if symbol.ast_type == ASTType.UnaryOperation:
+        return alternatives(symbol.argument)
+    return [symbol]
+
+
+def misspelt_predicates(own: Words) -> Iterator[Mistake]:
+    """Predicates that nothing derives or uses."""
+    core = own.core or core_words()
+    known = {*core.used, *core.derived, *core.opened}
+    for signature, uses in ({each: [use] for each, use in own.opened.items()} | own.used).items():
+        if signature not in own.derived and signature not in known:
+            yield _unknown(signature, "derives", uses[0], known | set(own.derived), core)
+    inputs = {each for each in known if each not in core.derived or each in core.opened}
+    for signature, uses in own.derived.items():
+        if signature not in own.used and signature not in known:
+            yield _unknown(signature, "uses", uses[0], inputs | set(own.used), core)
+
+
+def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
+    """Constants that no other statement names. ``sized`` are the names that the ``.pl`` files know."""
+    core = own.core or core_words()
+    known = {*core.used, *core.derived, *core.opened}
+    # The values of a choice may be there to be picked, and no more.
+    values = [str(use.node.arguments[1]) for use in own.derived.get(("option", 3), ())]
+    values += [str(use.node.arguments[0]) for use in own.derived.get(("topology", 1), ())]
+    elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
+    spoken = {each for each in elsewhere if len(each) > 1}  # Letters are parameters of the core's programs.
+    others = {*elsewhere, *own.stated, *own.defined}
+    for name, uses in own.constants.items():
+        if name in own.defined or name in elsewhere:
+            continue
+        if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
+            continue  # A value in a table of the grammar's own, such as zone(kitchen,loud).
+        if len(uses) == 1:
+            yield _misspelt(name, uses[0], "stands nowhere else", others - {name})
+        elif name not in own.stated:
+            yield _misspelt(name, uses[0], "stands in no fact or head", others)
+    for name, use in own.defined.items():
+        if name not in own.constants:
+            error = error_at(use.node, f"#const {name} is not used{_meant(name, core.defined)}")
+            yield misspelt_name(error, name, "")
+
+
+def _misspelt(name: str, use: Use, what: str, others: set[str]) -> Mistake:
+    error = error_at(use.node, f"{name} {what}{_meant(name, others)}")
+    return misspelt_name(error, name.strip("'"), closest(name, others) or "")
+
+
+def capitalised(own: Words) -> Iterator[GrammarError]:
+    """Variables that stand once in a rule and are called as a constant is: ``room(R,Hall)`` is any room."""
+    names = own.constants.keys()
+    for statement in own.rules:
+        variables = re.findall(r"\b[A-Z][a-z]\w+", str(statement.node))
+        for variable in variables:
+            name = variable[0].lower() + variable[1:]
+            if name in names and variables.count(variable) == 1:
+                yield statement.error(f"{variable} stands for anything here: did you mean {name}?")
+
+
+def _beside(name: str, own: Words, known: set[Signature]) -> set[str] | None:
+    """What stands in the same argument of a grammar's own predicate as a name; None if it stands in none."""
+    for signature, uses in own.derived.items():
+        columns = [] if signature in known else zip(*(use.node.arguments for use in uses), strict=True)
+        for arguments in columns:
+            values = set(re.findall(r"\"[^\"]*\"|[\w']+", " ".join(map(str, arguments))))
+            if name in values:
+                return values - {name}
+    return None
+
+
+def places(fact: Symbol, own: Words) -> list[Use]:
+    """The heads, in the order of the files, that name a ground atom, or else those that may derive it."""
+
+    def names(argument: Symbol, text: str) -> bool:
+        return bool(re.search(rf"(?<!\w){re.escape(str(argument))}(?!\w)", text))
+
+    def each_in_place(use: Use) -> bool:
+        within = [str(argument) for argument in getattr(use.node, "arguments", ())]
+        return len(within) == len(fact.arguments) and all(map(names, fact.arguments, within))
+
+    heads = [use for (name, _), uses in own.derived.items() if name == fact.name for use in uses]
+    named = [use for use in heads if all(names(each, str(use.node)) for each in fact.arguments)]
+    return (
+        [use for use in named if each_in_place(use)]
+        or named
+        or [use for use in heads if use.statement.node.body]
+    )
+
+
+def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature], core: Words) -> Mistake:
+    name, arity = signature
+    here = f"{name}/{arity}"
+    if sentence := inexpressible(name):
+        return misspelt_name(error_at(use.node, sentence), here, "")
+    if name in core_words().defined:
+        error = error_at(use.node, f"{name} is a constant: write {name} = {use.node.arguments[0]}")
+        return misspelt_name(error, here, "")
+    if name in {"room_size", "piece_size", *LENGTHS}:
+        why = f"{name} belongs in a .pl file: see docs/rules.md#lengths-in-pl-files"
+        return misspelt_name(error_at(use.node, why), here, "")
+    meant = _meant_predicate(signature, known, core)
+    hint = f": did you mean {meant}?" if meant else ""
+    return misspelt_name(error_at(use.node, f"nothing {what} {here}{hint}"), here, meant)
+
+
+def _meant_predicate(signature: Signature, known: Iterable[Signature], core: Words) -> str:
+    """The predicate that was meant, as ``window/2``: of this name or the most similar one, with as many
+    arguments if it can be, rather a documented one.
+    """
+    name, arity = signature
+    known = set(known) - {signature}
+    close = name if any(other == name for other, _ in known) else closest(name, {other for other, _ in known})
+    same = [each for each in known if each[0] == close]
+    best = min(same, key=lambda each: (each[1] != arity, each not in core.documented, each), default=None)
+    return f"{best[0]}/{best[1]}" if best else ""
+
+
+def _meant(name: str, names: Iterable[str]) -> str:
+    close = closest(name, names)
+    return f": did you mean {close}?" if close else ""

@@ -1,0 +1,1 @@
+"""Stage 1, clingo: every discrete choice of a house, as atoms."""

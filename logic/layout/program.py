@@ -1,0 +1,316 @@
+"""Stage 1, clingo: every discrete choice of a house, sampled by weight whatever the solver's state.
+
+The rules make each free choice a variable that picks from weighted options (``rules/pick.lp``). A layout is
+sampled pick by pick: the variables turn by turn, in random order within each turn, each taking its first
+value, in random order, that some stable model shares with all the picks before it. clingo finds that model in
+one go: it branches on the picks in just this order, so what it has to take back is proved impossible, and the
+first model is the lexicographically first (Di Rosa, Giunchiglia and Maratea, Constraints 15, 2010). So a
+layout depends on the rules and the random numbers alone, never on what was solved before.
+"""
+
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Timer
+
+import clingo
+import numpy as np
+from clingo import Function, Symbol
+
+from logic.errors import GrammarError
+from logic.grammar import RULES
+from logic.layout.branching import Brancher
+from logic.layout.differences import Differences
+from logic.layout.messages import clingo_error
+
+Part = tuple[str, Sequence[Symbol]]
+"""A ``#program`` part of the rules and its arguments."""
+
+Nogood = Mapping[Symbol, bool]
+"""Atoms that do not all hold, or fail, as stated together in one layout."""
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """A minimal set of reasons why a room cannot have its furniture: take one away and CLP(R) has a solution.
+
+    ``atoms`` of the layout, each of which holds or fails; ``clauses`` of the grammar, as terms:
+    ``length(passage)``, ``size(bedroom)``, ``size(bedroom,bed)``.
+    """
+
+    atoms: Mapping[Symbol, bool]
+    clauses: tuple[Symbol, ...]
+
+
+EVERY = ("--models=0", "--project=show")
+"""Arguments of a program that is to give every layout once."""
+
+LASTING = ("--heuristic=Berkmin", "--del-init=3,200,200", "--del-grow=1.1,50,+,100,20")
+"""Arguments of a program that is solved for thousands of houses, each a short search in a given order.
+
+By default clasp deletes learnt nogoods after some thousand conflicts of one search. A house has a few, so it
+would keep, and propagate, all that it ever learns. This keeps fewer, and more within a long search. The
+heuristic has nothing to choose: a cheap one.
+"""
+
+LAYOUTS = 1000
+"""After as many, a program forgets all that it has learnt, since even so that grows slowly."""
+
+LEMMAS, NOTHING = 8, 0
+"""What clasp's option ``forget_on_step`` can say."""
+
+CORE = RULES / "core.lp"
+
+
+class Endless(Exception):
+    """There are more ground rules than were asked for, perhaps without end."""
+
+
+class Instances(clingo.Observer):
+    """Counts ground rules, and by the literals that they depend on."""
+
+    def __init__(self, most: int | None = None) -> None:
+        """End the grounding by ``Endless`` past this number of ground rules, if any."""
+        self._most = most
+        self.number = 0
+        self.of: Counter[int] = Counter()
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """A ground rule."""
+        for literal in body:  # There are very many: Counter.update takes four times as long.
+            self.of[literal] += 1
+        self.number += 1
+        if self._most is not None and self.number > self._most:
+            raise Endless
+
+
+class Literals:
+    """The literals of the atoms that may hold in a ground program, of which few are ever asked for."""
+
+    def __init__(self, atoms: clingo.SymbolicAtoms) -> None:
+        """Look them up among the atoms of a ground program, which must live as long."""
+        # Not the control itself: kept alive here, it would outlive its theory and crash.
+        self._atoms = atoms
+        self._known: dict[Symbol, int | None] = {}
+
+    def get(self, atom: Symbol) -> int | None:
+        """The literal of an atom; None where it can never hold."""
+        if atom not in self._known:
+            found = self._atoms[atom]
+            self._known[atom] = found.literal if found else None
+        return self._known[atom]
+
+    def __getitem__(self, atom: Symbol) -> int:
+        """The literal of an atom that may hold; ``KeyError`` for others."""
+        literal = self.get(atom)
+        if literal is None:
+            raise KeyError(atom)
+        return literal
+
+    def __contains__(self, atom: Symbol) -> bool:
+        """Whether an atom may hold."""
+        return self.get(atom) is not None
+
+
+class Program:
+    """One ground program: the rooms of a house, or the furniture of one type of room."""
+
+    def __init__(
+        self,
+        files: Iterable[Path],
+        constants: Mapping[str, object],
+        parts: Iterable[Part],
+        arguments: Iterable[str] = (),
+        most: int | None = None,
+    ) -> None:
+        """Ground these parts of the core and the grammar's files, with these constants.
+
+        A layout is the atoms that hold and that the rules show. ``remarks`` keeps what clingo remarks on the
+        way. Raises ``GrammarError`` for its first error, ``Endless`` past this number of ground rules.
+        """
+        self.files, self.constants, self.parts = tuple(files), constants, tuple(parts)
+        self.remarks = remarks = list[str]()
+        self._control = clingo.Control(
+            [*LASTING, *arguments, *(f"-c{name}={value}" for name, value in constants.items())],
+            # Of the list alone: in a circle with its control, a theory might be freed first, which crashes.
+            logger=lambda _, text: remarks.append(text),
+            message_limit=1000,
+        )
+        if most:
+            self._control.register_observer(Instances(most))
+        self._differences = Differences(self._control, (CORE, *self.files), self.parts, self.remarks.append)
+        try:
+            self._differences.load()
+            self._control.ground([("base", []), *self.parts, ("pick", [])])
+        except RuntimeError as error:
+            if "bad_alloc" in str(error):
+                raise MemoryError from None
+            raise clingo_error(self.remarks, str(error)) from None
+        self._differences.prepare()
+        self.models: list[tuple[list[Symbol], list[Symbol]]] | None = None
+        """Each sampled layout with all atoms that hold in it; None, unless it is set, to keep none."""
+        self._literal = Literals(self._control.symbolic_atoms)
+        self._turns, self._counts, self._single, self._choices, self._weights = self._options(most is None)
+        self._brancher = Brancher(self._choices)
+        self._control.register_propagator(self._brancher)
+        self._search = ExitStack()
+        self._handle: clingo.SolveHandle | None = None
+        self._assumed, self._excluding, self._sampled = list[int](), False, 0
+
+    def _options(self, strict: bool) -> tuple[np.ndarray, ...]:
+        """The options of all variables, in the rules' own order.
+
+        For each variable: its turn, how many options there are. For each option: whether its variable picks
+        just one, its pick literal, its weight.
+        """
+        options: dict[Symbol, dict[Symbol, int]] = {}
+        for symbol in self.atoms("option", 3):
+            variable, value, weight = symbol.arguments
+            if weight.type != clingo.SymbolType.Number or weight.number < 1:
+                if not strict:
+                    continue
+                raise GrammarError(f"{symbol}: a weight must be a positive integer")
+            options.setdefault(variable, {})[value] = weight.number
+        picks = [
+            (self._literal[Function("pick", [variable, value])], weight)
+            for variable, values in sorted(options.items())
+            for value, weight in sorted(values.items())
+        ]
+        counts = [len(values) for _, values in sorted(options.items())]
+        several = {symbol.arguments[0] for symbol in self.atoms("picks", 2)}
+        turns = {
+            variable: turn.number
+            for variable, turn in (symbol.arguments for symbol in self.atoms("turn", 2))
+            if turn.type == clingo.SymbolType.Number
+        }
+        return (
+            np.array([turns.get(variable, 0) for variable in sorted(options)], int),
+            np.array(counts, int),
+            np.array([variable not in several for variable in sorted(options)], bool).repeat(
+                np.array(counts, int)
+            ),
+            np.array([literal for literal, _ in picks], int),
+            np.array([weight for _, weight in picks], float),
+        )
+
+    def atoms(self, name: str, arity: int) -> list[Symbol]:
+        """All atoms of this signature that may hold, in any model."""
+        return [atom.symbol for atom in self._control.symbolic_atoms.by_signature(name, arity)]
+
+    def facts(self, name: str, arity: int) -> list[Symbol]:
+        """The atoms of this signature that hold in all models."""
+        found = self._control.symbolic_atoms.by_signature(name, arity)
+        return [atom.symbol for atom in found if atom.is_fact]
+
+    def possible(self, assumed: Iterable[Symbol] = (), without: Iterable[Symbol] = ()) -> bool:
+        """Whether there is a layout with all assumed atoms and without any of the others."""
+        self.end_search()
+        return bool(self._control.solve(assumptions=self._literals(assumed, without)).satisfiable)
+
+    def sample(
+        self,
+        rng: np.random.Generator,
+        assumed: Iterable[Symbol] = (),
+        without: Iterable[Symbol] = (),
+        nogoods: Iterable[Nogood] = (),
+    ) -> list[Symbol] | None:
+        """Sample a layout with all assumed atoms, without any of the others, and outside the nogoods.
+
+        Gives its atoms, sorted; None proves that there is no such layout. The same random numbers and
+        arguments give the same layout.
+        """
+        # Exponential numbers divided by weights, in order, are a weighted sample (Efraimidis, Spirakis 2006).
+        keys = rng.exponential(size=len(self._weights)) / self._weights
+        places = rng.permutation(len(self._counts))
+        if self._turns.any():
+            places = np.argsort(np.lexsort((places, self._turns)))
+        ranks = np.repeat(places, self._counts)
+        order = np.lexsort((keys, ranks))
+        # Where a variable picks one value, the first that is taken settles its others.
+        ends = np.cumsum(self._counts[np.argsort(places)])[places]
+        then = np.where(self._single[order], ends.repeat(self._counts)[order], np.arange(len(order)) + 1)
+        excluded = [self._excluded(nogood) for nogood in nogoods]
+        model = self._model(self._literals(assumed, without), order.tolist(), then.tolist(), excluded)
+        if model is None:
+            self.end_search()
+            return None
+        layout = sorted(model.symbols(shown=True))
+        if self.models is not None:
+            self.models.append((layout, list(model.symbols(atoms=True))))
+        return layout
+
+    def _model(
+        self, assumed: list[int], order: list[int], then: list[int], excluded: list[list[int]]
+    ) -> clingo.Model | None:
+        """The first model by the picks in this order.
+
+        To begin a search costs clasp nearly as much as to find a model. So one search goes on for many
+        layouts, as long as these assume the same and have no nogoods.
+        """
+        self._sampled += 1
+        if excluded or self._excluding or assumed != self._assumed or self._sampled > LAYOUTS:
+            self.end_search()
+        self._assumed, self._excluding = assumed, bool(excluded)
+        self._brancher.branch(order, then, excluded)
+        if self._handle is not None:
+            self._handle.resume()
+            model = self._handle.model()
+            if model is not None and not self._brancher.waiting:
+                return model
+            self.end_search()  # As after a layout without any choice: there was no other to go on to.
+            self._brancher.branch(order, then, excluded)
+        self._configure("solver", forget_on_step=LEMMAS if self._sampled > LAYOUTS else NOTHING)
+        self._configure("solve", enum_mode="user", models=0)
+        self._sampled = self._sampled % (LAYOUTS + 1)
+        self._handle = self._search.enter_context(self._control.solve(assumptions=assumed, yield_=True))
+        return self._handle.model()
+
+    def end_search(self) -> None:
+        """End the search that samples, if there is one: the program can be solved in another way."""
+        if self._handle is not None:
+            self._search.close()
+            self._handle = None
+            self._configure("solve", enum_mode="auto", models=1)
+            self._brancher.branch()
+
+    def _configure(self, part: str, **options: object) -> None:
+        for name, value in options.items():
+            setattr(getattr(self._control.configuration, part), name, value)
+
+    def count(self, assumed: Iterable[Symbol], seconds: float) -> Iterator[tuple[int, bool | None]]:
+        """The number of layouts with all assumed atoms: last with True, or with False where there are more
+        than were counted in time; once a second before that, the number so far with None.
+
+        The program must have been made with the arguments ``EVERY``.
+        """
+        begun, shown, number = time.monotonic(), 0.0, 0
+        late = Timer(seconds, self._control.interrupt)  # Where it takes long to find another one.
+        late.daemon = True
+        with self._control.solve(assumptions=self._literals(assumed, ()), yield_=True) as handle:
+            late.start()
+            try:
+                for number, _ in enumerate(handle, start=1):
+                    passed = time.monotonic() - begun
+                    if passed > seconds:
+                        yield number, False
+                        return
+                    if passed > shown + 1:
+                        shown = passed
+                        yield number, None
+            finally:
+                late.cancel()
+            yield number, not handle.get().interrupted
+
+    def _literals(self, assumed: Iterable[Symbol], without: Iterable[Symbol]) -> list[int]:
+        return [self._literal[atom] for atom in assumed] + [-self._literal[atom] for atom in without]
+
+    def _excluded(self, nogood: Nogood) -> list[int]:
+        """The literals of a nogood, one of which must fail. An atom that can never hold fails anyway."""
+        return [
+            literal if holds else -literal
+            for atom, holds in nogood.items()
+            if (literal := self._literal.get(atom)) is not None
+        ]

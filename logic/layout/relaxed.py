@@ -1,0 +1,348 @@
+# clingo.ast leaves the attributes of its nodes untyped.
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
+"""Why there is no house: a minimal set of the user's own statements and choices in conflict.
+
+Every rule and fact of the grammar's files gets one more condition, ``stated(N)``, which is free to hold and
+is assumed. Without the assumption the statement may hold or not: that leaves all the houses there were and
+adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
+something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
+is anything from nothing to very much. What a fact bounds or allows is wider without it, and what no fact
+allows can be added, as ``rules/left_out.lp`` says: so the fact that stands there, or that does not, is among
+the reasons.
+"""
+
+import contextlib
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from time import monotonic
+from typing import Any, NamedTuple
+
+import clingo
+from clingo import Function, Number, Symbol, SymbolType, ast
+from msgspec import structs
+
+from logic.errors import Reason
+from logic.grammar import RULES
+from logic.layout.differences import Differences
+from logic.layout.messages import written
+from logic.layout.program import CORE, Conflict, Endless, Instances, Literals, Part
+
+BEGIN = ast.Position("<explanation>", 1, 1)
+HERE = ast.Location(BEGIN, BEGIN)
+
+LEFT_OUT = RULES / "left_out.lp"
+"""What there could be where a fact is left out or added."""
+
+Signature = tuple[str, int]
+
+ABSENT = " is not stated"
+"""What is said of a fact that a grammar lacks, at the first of its facts of the same kind."""
+
+FAR = 1_000_000
+"""Millimetres, more than anything measures; small enough for clingo to add up."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One thing that may be left out: what the user reads, and the literals that stand for it."""
+
+    reason: Reason
+    literals: tuple[int, ...]
+    clause: Symbol | None = None
+    """Of a ``.pl`` file: see ``Conflict``."""
+
+
+class Source:
+    """Rule files, which are parsed once for all the programs that are made of them."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        """Know the files: the core's own are read beside them."""
+        self.files = tuple(files)
+        self._read: dict[tuple[Any, ...], Conditional] = {}
+
+    def conditional(self, files: Sequence[Path], laws: bool) -> "Conditional":
+        """The statements of some of the files, each rule with its condition.
+
+        Of the core's rules, with ``laws``, those alone that require something.
+        """
+        key = tuple(files), laws
+        if key not in self._read:
+            self._read[key] = _conditional((CORE, *files) if laws else files, laws)
+        return self._read[key]
+
+
+class Conditional(NamedTuple):
+    """Rules with conditions, a reason for each of these, and where facts of some kinds stand first."""
+
+    rules: list[ast.AST]
+    reasons: list[Reason]
+    first: dict[str, Reason]
+
+
+class Late(Exception):
+    """The time to try something is over."""
+
+
+class Relaxed:
+    """A ground program in which each statement of the user's can be left out."""
+
+    def __init__(
+        self,
+        source: Source,
+        constants: dict[str, Any],
+        parts: Iterable[Part],
+        lengths: Iterable[tuple[Symbol, Mapping[Symbol, Reason]]] = (),
+        laws: bool = False,
+        most: int | None = None,
+    ) -> None:
+        """Ground these parts of the core and of the source's files.
+
+        ``lengths`` are facts for stage 1, with the clauses that each comes from and where these stand.
+        With ``laws`` what the core requires can be left out too. With ``most`` ground rules are counted,
+        which takes its time, and those past them are left out: of the files alone, nothing wider or added.
+        """
+        self._control = clingo.Control(
+            [f"-c{name}={value}" for name, value in constants.items()], logger=lambda *_: None
+        )
+        self._instances = Instances(most)
+        if most:
+            self._control.register_observer(self._instances)
+        parts = tuple(parts)
+        self._differences = Differences(self._control, source.files, parts, lambda _: None)
+        if not laws:
+            self._control.load(str(CORE))
+        if not most:
+            self._control.load(str(LEFT_OUT))
+        rules, reasons, first = source.conditional(self._differences.files, laws)
+        found: list[tuple[Reason, Symbol | None]] = [(reason, None) for reason in reasons]
+        with ast.ProgramBuilder(self._control) as builder:
+            for rule in rules:
+                self._differences.add(rule, builder)
+            builder.add(ast.Program(HERE, "base", []))
+            numbers: dict[Symbol, int] = {}
+            for fact, clauses in lengths:
+                for clause, reason in clauses.items():
+                    if clause not in numbers:
+                        numbers[clause] = len(found)
+                        found.append((reason, clause))
+                stated = [_stated(numbers[clause]) for clause in clauses]
+                builder.add(ast.Rule(HERE, _literal(_atom(fact)), [_literal(atom) for atom in stated]))
+                # Without a clause a length has no bounds; what is no length does not hold.
+                for atom in stated if _unbound(fact) != fact else ():
+                    missing = _literal(atom, ast.Sign.Negation)
+                    builder.add(ast.Rule(HERE, _literal(_atom(_unbound(fact))), [missing]))
+            for number in range(len(found)):
+                free = ast.ConditionalLiteral(HERE, _literal(_stated(number)), [])
+                builder.add(ast.Rule(HERE, ast.Aggregate(HERE, None, [free], None), []))
+        with contextlib.suppress(Endless):
+            self._control.ground([("base", []), *parts, ("pick", [])])
+        self._differences.prepare()
+        self._literal_of = Literals(self._control.symbolic_atoms)
+        self._given: list[int] = []
+        self.until = math.inf
+        """When no more layouts are looked for, by ``time.monotonic``."""
+        self.statements = [
+            Statement(reason, (self._literal_of[_stated_symbol(number)],), clause)
+            for number, (reason, clause) in enumerate(found)
+            if _stated_symbol(number) in self._literal_of
+        ]
+        for atom in self._control.symbolic_atoms.by_signature("added'", 1):
+            (fact,) = atom.symbol.arguments
+            place = first.get(fact.name, Reason(""))
+            self.statements.append(
+                Statement(structs.replace(place, text=f"{fact}{ABSENT}"), (-atom.literal,))
+            )
+
+    def choice(self, reason: Reason, holds: Iterable[Symbol] = (), fails: Iterable[Symbol] = ()) -> Statement:
+        """A choice of the request's: that some atoms hold, and others do not."""
+        literals = [self._literal_of[atom] for atom in holds]
+        literals += [-self._literal_of[atom] for atom in fails if atom in self._literal_of]
+        return Statement(reason, tuple(literals))
+
+    def give(self, holds: Iterable[Symbol], fails: Iterable[Symbol]) -> None:
+        """That these atoms hold, and the others do not, is never left out."""
+        self._given += self.choice(Reason(""), holds, fails).literals
+
+    def proved(self, reason: Reason, nogoods: Iterable[Mapping[Symbol, bool]]) -> Statement:
+        """What is proved elsewhere, as a statement: no layout has all atoms of a nogood."""
+        with self._control.backend() as backend:
+            stated = backend.add_atom()
+            backend.add_rule([stated], choice=True)
+            for nogood in nogoods:
+                atoms = [
+                    self._literal_of[atom] if holds else -self._literal_of[atom]
+                    for atom, holds in nogood.items()
+                    if holds or atom in self._literal_of
+                ]
+                backend.add_rule([], [stated, *atoms])
+        return Statement(reason, (stated,))
+
+    @property
+    def instances(self) -> int:
+        """How many ground rules there are, where these are counted."""
+        return self._instances.number
+
+    def binds(self, statement: Statement) -> bool:
+        """Whether a statement has any ground instance, where these are counted."""
+        return any(self._instances.of[literal] for literal in statement.literals)
+
+    def largest(self) -> Statement:
+        """The statement with the most ground instances, where these are counted."""
+        return max(self.statements, key=lambda statement: self._instances.of[statement.literals[0]])
+
+    def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
+        """The shown atoms of a layout under these statements; None if there is none. Raises ``Late``."""
+        if monotonic() > self.until:
+            raise Late
+        with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
+            model = handle.model()
+            return None if model is None else sorted(model.symbols(shown=True))
+
+    def core(self, statements: Sequence[Statement]) -> list[Statement]:
+        """Some of these statements, which have no layout, that have none by themselves."""
+        core: set[int] = set()
+        self._control.solve(assumptions=self._assumed(statements), on_core=core.update)
+        return [statement for statement in statements if core.intersection(statement.literals)]
+
+    def _assumed(self, statements: Iterable[Statement]) -> list[int]:
+        return self._given + [literal for statement in statements for literal in statement.literals]
+
+    def at_most(self, number: int, choices: Iterable[Statement]) -> Statement:
+        """That at most this number of choices, each of one atom that holds, are otherwise."""
+        with self._control.backend() as backend:
+            more = backend.add_atom()
+            others = [(-literal, 1) for choice in choices for literal in choice.literals]
+            backend.add_weight_rule([more], number + 1, others)
+        return Statement(Reason(f"at most {number} other changes"), (-more,))
+
+    def exclude(self, conflict: Conflict) -> None:
+        """Exclude all layouts with this conflict, as long as its clauses are stated."""
+        clauses = [
+            statement.literals[0] for statement in self.statements if statement.clause in conflict.clauses
+        ]
+        atoms = [
+            self._literal_of[atom] if holds else -self._literal_of[atom]
+            for atom, holds in conflict.atoms.items()
+            if atom in self._literal_of
+        ]
+        with self._control.backend() as backend:
+            backend.add_rule([], clauses + atoms)
+
+
+def minimal(
+    statements: Sequence[Statement],
+    possible: Callable[[Sequence[Statement]], bool],
+    core: Callable[[Sequence[Statement]], list[Statement]],
+) -> list[Statement]:
+    """Statements that are impossible together, and possible with any one of them left out."""
+    needed = core(statements)
+    # A rule is more readily left out than the facts above it, which it may stand in for.
+    for statement in reversed(list(needed)):
+        if statement in needed:
+            fewer = [other for other in needed if other is not statement]
+            if not possible(fewer):
+                needed = core(fewer)
+    return needed
+
+
+def preferred(
+    statements: Sequence[Statement],
+    possible: Callable[[Sequence[Statement]], bool],
+    core: Callable[[Sequence[Statement]], list[Statement]],
+) -> list[Statement]:
+    """The same, of the first statements wherever these do: few steps where many are impossible by a few.
+
+    QuickXplain: Junker, AAAI 2004.
+    """
+
+    def needed(before: list[Statement], new: bool, some: list[Statement]) -> list[Statement]:
+        if new and not possible(before):
+            return []
+        if len(some) == 1:
+            return some
+        first, then = some[: len(some) // 2], some[len(some) // 2 :]
+        last = needed([*before, *first], True, then)
+        return needed([*before, *last], bool(last), first) + last
+
+    return needed([], False, core(statements))
+
+
+def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
+    """See ``Source.conditional``."""
+    found = Conditional([ast.Program(HERE, "base", [])], [], {})
+    kinds = _left_out_facts()
+
+    def take(statement: ast.AST) -> None:
+        begin = statement.location.begin
+        own = RULES not in Path(begin.filename).parents
+        if statement.ast_type == ast.ASTType.Rule and (own or (laws and str(statement.head) == "#false")):
+            stated = _stated(len(found.reasons))
+            found.reasons.append(Reason(written(statement), begin.filename, begin.line, begin.column))
+            if (signature := _signature(statement.head)) in kinds:
+                found.first.setdefault(signature[0], found.reasons[-1])
+                found.rules.append(_about("listed'", statement, []))
+                found.rules.append(_about("without'", statement, [_literal(stated, ast.Sign.Negation)]))
+            statement = statement.update(body=[*statement.body, _literal(stated)])
+        found.rules.append(statement)
+
+    for file in files:
+        ast.parse_files([str(file)], take)
+    return found
+
+
+@cache
+def _left_out_facts() -> set[Signature]:
+    """The facts that ``rules/left_out.lp`` asks for."""
+    found = set[Signature]()
+
+    def take(statement: ast.AST) -> None:
+        for literal in statement.body if statement.ast_type == ast.ASTType.Rule else ():
+            if _signature(literal) in {("listed'", 1), ("without'", 1)}:
+                fact = literal.atom.symbol.arguments[0]
+                found.add((fact.name, len(fact.arguments)))
+
+    ast.parse_files([str(LEFT_OUT)], take)
+    return found
+
+
+def _signature(literal: ast.AST) -> Signature | None:
+    """Of an atom, or of all in a pool as ``lit(hall;study)``, in a head or a body; None for anything else."""
+    if literal.ast_type != ast.ASTType.Literal or literal.atom.ast_type != ast.ASTType.SymbolicAtom:
+        return None
+    symbol = literal.atom.symbol
+    one = symbol.arguments[0] if symbol.ast_type == ast.ASTType.Pool else symbol
+    return (one.name, len(one.arguments)) if one.ast_type == ast.ASTType.Function else None
+
+
+def _about(name: str, rule: ast.AST, conditions: Sequence[ast.AST]) -> ast.AST:
+    """The rule with its head as a term of an atom of this name, under more conditions."""
+    atom = ast.SymbolicAtom(ast.Function(HERE, name, [rule.head.atom.symbol], False))
+    return rule.update(head=_literal(atom), body=[*rule.body, *conditions])
+
+
+def _stated(number: int) -> ast.AST:
+    return _atom(_stated_symbol(number))
+
+
+def _stated_symbol(number: int) -> Symbol:
+    return Function("stated", [Number(number)])
+
+
+def _atom(symbol: Symbol) -> ast.AST:
+    terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
+    return ast.SymbolicAtom(ast.Function(HERE, symbol.name, terms, False))
+
+
+def _unbound(length: Symbol) -> Symbol:
+    """The fact of a length of which nothing is known: its numbers are least and greatest ones in turn."""
+    bounds = itertools.cycle([Number(0), Number(FAR)])
+    numbers = [a if a.type != SymbolType.Number else next(bounds) for a in length.arguments]
+    return Function(length.name, numbers)
+
+
+def _literal(atom: ast.AST, sign: ast.Sign = ast.Sign.NoSign) -> ast.AST:
+    return ast.Literal(HERE, sign, atom)

@@ -1,0 +1,146 @@
+"""What enters stage 1 beside the rules, as ASP terms: a request's requirements and a grammar's lengths."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import ceil, floor
+from typing import Any
+
+from clingo import Function, Number, Symbol
+
+from logic.layout.program import Part
+from logic.request.fixed_rooms import FixedRoom
+from logic.request.given_plan import OwnPlan
+from logic.request.request import MOST, Range, Request
+
+STEP = 500
+"""Millimetres: how precisely stage 1 knows the depth of a unit."""
+
+Lengths = Mapping[str, Sequence[tuple[Symbol, Symbol]]]
+"""For each room type the lengths that stage 1 knows, facts, each with the clause that it comes from."""
+
+
+def requirements(kind: str, ranges: Mapping[str, Range]) -> list[Symbol]:
+    """The requirements ``among`` (room types) or ``has`` (pieces), by name: see ``rules/request.lp``."""
+    return [
+        Function(kind, [Function(name), Number(least), Number(MOST if most is None else most)])
+        for name, (least, most) in sorted(ranges.items())
+    ]
+
+
+def fixed_requirements(rooms: Sequence[FixedRoom]) -> list[Symbol]:
+    """The requirement ``fixed`` of each fixed room."""
+    return [
+        Function("fixed", [Number(number), Function(fixed.room.type), Function(fixed.side)])
+        for number, fixed in enumerate(rooms)
+    ]
+
+
+def room_requirements(request: Request) -> list[Symbol]:
+    """All that a request requires of the rooms of a house."""
+    own = own_requirements(request.plan) if request.plan else {}
+    return [*requirements("among", request.types), *fixed_requirements(request.fixed), *own]
+
+
+def shared_requirements(request: Request) -> list[Symbol]:
+    """All that a request requires of the rooms of a house of units: see ``rules/units.lp``."""
+    return requirements("shared", request.types)
+
+
+def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
+    """The requirements of a plan of the user's, each in words: see ``rules/own.lp``."""
+    found = {}
+    ends = [max(line[side][1] for line in plan.lines) for side in ("east", "south")]
+    for number, (room, lines) in enumerate(zip(plan.rooms, plan.lines, strict=True)):
+        at = []
+        for side in ("west", "east", "north", "south"):
+            axis, place = lines[side]
+            last = ends["xy".index(axis)]
+            outline = {("x", 0): "west", ("x", last): "east", ("y", 0): "north", ("y", last): "south"}
+            name = outline[axis, place] if place in (0, last) else ""
+            at.append(Function("outline", [Function(name)]) if name else Function(axis, [Number(place)]))
+        size = f"{room.width:.2f} by {room.height:.2f} m at x {room.x:.2f}, y {room.y:.2f}"
+        found[Function("drawn", [Number(number), *at])] = f"plan: {room.name} is {size}"
+        if room.type:
+            typed = Function("typed", [Number(number), Function(room.type)])
+            found[typed] = f"plan: {room.name} is of type {room.type}"
+    for door in plan.doors:
+        if wall := plan.wall_of(door):
+            behind = Function(wall.side) if wall.behind is None else Number(wall.behind)
+            joined = Function("joined", [Number(wall.room), behind])
+            found[joined] = f"plan: a door joins {door.between[0]} and {door.between[1]}"
+    for kind, some in (
+        ("doors", [door for door in plan.doors if not door.is_entrance]),
+        ("windows", plan.windows),
+    ):
+        if some:
+            found[Function("only", [Function(kind)])] = f"plan: there are no other {kind}"
+    return found
+
+
+def granted(requirement: Symbol) -> Symbol:
+    """The atom to assume where a requirement is to hold."""
+    return Function("granted", [requirement])
+
+
+def parts(terms: Iterable[Symbol]) -> list[Part]:
+    """The parts of the rules that these terms name, with their arguments."""
+    return [(term.name, term.arguments) for term in terms]
+
+
+def to_furnish(type_: str, rooms: int) -> list[Symbol]:
+    """The atoms of which one holds where some room is of this type and is to be furnished."""
+    return [Function("bare", [Number(number), Function(type_)]) for number in range(rooms)]
+
+
+def length_facts(lengths: Mapping[str, Any]) -> Lengths:
+    """The lengths (see ``logic.placement.placer.Placer.lengths``) in whole millimetres, by room type."""
+    named = [
+        (Function("length", [Function(name), Number(floor(1000 * m))]), Function("length", [Function(name)]))
+        for name, m in lengths["lengths"].items()
+    ]
+    facts = {}
+    for type_, extremes in lengths["rooms"].items():
+        kind = Function(type_)
+        reach = Function("reach", [kind, *_millimetres(extremes)])
+        facts[type_] = [*named, (reach, Function("size", [kind]))]
+        for piece, each in lengths["pieces"][type_].items():
+            extent = Function("extent", [Function(piece), *_millimetres(each)])
+            facts[type_].append((extent, Function("size", [kind, Function(piece)])))
+    return facts
+
+
+def wall_facts(
+    extremes: Iterable[Sequence[Any]], doorway: float, contact: float
+) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+    """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
+
+    ``extremes``: see ``logic.placement.placer.Placer.wall_lengths``; ``doorway``, ``contact``: metres. Clauses
+    that only stage 2 knows have a fact too.
+    """
+    door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])
+    clauses = tuple(Function("length", [Function(name)]) for name in ("door_width", "door_margin"))
+    share = Function("length", [Function("contact"), Number(floor(1000 * contact))])
+    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = [(door, clauses), (share, ())]
+    only = [Function("house_size")]
+    for type_, reach, bends, brims in extremes:
+        kind = Function(type_)
+        clauses = Function("size", [kind]), Function("room_area", [kind])
+        facts.append((Function("reach", [kind, *_millimetres(reach)]), clauses))
+        for name, bound, pairs in (("bend", ceil, bends), ("brim", floor, brims)):
+            facts += [
+                (Function(name, [kind, *(Number(bound(1000 * metres)) for metres in pair)]), clauses)
+                for pair in pairs
+            ]
+        only.append(Function("window_size", [kind]))
+    return facts + [(Function("sized", [clause]), (clause,)) for clause in only]
+
+
+def depth_steps(least: float, most: float) -> list[Symbol]:
+    """What is known of the depths of units, metres: facts of ``rules/units.lp``."""
+    first, last = floor(1000 * least / STEP), ceil(1000 * most / STEP)
+    return [Function("step", [Number(STEP * number)]) for number in range(first, last + 1)]
+
+
+def _millimetres(extremes: Sequence[float]) -> list[Symbol]:
+    """Least and greatest lengths in turn, as whole millimetres that exclude none of them."""
+    bounds = [floor, ceil] * (len(extremes) // 2)
+    return [Number(bound(1000 * metres)) for bound, metres in zip(bounds, extremes, strict=True)]

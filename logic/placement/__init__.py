@@ -1,0 +1,1 @@
+"""Stage 2, SWI-Prolog: every length of a house, by linear constraints."""

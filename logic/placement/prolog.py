@@ -1,0 +1,126 @@
+"""SWI-Prolog in this process: predicates of the core are called with terms, and answer in JSON.
+
+Terms are built through pyswip's C interface. No text of Prolog is ever made, so no name in a rule file or in
+a request can become code. SWI-Prolog is one engine a process: this runs in a worker process
+(``logic.workers.worker``) and nowhere else.
+"""
+
+import json
+from collections.abc import Sequence
+from ctypes import byref, c_char_p
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from clingo import Symbol, SymbolType
+
+from logic.errors import MissingProgram, VitruviusError
+
+try:
+    from pyswip import core as swi
+except Exception as error:  # pyswip raises many kinds where it finds no usable SWI-Prolog.
+    raise MissingProgram(f"SWI-Prolog cannot be used: {error}. Install it, or use ./run") from None
+
+FLAGS = swi.PL_Q_NODEBUG | swi.PL_Q_CATCH_EXCEPTION
+
+
+class Term:
+    """A compound term."""
+
+    def __init__(self, name: str, *arguments: Any) -> None:
+        """A name and arguments, as for ``ask``."""
+        self.name, self.arguments = name, arguments
+
+
+class PrologError(Exception):
+    """A predicate has raised an error; its text is the term."""
+
+
+def load(file: Path) -> None:
+    """Load a file of the core, unless it is loaded."""
+    run("use_module", str(file), module="system")
+
+
+def run(predicate: str, *arguments: Any, module: str) -> None:
+    """Call a predicate, see ``ask``."""
+    _called(module, predicate, arguments, answers=False)
+
+
+def ask(predicate: str, *arguments: Any, module: str = "core") -> Any:
+    """What a predicate answers: JSON, in the argument that follows these.
+
+    An argument is a number, a name, a symbol of clingo, a ``Term``, or some of these in order: a list. Raises
+    ``PrologError`` where the predicate raises an error.
+    """
+    return json.loads(_called(module, predicate, arguments, answers=True))
+
+
+def _called(module: str, predicate: str, arguments: Sequence[Any], answers: bool) -> str:
+    """The text of the last argument, which the predicate is to bind, where it ``answers``."""
+    frame = swi.PL_open_foreign_frame()
+    terms, answer = _terms(arguments, answers), len(arguments)
+    called = swi.PL_predicate(predicate, answer + answers, module)
+    query = swi.PL_open_query(None, FLAGS, called, terms)
+    try:
+        if swi.PL_next_solution(query):
+            return _text(terms + answer, swi.CVT_ATOMIC) if answers else ""
+        if error := swi.PL_exception(query):
+            raise PrologError(_text(error, swi.CVT_WRITE))
+        raise VitruviusError(f"SWI-Prolog has no answer to {predicate}{tuple(arguments)}"[:200])
+    finally:
+        swi.PL_cut_query(query)
+        swi.PL_discard_foreign_frame(frame)
+
+
+def _text(term: int, kind: int) -> str:
+    with swi.PL_STRINGS_MARK():
+        text = c_char_p()
+        swi.PL_get_chars(term, byref(text), kind | swi.REP_UTF8)
+        return (text.value or b"").decode()
+
+
+def _terms(values: Sequence[Any], more: bool = False) -> int:
+    """The first of new terms in a row, one for each value, and one more that is unbound."""
+    terms = swi.PL_new_term_refs(len(values) + more)
+    for place, value in enumerate(values):
+        _put(terms + place, value)
+    return terms
+
+
+def _put(term: int, value: Any) -> None:
+    """Make a new term what a value is."""
+    match value:
+        case Symbol():
+            swi.PL_recorded(_record(value), term)
+        case str():
+            text = value.encode()
+            swi.PL_put_chars(term, swi.PL_ATOM | swi.REP_UTF8, len(text), text)
+        case int():
+            swi.PL_put_integer(term, value)
+        case float():
+            swi.PL_unify_float(term, value)
+        case Term():
+            functor = _functor(value.name, len(value.arguments))
+            swi.PL_cons_functor_v(term, functor, _terms(value.arguments))
+        case _:
+            swi.PL_put_nil(term)
+            for element in reversed([*value]):
+                swi.PL_cons_list(term, _terms([element]), term)
+
+
+@cache
+def _record(symbol: Symbol) -> int:
+    """A copy of a symbol's term: of a grammar's atoms there are few, and each is in many layouts."""
+    term = swi.PL_new_term_ref()
+    if symbol.type is SymbolType.Number:
+        _put(term, symbol.number)
+    elif symbol.type is SymbolType.Function and symbol.name and symbol.arguments and symbol.positive:
+        _put(term, Term(symbol.name, *symbol.arguments))
+    else:
+        _put(term, str(symbol))
+    return swi.PL_record(term)
+
+
+@cache
+def _functor(name: str, arity: int) -> int:
+    return swi.PL_new_functor(swi.PL_new_atom(name), arity)

@@ -1,0 +1,1 @@
+"""Why there is no house: a minimal set of statements in conflict."""

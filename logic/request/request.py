@@ -1,0 +1,170 @@
+"""What a house must have: the user's choices, beside what the grammar says."""
+
+import operator
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import msgspec
+
+from logic.errors import RequestError
+from logic.request.fixed_rooms import FixedRoom, from_records
+from logic.request.given_plan import OwnPlan
+from logic.spelling import unknown
+
+Range = tuple[int, int | None]
+"""The least number and the greatest, None for no bound."""
+
+Count = int | tuple[int, int | None]
+"""An exact number, or a range."""
+
+MOST_ROOMS = 128
+MOST = 2**31 - 1
+"""The greatest number of clingo: no bound."""
+
+
+def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+    """A whole number of any library, as Python's. Raises ``RequestError`` for another value, and out of
+    ``least`` to ``most``.
+    """
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise RequestError(f"{name} must be a whole number, {least} or more, not {value!r}") from None
+    if not least <= number <= most:
+        bounds = f"a whole number, {least} or more" if number < least else f"at most {most}"
+        raise RequestError(f"{name} must be {bounds}, not {number}")
+    return number
+
+
+@dataclass(frozen=True)
+class Request:
+    """The number of secondary rooms, how many are of each type, and how much furniture they have.
+
+    ``furniture`` counts pieces in each room that may have them (``bed``) or in rooms of one type
+    (``bedroom.bed``); both hold where both are given. ``cell`` is the side of a grid's cell in metres, 0
+    for none.
+    """
+
+    rooms: int
+    types: Mapping[str, Range] = field(default_factory=dict)
+    furniture: Mapping[str, Range] = field(default_factory=dict)
+    cell: float = 0.0
+    fixed: tuple[FixedRoom, ...] = ()
+    """Rooms of another house, clockwise."""
+    plan: OwnPlan | None = None
+    """All rooms, if they have their places already."""
+
+    @classmethod
+    def read(cls, record: Mapping[str, Any]) -> "Request":
+        """A request from its JSON form; raises ``RequestError`` for what makes no sense."""
+        return cls(
+            record["rooms"],
+            {name: as_range(f"type {name}", count) for name, count in record.get("types", {}).items()},
+            {name: as_range(f"piece {name}", count) for name, count in record.get("furniture", {}).items()},
+            record.get("cell", 0.0),
+            tuple(from_records(record.get("keep", ()))),
+            msgspec.convert(record["plan"], OwnPlan) if "plan" in record else None,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON form: exact numbers as such, ranges as lists."""
+        record: dict[str, Any] = {"rooms": self.rooms, "types": _counts(self.types)}
+        if self.furniture:
+            record["furniture"] = _counts(self.furniture)
+        if self.cell:
+            record["cell"] = self.cell
+        if self.fixed:
+            record["keep"] = [msgspec.to_builtins(fixed.room) for fixed in self.fixed]
+        if self.plan:
+            record["plan"] = msgspec.to_builtins(self.plan)
+        return record
+
+    def furniture_of(self, type_: str) -> list[tuple[str, str, Range]]:
+        """What a room of this type must have: each count by its name, the piece, and how many."""
+        found = []
+        for name, wanted in sorted(self.furniture.items()):
+            of, _, piece = name.rpartition(".")
+            if of in {"", type_}:
+                found.append((name, piece, wanted))
+        return found
+
+    def pieces_of(self, type_: str) -> dict[str, Range]:
+        """How many pieces of each kind a room of this type must have, by all counts together."""
+        pieces: dict[str, Range] = {}
+        for _, piece, (least, most) in self.furniture_of(type_):
+            a, b = pieces.get(piece, (0, None))
+            bounds = [bound for bound in (b, most) if bound is not None]
+            pieces[piece] = max(a, least), min(bounds, default=None)
+        return pieces
+
+    def __str__(self) -> str:
+        """In words, as in ``3 rooms, 2 of type bedroom``."""
+        rooms = f"{self.rooms} room{'s' if self.rooms != 1 else ''}"
+        types = [f"{in_words(wanted)} of type {name}" for name, wanted in self.types.items()]
+        pieces = []
+        for name, wanted in self.furniture.items():
+            of, _, piece = name.rpartition(".")
+            pieces.append(f"{in_words(wanted)} of {piece} in each {of or 'room for it'}")
+        grid = [f"all on a grid of {self.cell:g} m"] if self.cell else []
+        fixed = [f"{each.room.type} fixed on the {each.side} side" for each in self.fixed]
+        drawn = ["all where the plan says"] if self.plan else []
+        drawn += (
+            [f"{', '.join(self.plan.kept)} with the furniture kept"] if self.plan and self.plan.kept else []
+        )
+        return ", ".join([rooms, *types, *pieces, *grid, *fixed, *drawn])
+
+
+def as_range(name: str, count: Any) -> Range:
+    """A count as a range; raises ``RequestError`` where it is none."""
+    count = _plain(count)
+    least, most = (count, count) if isinstance(count, int) else (*count,) if _is_pair(count) else (None, None)
+    if type(least) is not int or not (most is None or type(most) is int):
+        raise RequestError(f"{name}: a count is a whole number or a pair of them, not {count!r}")
+    if not 0 <= least <= (MOST if most is None else most) <= MOST:
+        raise RequestError(f"{name}: counts are whole numbers from 0, the lesser first, not {count!r}")
+    return least, most
+
+
+def in_words(wanted: Range) -> str:
+    """As in ``2``, ``1 to 3``, ``2 or more``."""
+    least, most = wanted
+    return f"{least}" if most == least else f"{least} or more" if most is None else f"{least} to {most}"
+
+
+def as_option(wanted: Range) -> str:
+    """As on the command line: ``2``, ``1..3``, ``2..``."""
+    least, most = wanted
+    return f"{least}" if most == least else f"{least}..{'' if most is None else most}"
+
+
+def from_option(text: str) -> Count:
+    """What ``as_option`` wrote, and ``..3``; raises ``ValueError``."""
+    if ".." not in text:
+        return int(text)
+    least, _, most = text.partition("..")
+    return int(least or 0), int(most) if most else None
+
+
+def known(what: str, name: str, names: Iterable[str]) -> None:
+    """Raise ``RequestError`` for a name that is none of these."""
+    names = sorted(names)
+    if name not in names:
+        raise RequestError(unknown(what, name, names))
+
+
+def _is_pair(count: Any) -> bool:
+    return isinstance(count, tuple | list) and len(count) == 2
+
+
+def _counts(ranges: Mapping[str, Range]) -> dict[str, Any]:
+    return {name: least if least == most else [least, most] for name, (least, most) in ranges.items()}
+
+
+def _plain(count: Any) -> Any:
+    """A count with Python's numbers in the place of another library's."""
+    if isinstance(count, tuple | list):
+        return type(count)(_plain(each) for each in count)
+    return operator.index(count) if hasattr(count, "__index__") and not isinstance(count, bool) else count

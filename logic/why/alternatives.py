@@ -1,0 +1,199 @@
+"""What could be in a house instead: other values, all other choices as they are, or what forbids them."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+from time import monotonic
+from typing import Any
+
+from clingo import Function, Symbol
+
+from logic.errors import Reason
+from logic.layout.relaxed import Late, Relaxed, Statement, minimal, preferred
+from logic.why.answer import Alternative, Choice
+
+OTHERS = "other choices"
+"""Where it is not found in time which."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The choices of a layout: what each variable picks (one value or several), and what it may pick."""
+
+    picks: Mapping[Symbol, Sequence[Symbol]]
+    options: Mapping[Symbol, Sequence[Symbol]]
+
+
+Tried = tuple[Choice | None, int]
+"""What is found of a choice, if anything, and of how many other values."""
+
+
+class Search:
+    """Tries other values of the choices that made a layout."""
+
+    def __init__(
+        self,
+        relaxed: Relaxed,
+        statements: Sequence[Statement],
+        possible: Callable[[Sequence[Statement]], bool],
+        chosen: Chosen,
+        layout: Iterable[Symbol],
+        most: int | None = None,
+    ) -> None:
+        """Know a relaxed program, its statements, a test of them, and the choices that made this layout.
+
+        With ``most`` choices depend on each other as those of a plan do: conflicts are then of few rules and
+        many choices, and no more than ``most`` others are named that would have to change too.
+        """
+        self._most = most
+        self._relaxed, self._statements, self._possible = relaxed, statements, possible
+        self._chosen, self._layout = chosen, set(layout)
+        self._kept = {
+            (variable, value): relaxed.choice(Reason(f"{variable} = {value}"), [_pick(variable, value)])
+            for variable, values in chosen.picks.items()
+            for value in values
+        }
+
+    def others(self, variables: Iterable[Symbol]) -> int:
+        """How many other values these variables have."""
+        return sum(len(self._chosen.options[each]) - 1 for each in variables)
+
+    def choices(self, variables: Iterable[Symbol], until: float) -> Iterator[Tried]:
+        """These variables, each of which picks one value, with their other values as they come: of each
+        variable first those that are possible, then one by one those that are not.
+
+        Without those that make no difference: values that give the same layout, variables with no other. All
+        but those that are possible share the time ``until`` then, of ``time.monotonic``.
+        """
+        asked = list(variables)
+        left = self.others(asked)
+        for variable in asked:
+            (value,) = self._chosen.picks[variable]
+            others = [each for each in self._chosen.options[variable] if each != value]
+            wanted = [(str(other), _pick(variable, other)) for other in others]
+            yield from self._instead(str(variable), str(value), variable, wanted, until, left)
+            left -= len(others)
+
+    def of_atom(self, atom: Symbol, others: Iterable[Symbol], until: float) -> Iterator[Tried]:
+        """An atom that holds by several picks, and others that could instead: the last term differs."""
+        *subject, value = atom.arguments
+        wanted = [(str(each.arguments[-1]), each) for each in sorted(others) if each != atom]
+        name = str(Function(atom.name, subject))
+        yield from self._instead(name, str(value), atom, wanted, until, len(wanted))
+
+    def _instead(
+        self,
+        name: str,
+        value: str,
+        variable: Symbol,
+        wanted: Sequence[tuple[str, Symbol]],
+        until: float,
+        left: int,
+    ) -> Iterator[Tried]:
+        """A choice with the atoms wanted instead, of so many that are left to be tried ``until`` then."""
+        able, rest, same = [], [], 0
+        for other, atom in wanted:
+            self._relaxed.until = until
+            try:
+                kind = self._kind(atom, variable)
+            except Late:
+                return
+            if kind is None:
+                same += 1
+                continue
+            (able if kind else rest).append((other, atom))
+        shown = Choice(name, value, tuple(Alternative(other, True) for other, _ in able))
+        yield shown if able or rest or not wanted else None, len(able) + same
+        for place, (other, atom) in enumerate(rest):
+            now = monotonic()
+            self._relaxed.until = now + max(0.0, until - now) / max(1, left - len(able) - same - place)
+            yield Choice(name, value, (self._forbidden(other, atom, variable),)), 1
+
+    def _posed(
+        self, atom: Symbol, variable: Symbol
+    ) -> tuple[Statement, list[Statement], dict[Any, Statement]]:
+        """The wish that an atom holds, all that must hold with it, and the picks that shall stay."""
+        asked = self._relaxed.choice(Reason(str(atom)), [atom])
+        hard, kept = [*self._statements, asked], {}
+        for key, pick in self._kept.items():
+            if _depends(variable, key[0]):  # A piece that is not there stands anywhere.
+                hard.append(pick)
+            elif key[0] != variable:
+                kept[key] = pick
+        return asked, hard, kept
+
+    def _kind(self, atom: Symbol, variable: Symbol) -> bool | None:
+        """Whether an atom could hold where all picks but the variable's stay; None if nothing changes."""
+        _, hard, kept = self._posed(atom, variable)
+        layout = self._relaxed.model([*hard, *kept.values()])
+        if layout is not None and set(layout) == self._layout:
+            return None
+        return layout is not None and self._possible([*hard, *kept.values()])
+
+    def _forbidden(self, value: str, atom: Symbol, variable: Symbol) -> Alternative:
+        """Why an atom cannot hold where all picks but the variable's stay, as far as it is found in time."""
+        asked, hard, kept = self._posed(atom, variable)
+        because: tuple[Reason, ...] = ()
+        able = None
+        try:
+            able = self._possible(hard)
+            if self._most is None:
+                needed = minimal([*hard, *kept.values()], self._possible, self._relaxed.core)
+            else:
+                picks = kept.values() if able else ()
+                needed = preferred([*picks, *hard], self._possible, self._relaxed.core)
+            because = tuple(dict.fromkeys(each.reason for each in needed if each is not asked))
+            if not able:
+                return Alternative(value, False, (), because)
+            also = self._fewest(hard, kept) if self._most is not None else self._changed(hard, kept, variable)
+        except Late:
+            return Alternative(value, False, (OTHERS,) if able else (), because, known=False)
+        return Alternative(value, False, also, because)
+
+    def _changed(
+        self, hard: Sequence[Statement], kept: dict[tuple[Symbol, Symbol], Statement], variable: Symbol
+    ) -> tuple[str, ...]:
+        """Variables with whose change, and not without, the rest is possible: of the same thing first."""
+        given_up: list[tuple[Symbol, Symbol]] = []
+        while not self._possible([*hard, *kept.values()]):
+            core = self._relaxed.core([*hard, *kept.values()])
+            culprits = [key for key, pick in kept.items() if pick in core]
+            given_up.append(max(culprits, key=lambda key: _kinship(key[0], variable)))
+            del kept[given_up[-1]]
+        for key in given_up[-2::-1]:  # The last one is needed.
+            if self._possible([*hard, *kept.values(), self._kept[key]]):
+                kept[key] = self._kept[key]
+        return tuple(dict.fromkeys(str(key[0]) for key in given_up if key not in kept))
+
+    def _fewest(
+        self, hard: Sequence[Statement], picks: Mapping[tuple[Symbol, Symbol], Statement]
+    ) -> tuple[str, ...]:
+        """The fewest variables of these picks of which others make the rest possible."""
+        assert self._most is not None
+        for number in range(1, self._most + 1):
+            kept = [*hard, self._relaxed.at_most(number, picks.values())]
+            if self._possible(kept):
+                changed = []
+                for (variable, _), pick in picks.items():
+                    if self._possible([*kept, pick]):
+                        kept.append(pick)
+                    else:
+                        changed.append(str(variable))
+                return tuple(dict.fromkeys(changed))
+        return (f"more than {self._most} other choices",)
+
+
+def _pick(variable: Symbol, value: Symbol) -> Symbol:
+    return Function("pick", [variable, value])
+
+
+def _depends(variable: Symbol, other: Symbol) -> bool:
+    """Whether a variable is about a part of what another is about, as ``place(bed,1)`` of ``count(bed)``."""
+    most = len(other.arguments)
+    return 0 < most < len(variable.arguments) and variable.arguments[:most] == other.arguments
+
+
+def _kinship(variable: Symbol, other: Symbol) -> int:
+    """How much two variables are about the same thing: that is the first to change."""
+    pairs = zip(variable.arguments, other.arguments, strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))

@@ -1,0 +1,248 @@
+"""Why a room, a piece or a door of a house is as it is: the answer, how it reads, and how to ask for it.
+
+It is found in a solver process, by ``logic.why.witness``.
+"""
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import msgspec
+
+from logic.errors import Reason
+from logic.grammar import RULES
+
+INSTEAD = "What could be instead, all other picks as they are"
+
+WHERE = {
+    "along": "along its wall, from the near end",
+    "left": "from the room's left wall, as seen on entering",
+    "across": "from the room's left wall, as seen on entering",
+    "inwards": "from the wall with the door",
+}
+"""What the lengths of places are; those of sizes are named by words that need no comment."""
+
+
+class Derivation(msgspec.Struct, frozen=True):
+    """An atom of a layout, the rule that derives it, and the atoms from which it does so.
+
+    Without a rule it is explained above in the same answer. ``means`` is the rules' own comment on it;
+    ``options`` are the values of which a pick takes one.
+    """
+
+    atom: str
+    rule: Reason | None = None
+    means: str = ""
+    options: tuple[str, ...] = ()
+    body: tuple["Derivation", ...] = ()
+
+    def all(self) -> Iterator["Derivation"]:
+        """This and all below it, each before its own body."""
+        yield self
+        for each in self.body:
+            yield from each.all()
+
+
+class Alternative(msgspec.Struct, frozen=True):
+    """Another value of a choice, where all other picks stay: possible, or what forbids it.
+
+    ``because`` is a minimal conflict. ``also`` are other choices with whose change it is possible, and is not
+    without any one of them; where there are none, nothing helps. What was not ``known`` in time is left out.
+    """
+
+    value: str
+    possible: bool
+    also: tuple[str, ...] = ()
+    because: tuple[Reason, ...] = ()
+    known: bool = True
+
+
+class Choice(msgspec.Struct, frozen=True):
+    """What was chosen, and what could have been."""
+
+    name: str
+    value: str
+    instead: tuple[Alternative, ...] = ()
+
+
+class Length(msgspec.Struct, frozen=True):
+    """A length of the house (metres), the least and the greatest that it could have been, and why no more."""
+
+    name: str
+    value: float
+    least: float
+    greatest: float
+    no_less: tuple[Reason, ...]
+    no_more: tuple[Reason, ...]
+
+
+class Bound(msgspec.Struct, frozen=True):
+    """A linear constraint that is tight in the house, in words, and why it binds."""
+
+    text: str
+    because: tuple[Reason, ...]
+
+
+class Why(msgspec.Struct, frozen=True):
+    """Why a part of a house is as it is. As text it is what ``vitruvius explain HOUSE --why`` prints.
+
+    Of ``others``, values of choices, ``tried`` were tried; ``limit`` says what ended that early, if anything.
+    """
+
+    target: str
+    about: str
+    derivations: tuple[Derivation, ...] = ()
+    choices: tuple[Choice, ...] = ()
+    lengths: tuple[Length, ...] = ()
+    tight: tuple[Bound, ...] = ()
+    others: int = 0
+    tried: int = 0
+    limit: str = ""
+
+    def joined(self, more: "Why") -> "Why":
+        """This answer and what comes after it."""
+        choices = {choice.name: choice for choice in self.choices}
+        for choice in more.choices:
+            before = choices[choice.name].instead if choice.name in choices else ()
+            choices[choice.name] = msgspec.structs.replace(choice, instead=(*before, *choice.instead))
+        return msgspec.structs.replace(
+            self,
+            derivations=(*self.derivations, *more.derivations),
+            choices=tuple(choices.values()),
+            lengths=(*self.lengths, *more.lengths),
+            tight=(*self.tight, *more.tight),
+            others=self.others + more.others,
+            tried=self.tried + more.tried,
+            limit=more.limit or self.limit,
+        )
+
+    def __str__(self) -> str:
+        """The answer, section by section."""
+        return "\n".join(as_text([self]))
+
+
+def as_text(parts: Iterable[Why]) -> Iterator[str]:
+    """The lines of an answer, part by part as it comes."""
+    title, name = "", ""
+    for number, part in enumerate(parts):
+        if number == 0:
+            yield f"{part.target}: {part.about}"
+        sections: dict[str, Iterable[Iterator[str]]] = {
+            "Derived from facts and picks": [_tree(each, 1) for each in part.derivations],
+            "Lengths, and what they could have been": map(_length, part.lengths),
+            "Bounds that are tight: both sides are equal here (floor: what the furniture leaves free)": map(
+                _bound, part.tight
+            ),
+            INSTEAD: [_choice(each, each.name != name) for each in part.choices],
+        }
+        for heading, paragraphs in sections.items():
+            for line in (line for paragraph in paragraphs for line in paragraph):
+                if heading != title:
+                    yield from ("", heading)
+                    title = heading
+                yield line
+        name = part.choices[-1].name if part.choices else name
+
+
+# How it reads
+
+
+def place(reason: Reason) -> str:
+    """As in ``rooms.lp:9``; of the core ``rules/room.lp:9``."""
+    return f"{file_name(reason.file or '')}:{reason.line}"
+
+
+def file_name(file: str | Path) -> str:
+    """A rule file in short: ``rooms.lp``, or ``rules/room.lp`` of the core."""
+    file = Path(file)
+    return f"rules/{file.relative_to(RULES)}" if RULES in file.parents else file.name
+
+
+def _stated(reason: Reason) -> str:
+    return f"{place(reason)}: {reason.text}" if reason.file else reason.text
+
+
+def _tree(node: Derivation, depth: int) -> Iterator[str]:
+    """The derivation line by line; facts of the core's own, which say what words mean, are left out."""
+    indent = "  " * depth
+    if depth == 1 and node.means:
+        yield from textwrap.wrap(node.means, 110, initial_indent=indent, subsequent_indent=indent)
+    if node.rule is None:
+        yield f"{indent}{node.atom:<{46 - len(indent)}} see above"
+        return
+    body, said = node.body, _stated(node.rule)
+    if node.options:
+        # The rule of all picks says nothing that the options and their own rule do not.
+        option = next(each for each in body if each.atom.startswith("option("))
+        rule = _stated(option.rule) if option.rule else "see above"
+        body, said = option.body, f"picked out of {_series(node.options)}; {rule}"
+    yield f"{indent}{node.atom:<{46 - len(indent)}} {said}"
+    if node.options and node.means:
+        yield from textwrap.wrap(
+            node.means, 110, initial_indent=f"{indent}  ", subsequent_indent=f"{indent}  "
+        )
+    for each in body:
+        if each.rule is None or each.body or RULES not in Path(each.rule.file or "").parents:
+            yield from _tree(each, depth + 1)
+
+
+def _series(values: Sequence[str]) -> str:
+    """Values in words, as ``1..4`` where they are whole numbers in a row."""
+    numbers = [int(value) for value in values if value.isdigit()]
+    if len(values) == len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
+        return f"{values[0]}..{values[-1]}"
+    return ", ".join(values)
+
+
+def _choice(choice: Choice, new: bool) -> Iterator[str]:
+    """A ``new`` choice, or what forbids more values of the one before."""
+    able = [each.value for each in choice.instead if each.possible]
+    others = f", or {_series(able)}" if able else ""
+    if new:
+        yield f"  {choice.name} = {choice.value}{others}"
+    for each in choice.instead:
+        if not each.possible:
+            yield f"    {each.value}: {_how(each)}"
+            yield from _reasons(each.because, "  ") if each.because else ()
+
+
+def _how(other: Alternative) -> str:
+    """How far from possible another value is."""
+    if not other.because and not other.known:
+        return "not with all other picks as they are; what forbids it was not found in time"
+    also = " and ".join(other.also)
+    how = f"only if {also} changed too" if also else "impossible" if other.known else "not so"
+    return f"{how}, because of"
+
+
+def _length(length: Length) -> Iterator[str]:
+    value, least, greatest = (f"{metres:.3f}" for metres in (length.value, length.least, length.greatest))
+    where = f" ({WHERE[length.name]})" if length.name in WHERE else ""
+    if least == greatest:
+        yield f"  {length.name:<8} {value} m, no other{where}"
+        yield from _reasons(length.no_less, "")
+        return
+    end = ", the least" if value == least else ", the greatest" if value == greatest else ""
+    yield f"  {length.name:<8} {value} m{end}, of {least} to {greatest}{where}"
+    if length.no_less == length.no_more:
+        yield from _reasons(length.no_less, "")
+    else:
+        yield from _reasons(length.no_less, "no less: ")
+        yield from _reasons(length.no_more, "no more: ")
+
+
+def _bound(bound: Bound) -> Iterator[str]:
+    yield f"  {bound.text}"
+    yield from _reasons(bound.because, "")
+
+
+def _reasons(reasons: Sequence[Reason], label: str) -> Iterator[str]:
+    """Rules and clauses, a line each, then what holds in the layout."""
+    lines = [_stated(each) for each in reasons if each.file]
+    atoms = [each.text for each in reasons if not each.file]
+    if atoms:
+        lines += textwrap.wrap(
+            f"{'with ' if lines else ''}{', '.join(atoms)}", 100, subsequent_indent="     "
+        )
+    for number, line in enumerate(lines or ["the core alone: rules/room.pl"]):
+        yield f"    {label if number == 0 else ' ' * len(label)}{line}"

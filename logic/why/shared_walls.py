@@ -1,0 +1,205 @@
+"""Why a part of a plan is as it is: a room, a door, the entrance, a window, a piece."""
+
+import math
+from collections.abc import Iterator
+from functools import cache, cached_property
+
+import msgspec
+from clingo import Function, Number, Symbol
+
+from logic.errors import Reason
+from logic.generation.movable_doors import LooseRoom, Refuted
+from logic.house.house import House
+from logic.house.part_names import target_in
+from logic.house.parts import OUTSIDE, Door, Provenance, Window
+from logic.request.given_plan import OwnPlan, Wall
+from logic.why.alternatives import Search
+from logic.why.answer import Length, Why
+from logic.why.support import Support
+from logic.why.witness import Lengths, Witness
+
+MOST = 5
+"""How many other choices may have to change before they are no longer named."""
+
+
+class PlanWitness(Witness):
+    """A plan that is made again."""
+
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
+        """Why a room, a door, the entrance, a window or a piece is as it is."""
+        room, part = target_in(self._house, target)
+        if isinstance(part, Door):
+            yield from (self._entrance if part.is_entrance else self._door)(target, part, until)
+            return
+        assert room is not None
+        if isinstance(part, Window):
+            yield from self._window(target, room, part, until)
+        elif part is None:
+            yield from self._room(target, room, until)
+        elif room not in self._making.furniture:
+            about = f"in {self._named(self._house.rooms[room].name)}; the request keeps it (keep)"
+            yield Why(target, f"{about} ({self._origin})")
+        else:
+            assert isinstance(part, int)
+            layout, search = self._making.furniture[room].layout, lambda: self._search_in(room)
+            yield from self._piece(target, layout, part, self._support_in(room), search, until)
+
+    def _made_again(self, made: Provenance, inferences: int) -> House:
+        planner = self._builder.planner_of(self._request)
+        arguments = self._request, made.seed, made.index, inferences
+        self._builder.house(*arguments)
+        assert planner.making is not None
+        # The programs of rooms with these doors are known now: the second time they keep all that held.
+        for program in (
+            planner.making.program,
+            *(each.program for each in planner.making.furniture.values()),
+        ):
+            program.models = []
+        again = self._builder.house(*arguments)
+        self._making = planner.making
+        return again
+
+    def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
+        """Why a room has its type, and walls on these lines."""
+        rect, number, support = self._house.rooms[room], Number(room), self._support
+        about = f"a {rect.type}, {rect.width:.3f} by {rect.height:.3f} m ({self._origin})"
+        if self._request.plan:
+            about += "; the plan says where it is"
+        atoms = [each for name in ("room", "runs", "edge") for each in self._atoms(name, number)]
+        own = [each for each in support.variables([number]) if len(each.arguments) == 1]
+
+        def lengths() -> Lengths:
+            if self._request.plan:
+                return (), ()
+            return self._bounds(
+                self._builder.placer.wall_bounds(self._making.layout, self._house.rooms, room), {}
+            )
+
+        why = Why(target, about, support.trees(atoms))
+        variables = sorted(own, key=lambda each: each.name != "type")
+        for part in self._answer(why, support, variables, lengths, lambda: self._search, until):
+            types = (
+                self._furnishable(self._making.prover, each)
+                for each in part.choices
+                if each.name == f"type({number})"
+            )
+            yield msgspec.structs.replace(part, choices=tuple(types) or part.choices)
+
+    def _door(self, target: str, door: Door, until: float) -> Iterator[Why]:
+        """Why two rooms have a door between them."""
+        names = [room.name for room in self._house.rooms]
+        one, other = (Number(names.index(name)) for name in door.between)
+        (atom,) = [each for each in self._atoms("door", one) if each.arguments[1] == other]
+        by_it = Function("from", [one, other]) in self._model
+        variable = Function("entry", [one]) if by_it else Function("also", [one, other])
+        about = f"the door between {' and '.join(self._named(name) for name in door.between)}"
+        return self._opening(target, about, [atom], [variable], door, until)
+
+    def _entrance(self, target: str, door: Door, until: float) -> Iterator[Why]:
+        """Why the house is entered there."""
+        (name,) = (name for name in door.between if name != OUTSIDE)
+        room = Number([room.name for room in self._house.rooms].index(name))
+        about = f"the entrance, into {self._named(name)}"
+        variables = [Function("entrance"), Function("entry", [room])]
+        return self._opening(target, about, self._atoms("entrance", room), variables, door, until)
+
+    def _window(self, target: str, room: int, window: Window, until: float) -> Iterator[Why]:
+        """Why there is a window in a wall."""
+        side = Function(self._wall(window).side)
+        atom = Function("window", [Number(room), side])
+        about = f"a window in the {side} wall of {self._named(window.room)}"
+        return self._opening(target, about, [atom], [atom], window, until)
+
+    def _opening(
+        self,
+        target: str,
+        about: str,
+        atoms: list[Symbol],
+        variables: list[Symbol],
+        opening: Door | Window,
+        until: float,
+    ) -> Iterator[Why]:
+        support, plan = self._support, self._request.plan
+        given = plan and opening in (plan.doors if isinstance(opening, Door) else plan.windows)
+        if given:
+            about += "; the plan has it there"
+        why = Why(target, f"{about} ({self._origin})", support.trees(atoms))
+        own = [each for each in variables if each in support.chosen.picks]
+        return self._answer(
+            why,
+            support,
+            own,
+            lambda: (() if given else self._opening_lengths(opening), ()),
+            lambda: self._search,
+            until,
+        )
+
+    def _opening_lengths(self, opening: Door | Window) -> tuple[Length, Length]:
+        """How long a door or window could be in its wall, and where it could begin at its length."""
+        wall = self._wall(opening)
+        type_ = self._house.rooms[wall.room].type
+        found = self._builder.placer.opening_lengths(type_, wall.start, wall.end)
+        axis = "y" if wall.side in ("west", "east") else "x"
+        place = Reason(f"a wall from {axis} {wall.start:.3f} to {wall.end:.3f} m")
+        if isinstance(opening, Door):
+            margin, least, greatest = found["margin"], found["door"], found["door"]
+            near = (*self._clause("length(door_margin)"), place)
+            no_less = no_more = self._clause("length(door_width)")
+        else:
+            margin, (least, greatest) = found["frame"], found["window"]
+            near = (*self._clause("length(window_margin)"), place)
+            no_less = no_more = self._clause(f"window_size({type_})")
+            if greatest > wall.end - wall.start - 2 * margin - 1e-6:
+                no_more = near
+        low, high = wall.start + margin, wall.end - margin - opening.length
+        length = Length("width", opening.length, least, greatest, no_less, no_more)
+        return length, Length(axis, getattr(opening, axis), low, high, near, near)
+
+    def _clause(self, clause: str) -> tuple[Reason, ...]:
+        return self._reasons([("clause", clause)])
+
+    def _wall(self, opening: Door | Window) -> Wall:
+        """The part of a wall that a door or window may lie in."""
+        wall = OwnPlan(self._house.rooms).wall_of(opening)
+        assert wall is not None
+        return wall
+
+    def _named(self, name: str) -> str:
+        return f"{name}, a {self._house.room(name).type}"
+
+    def _atoms(self, name: str, room: Symbol) -> list[Symbol]:
+        """The atoms of this name in the layout whose first argument is the room."""
+        return [each for each in self._making.layout if each.name == name and each.arguments[0] == room]
+
+    @cached_property
+    def _model(self) -> list[Symbol]:
+        """All that held when the walls were chosen: the last one sampled is the house's."""
+        return (self._making.program.models or [])[-1][1]
+
+    @cached_property
+    def _support(self) -> Support:
+        """What supports the layout of the rooms."""
+        return Support(self._making.program, self._model)
+
+    @cached_property
+    def _search(self) -> Search:
+        """What could be instead."""
+        relaxed, statements = self._making.prover.house(self._request, laws=True)
+        possible = self._making.prover.has_walls(relaxed)
+        return Search(relaxed, statements, possible, self._support.chosen, self._making.layout, MOST)
+
+    @cache  # noqa: B019 (a witness is asked about one house)
+    def _support_in(self, room: int) -> Support:
+        """What supports the furniture of a room."""
+        how = self._making.furniture[room]
+        (model,) = [model for shown, model in how.program.models or [] if shown is how.layout.furniture]
+        return Support(how.program, model)
+
+    @cache  # noqa: B019
+    def _search_in(self, room: int) -> Search:
+        """What its furniture could be instead."""
+        how = self._making.furniture[room]
+        fixed = LooseRoom(how.room, [None] * len(how.room.doors))
+        given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())
+        relaxed = self._making.prover.furniture(self._request, how.room.type, laws=True, room=given)
+        return Search(*relaxed, self._support_in(room).chosen, how.layout.furniture, MOST)

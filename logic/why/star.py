@@ -1,0 +1,131 @@
+"""Why a part of a star is as it is: a room, its door, a piece, the main room."""
+
+import math
+from collections.abc import Iterator
+from functools import cache, cached_property
+
+import msgspec
+from clingo import Function, Number
+
+from logic.errors import Reason
+from logic.house.house import House
+from logic.house.part_names import Part, target_in
+from logic.house.parts import Provenance
+from logic.placement.placer import RoomLayout
+from logic.request.fixed_rooms import fixed_rooms
+from logic.why.alternatives import Search
+from logic.why.answer import Length, Why
+from logic.why.support import Support
+from logic.why.witness import Lengths, Witness
+
+
+class StarWitness(Witness):
+    """A star that is made again."""
+
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
+        """Why a room, its door, a piece or the main room is as it is."""
+        room, part = target_in(self._house, target)
+        if room is None:
+            yield self._main_room(target)
+            return
+        layout = self._layout.rooms[room]
+        if isinstance(part, int) and not layout.fixed:
+            search = lambda: self._search_in(room)  # noqa: E731
+            yield from self._piece(target, layout, part, self._support_in(room), search, until)
+        else:
+            yield from self._room(target, layout, part, until)
+
+    def _made_again(self, made: Provenance, inferences: int) -> House:
+        programs = self._builder.programs
+        self._rooms, _ = programs.rooms_for(self._request)
+        for program in (self._rooms, *programs.all_furniture(self._request)):
+            program.models = []
+        again, self._layout = self._builder.made(self._request, made.seed, made.index, inferences)
+        return again
+
+    def _room(self, target: str, layout: RoomLayout, part: Part, until: float) -> Iterator[Why]:
+        """Why a room has its type and side, or its door its place; any part of a fixed room."""
+        number, support = Number(layout.number), self._support
+        type_, side = Function("room", [number, layout.type]), Function("side", [number, layout.side])
+        about = f"a {layout.type} on the {layout.side} side of the main room"
+        if part is not None:
+            about = f"in R{layout.number}, {about}"
+        if layout.fixed:
+            about += "; the request keeps it (keep) with its sizes, its door and its furniture"
+        why = Why(target, f"{about} ({self._origin})", support.trees([type_, side]))
+        variables, sides = [], []
+        if part is None:
+            variables = support.variables([number])
+            sides = [each for each in self._rooms.atoms("side", 2) if each.arguments[0] == number]
+            why = msgspec.structs.replace(why, others=len(sides) - 1)
+
+        def lengths() -> Lengths:
+            return (
+                ((), ())
+                if layout.fixed
+                else self._lengths(layout, Function("room" if part is None else "door"))
+            )
+
+        for found in self._answer(why, support, variables, lengths, lambda: self._search, until):
+            types = (
+                self._furnishable(self._builder.prover, each)
+                for each in found.choices
+                if each.name == f"type({number})"
+            )
+            yield msgspec.structs.replace(found, choices=tuple(types) or found.choices)
+        if sides:
+            yield from self._tried(target, self._search.of_atom(side, sides, until))
+
+    @cached_property
+    def _support(self) -> Support:
+        """What supports the layout of the rooms."""
+        return Support(self._rooms, (self._rooms.models or [])[-1][1])  # the last one sampled is the house's
+
+    @cached_property
+    def _search(self) -> Search:
+        """What could be instead."""
+        relaxed, statements = self._builder.prover.house(self._request, laws=True)
+        possible = lambda some: relaxed.model(some) is not None  # noqa: E731 (as prover.furniture returns it)
+        return Search(relaxed, statements, possible, self._support.chosen, (self._rooms.models or [])[-1][0])
+
+    @cache  # noqa: B019 (a witness is asked about one house)
+    def _support_in(self, room: int) -> Support:
+        """What supports the furniture of a room."""
+        layout = self._layout.rooms[room]
+        program, _ = self._builder.programs.furniture_for(layout.type.name, self._request)
+        (model,) = [model for shown, model in program.models or [] if shown is layout.furniture]
+        return Support(program, model)
+
+    @cache  # noqa: B019
+    def _search_in(self, room: int) -> Search:
+        """What its furniture could be instead."""
+        layout = self._layout.rooms[room]
+        relaxed = self._builder.prover.furniture(self._request, layout.type.name, laws=True)
+        return Search(*relaxed, self._support_in(room).chosen, layout.furniture)
+
+    def _main_room(self, target: str) -> Why:
+        """Why the main room has its sizes: rules/main_room.pl."""
+        floor, rooms = self._house.main, fixed_rooms(self._house)
+        about = f"the main room, {floor.width:.3f} by {floor.height:.3f} m ({self._origin})"
+        if self._request.fixed:
+            return Why(target, f"{about}, between the rooms that the request keeps (keep)")
+        found = self._builder.placer.main_bounds(rooms, self._layout.corners, floor.width)
+        gaps = self._reasons([("clause", "length(room_gap)"), ("clause", "length(door_clearance)")])
+        largest = max(rooms, key=lambda room: room.width * room.depth).room
+        file, line = found["law"]
+        words = (
+            f"at least as large as any room (here a {largest.type} of {largest.area:.1f} m2), at most twice "
+        )
+        law = Reason(f"{words}as long as wide and as the least area that fits", file, line, 1)
+
+        def length(name: str, value: float, *sides: str) -> Length:
+            least, greatest = found[name]
+            side = max(sides, key=lambda each: found["walls"][each])
+            wall = found["walls"][side]
+            rooms_there = (*gaps, Reason(f"the rooms on the {side} side, which take {wall:.3f} m"))
+            no_less = rooms_there if abs(wall - least) < 1e-6 else (law,)
+            return Length(name, value, least, greatest, no_less, (law,))
+
+        width = length("width", floor.width, "north", "south")
+        height = length("height", floor.height, "east", "west")
+        return Why(target, about, lengths=(width, height))

@@ -1,0 +1,228 @@
+# clingo.ast leaves the attributes of its nodes untyped.
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false, reportArgumentType=false
+"""Which rules derive the atoms of a layout, down to facts and picks.
+
+Each rule ``h :- b, not c.`` of the core and the grammar is grounded as ``support(N,h,(b,)) :- b, not c.``
+over the atoms of the layout as facts: what it derives are the instances of the rule that hold (as in xclingo:
+Cabalar, Fandinno and Muñiz, "A system for explainable answer set programming", ICLP 2020).
+"""
+
+from collections.abc import Iterable, Sequence
+from itertools import takewhile
+from pathlib import Path
+from typing import NamedTuple
+
+import clingo
+from clingo import Number, Symbol, ast
+from msgspec import structs
+
+from logic.errors import Reason
+from logic.language.reference import asp_entries
+from logic.layout.messages import written
+from logic.layout.program import CORE, Program
+from logic.layout.relaxed import HERE
+from logic.why.alternatives import Chosen
+from logic.why.answer import Derivation
+
+SUPPORT = "support'"
+"""No rule of a user's derives it: a quote may end a name."""
+
+
+class _Instance(NamedTuple):
+    """A ground rule that holds: the rule's number, and its positive body."""
+
+    rule: int
+    body: tuple[Symbol, ...]
+
+
+class Support:
+    """The rules that hold in one layout."""
+
+    def __init__(self, program: Program, atoms: Iterable[Symbol]) -> None:
+        """Ground the rules of a program over the atoms, all that hold, of one of its layouts."""
+        self.rules: list[Reason] = []
+        known = asp_entries()
+        self._entries = {
+            (entry.name, len(entry.arguments)): entry
+            for part in ("base", "topology", *(name for name, _ in program.parts), "pick")
+            for entry in known.get(part, ())
+        }
+        constants = [f"-c{name}={value}" for name, value in program.constants.items()]
+        control = clingo.Control(constants, logger=lambda *_: None)
+        holds = set(atoms)
+        with ast.ProgramBuilder(control) as builder:
+            builder.add(ast.Program(HERE, "base", []))
+            for atom in holds:
+                builder.add(ast.Rule(HERE, ast.Literal(HERE, ast.Sign.NoSign, _fact(atom)), []))
+            files = [str(CORE), *map(str, program.files)]
+            ast.parse_files(files, lambda statement: self._add(statement, builder))
+        control.ground([("base", []), *program.parts, ("pick", [])])
+        self._instances: dict[Symbol, list[_Instance]] = {atom: [] for atom in holds}
+        for atom in control.symbolic_atoms.by_signature(SUPPORT, 3):
+            number, head, body = atom.symbol.arguments
+            # A pool or an interval stands for each of its values, of which some may not hold.
+            if head in holds:
+                self._instances[head].append(_Instance(number.number, tuple(body.arguments)))
+        self._levels = self._derived()
+        self.chosen = Chosen(_by_variable(holds, "pick"), _by_variable(holds, "option"))
+
+    def _add(self, statement: ast.AST, builder: ast.ProgramBuilder) -> None:
+        """Take a statement of the rules: a rule as its instances."""
+        if statement.ast_type in {ast.ASTType.Program, ast.ASTType.Definition}:
+            builder.add(statement)
+        elif statement.ast_type == ast.ASTType.Rule:
+            named = _Named()
+            body = [named.visit(literal) if _positive(literal) else literal for literal in statement.body]
+            for head, conditions in _heads(statement.head):
+                condition = [named.visit(literal) for literal in conditions]
+                terms = [each.atom.symbol for each in (condition or body) if _positive(each)]
+                number = ast.SymbolicTerm(HERE, Number(len(self.rules)))
+                support = [number, head, ast.Function(HERE, "", terms, False)]
+                atom = ast.SymbolicAtom(ast.Function(HERE, SUPPORT, support, False))
+                literal = ast.Literal(HERE, ast.Sign.NoSign, atom)
+                builder.add(ast.Rule(HERE, literal, [*condition, *body]))
+            begin = statement.location.begin
+            self.rules.append(Reason(written(statement), begin.filename, begin.line, begin.column))
+
+    def _derived(self) -> dict[Symbol, int]:
+        """How many steps it takes to derive each atom: a proof by fewer steps is never circular."""
+        levels: dict[Symbol, int] = {}
+        open_ = set(self._instances)
+        for level in range(len(open_) + 1):
+            new = {
+                atom
+                for atom in open_
+                if any(all(each in levels for each in instance.body) for instance in self._instances[atom])
+            }
+            if not new:
+                break
+            levels |= dict.fromkeys(new, level)
+            open_ -= new
+        return levels
+
+    def variables(self, subject: Sequence[Symbol]) -> list[Symbol]:
+        """The variables that pick one value for a subject: for bed 1 ``place(bed,1)``, ``count(bed)``."""
+        return [
+            variable
+            for variable, values in self.chosen.picks.items()
+            if len(values) == 1
+            and variable.arguments in ([subject[0]], [*subject, *variable.arguments[len(subject) :]])
+        ]
+
+    def trees(self, atoms: Iterable[Symbol]) -> tuple[Derivation, ...]:
+        """The derivations of atoms that hold; what one has derived, the next ones only name."""
+        explained: set[Symbol] = set()
+        nodes = [node for atom in atoms for node in self._nodes(atom, explained, frozenset())]
+        means = [node.means for node in nodes]
+        return tuple(
+            structs.replace(node, means="") if node.means in means[:place] else node
+            for place, node in enumerate(nodes)
+        )
+
+    def _nodes(self, atom: Symbol, explained: set[Symbol], above: frozenset[int]) -> list[Derivation]:
+        """An atom's derivation; where a rule ``above`` recurs, its body stands for it."""
+        if atom in explained:
+            return [Derivation(str(atom))]
+        instance = self._best(atom)
+        if instance is None:
+            return [Derivation(str(atom))]
+        same = {each for each in instance.body if each.match(atom.name, len(atom.arguments))}
+        body = [
+            node
+            for each in dict.fromkeys(instance.body)
+            for node in self._nodes(each, explained, above | {instance.rule} if each in same else frozenset())
+        ]
+        if instance.rule in above:
+            return body
+        if body:  # a fact is as short as its name
+            explained.add(atom)
+        options = self._options(atom.arguments[0]) if atom.match("pick", 2) else ()
+        means = "" if options else self.means(atom)
+        if options and (variable := atom.arguments[0]) not in explained:
+            explained.add(variable)
+            means = _remark(next((each.rule for each in body if each.atom.startswith("option(")), None))
+        return [Derivation(str(atom), self.rules[instance.rule], means, options, tuple(body))]
+
+    def _options(self, variable: Symbol) -> tuple[str, ...]:
+        """What a variable may pick, with weights where they differ."""
+        weights = {
+            option.arguments[1]: option.arguments[2]
+            for option in self._instances
+            if option.match("option", 3) and option.arguments[0] == variable
+        }
+        same = len(set(weights.values())) == 1
+        return tuple(
+            f"{value}" if same else f"{value} (weight {weight})" for value, weight in sorted(weights.items())
+        )
+
+    def _best(self, atom: Symbol) -> _Instance | None:
+        """The instance that derives an atom in the fewest steps, of those from the fewest atoms."""
+
+        def effort(instance: _Instance) -> tuple[int, int, int]:
+            steps = max((self._levels[each] for each in instance.body), default=-1)
+            return steps, len(set(instance.body)), instance.rule
+
+        known = [each for each in self._instances[atom] if all(part in self._levels for part in each.body)]
+        return min(known, key=effort, default=None)
+
+    def means(self, atom: Symbol) -> str:
+        """What the reference says about this predicate, as in ``side(Number,Side): that room stands ..``."""
+        entry = self._entries.get((atom.name, len(atom.arguments)))
+        return f"{entry.name}({','.join(entry.arguments)}): {entry.text}" if entry else ""
+
+
+def _remark(rule: Reason | None) -> str:
+    """The whole comment in the lines right above a rule, as it says what a choice means."""
+    if rule is None or not rule.file or not rule.line:
+        return ""
+    above = Path(rule.file).read_text(encoding="utf-8").split("\n")[: rule.line - 1]
+    comment = takewhile(lambda line: line.startswith("% ") and not line.startswith("% -"), reversed(above))
+    return " ".join(line.removeprefix("% ").strip() for line in reversed([*comment]))
+
+
+def _by_variable(atoms: Iterable[Symbol], name: str) -> dict[Symbol, list[Symbol]]:
+    """Variables and their values, by the atoms ``pick(V,X)`` or ``option(V,X,W)``, in order."""
+    found: dict[Symbol, list[Symbol]] = {}
+    for atom in sorted(atom for atom in atoms if atom.name == name):
+        found.setdefault(atom.arguments[0], []).append(atom.arguments[1])
+    return found
+
+
+class _Named(ast.Transformer):
+    """Gives each anonymous variable a name: as a term of a head it must have one."""
+
+    def __init__(self) -> None:
+        self._number = 0
+
+    def visit_Variable(self, node: ast.AST) -> ast.AST:
+        """A variable."""
+        if node.name != "_":
+            return node
+        self._number += 1
+        return node.update(name=f"_Any{self._number}")
+
+
+def _heads(head: ast.AST) -> list[tuple[ast.AST, list[ast.AST]]]:
+    """The atoms that a head may make true, as terms, each with its condition."""
+    if head.ast_type == ast.ASTType.Literal:
+        return [(head.atom.symbol, [])] if _positive(head) else []
+    if head.ast_type == ast.ASTType.Aggregate:
+        return [(each.literal.atom.symbol, list(each.condition)) for each in head.elements]
+    return []
+
+
+def _positive(literal: ast.AST) -> bool:
+    """Whether this is an atom that is to hold."""
+    return (
+        literal.ast_type == ast.ASTType.Literal
+        and literal.sign == ast.Sign.NoSign
+        and literal.atom.ast_type == ast.ASTType.SymbolicAtom
+    )
+
+
+def _fact(symbol: Symbol) -> ast.AST:
+    terms = [ast.SymbolicTerm(HERE, argument) for argument in symbol.arguments]
+    atom = ast.Function(HERE, symbol.name, terms, False)
+    return ast.SymbolicAtom(
+        atom if symbol.positive else ast.UnaryOperation(HERE, ast.UnaryOperator.Minus, atom)
+    )

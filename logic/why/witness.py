@@ -1,0 +1,173 @@
+"""Finds why a part of a house is as it is: the house is made again, and its layout asked for its reasons.
+
+What holds for all houses; the rest is of stars (``star_witness.py``) and of plans (``plan_witness.py``).
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import msgspec
+from clingo import Symbol, parse_term
+
+from logic.errors import HouseFileError, Reason, RequestError, Unsatisfiable
+from logic.generation.builder import Builder
+from logic.house.house import House
+from logic.house.part_names import part_names
+from logic.house.parts import Provenance
+from logic.placement.placer import RoomLayout
+from logic.proofs.proof import Prover, located
+from logic.request.request import Request
+from logic.why.alternatives import Search, Tried
+from logic.why.answer import Alternative, Bound, Choice, Length, Why
+from logic.why.support import Support
+
+Lengths = tuple[tuple[Length, ...], tuple[Bound, ...]]
+"""Lengths, and the bounds that are tight."""
+
+
+class Witness(ABC):
+    """A house that is made again, with all that held while it was."""
+
+    def __init__(self, builder: Builder, house: House, inferences: int) -> None:
+        """Make the house again from its provenance.
+
+        Raises ``HouseFileError`` where it comes out another, ``RequestError`` where it is one of units.
+        """
+        made = house.provenance
+        assert made is not None
+        if builder.loaded.depths:
+            raise RequestError("why: houses of units keep no reasons yet: ask of a house of another grammar")
+        self._builder, self._request, self._house = builder, Request.read(made.request), house
+        self._origin = f"{made.grammar}, seed {made.seed}, house {made.index}"
+        again, why = None, "it was edited"
+        try:
+            again = self._made_again(made, inferences)
+        except (RequestError, Unsatisfiable) as error:
+            why = str(error)
+        parts = again and (again.rooms, again.doors, again.windows)
+        if parts != (house.rooms, house.doors, house.windows):
+            if made.versions != builder.versions:
+                why = f"it was made by other versions, {made.versions}, not {builder.versions}"
+            if made.grammar_hash != builder.grammar.hash:
+                place = builder.grammar.directory
+                why = f"others than those in {place} and the core made it: name its own by --grammar"
+            raise HouseFileError(f"the rules do not make this house of {self._origin}: {why}")
+
+    def why(self, target: str, until: float = math.inf) -> Why:
+        """Why a part of the house is as it is, whole: see ``parts``."""
+        found = self.parts(target, until)
+        whole = next(found)
+        for part in found:
+            whole = whole.joined(part)
+        return whole
+
+    @abstractmethod
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
+        """Why a part of the house is as it is, by its name (``targets.py``), as it is found: the derivation
+        first, and then what could be instead, which is searched for until that time, of ``time.monotonic``.
+        """
+
+    @abstractmethod
+    def _made_again(self, made: Provenance, inferences: int) -> House:
+        """The house made again; how is kept."""
+
+    def _answer(
+        self,
+        why: Why,
+        support: Support,
+        variables: Sequence[Symbol],
+        lengths: Callable[[], Lengths],
+        search: Callable[[], Search],
+        until: float,
+    ) -> Iterator[Why]:
+        """An answer, its lengths, and what the variables could be instead."""
+        options = support.chosen.options
+        yield msgspec.structs.replace(
+            why, others=why.others + sum(len(options[each]) - 1 for each in variables)
+        )
+        found, tight = lengths()
+        if found or tight:
+            yield Why(why.target, "", lengths=found, tight=tight)
+        yield from self._tried(why.target, search().choices(variables, until) if variables else ())
+
+    def _tried(self, target: str, tried: Iterable[Tried]) -> Iterator[Why]:
+        """What is found of choices."""
+        for choice, number in tried:
+            yield Why(target, "", choices=() if choice is None else (choice,), tried=number)
+
+    def _piece(
+        self,
+        target: str,
+        room: RoomLayout,
+        index: int,
+        support: Support,
+        search: Callable[[], Search],
+        until: float,
+    ) -> Iterator[Why]:
+        """Why a piece or a companion stands where it does."""
+        type_, atom = self._builder.placer.pieces(room)[index]
+        piece = atom.arguments[:2]
+        if atom.name == "with":
+            atoms, subject = [atom], [*piece, atom.arguments[3]]
+        else:
+            own = [each for each in room.furniture if each.arguments[:2] == piece and each.name != "with"]
+            atoms, subject = [atom, *(each for each in own if each != atom)], piece
+        about = f"a {type_} in {self._house.counted[room.number].name}, a {room.type} ({self._origin})"
+        why, own = Why(target, about, support.trees(atoms)), support.variables(subject)
+        yield from self._answer(why, support, own, lambda: self._lengths(room, atom), search, until)
+
+    def _furnishable(self, prover: Prover, choice: Choice) -> Choice:
+        """A choice of a room's type, where those that cannot be furnished are not possible."""
+
+        def judged(other: Alternative) -> Alternative:
+            never = not (other.possible or other.also)
+            if never or prover.is_furnishable(self._request, other.value):
+                return other
+            return Alternative(other.value, False, (), (Reason(f"no {other.value} can be furnished"),))
+
+        return Choice(choice.name, choice.value, tuple(map(judged, choice.instead)))
+
+    def _lengths(self, room: RoomLayout, target: Symbol) -> Lengths:
+        """The lengths of a target in a room, and the bounds on it that are tight."""
+        types, atoms = zip(*self._builder.placer.pieces(room), strict=True)
+        names = dict(zip(map(str, atoms), part_names(types), strict=True))
+        return self._bounds(self._builder.placer.bounds(room, target), names)
+
+    def _bounds(self, found: Mapping[str, Any], names: Mapping[str, str]) -> Lengths:
+        """Lengths and tight bounds as SWI-Prolog gives them (``rules/bounds.pl``), with names in words."""
+        lengths = tuple(
+            Length(name, value, least, greatest, self._reasons(no_less), self._reasons(no_more))
+            for name, value, least, no_less, greatest, no_more in found["lengths"]
+        )
+        # A length without another value says why itself.
+        single = [length.name for length in lengths if length.greatest - length.least < 1e-6]
+        tight = tuple(
+            Bound(_in_words(terms, relation, constant, names), self._reasons(reasons))
+            for terms, relation, constant, reasons in found["binding"]
+            if not (len(terms) == 1 and terms[0][2] in single)
+        )
+        return lengths, tight
+
+    def _reasons(self, reasons: Iterable[tuple[str, str]]) -> tuple[Reason, ...]:
+        """Reasons as SWI-Prolog gives them: clauses by their places, then what holds and what does not."""
+        clauses = [parse_term(text) for kind, text in reasons if kind == "clause"]
+        places = self._builder.placer.origins(clauses)
+        found = [located(*places[clause]) for clause in clauses if clause in places]
+        found += [Reason(text) for kind, text in reasons if kind == "holds"]
+        return (*found, *(Reason(f"not {text}") for kind, text in reasons if kind == "fails"))
+
+
+def _in_words(
+    terms: Iterable[tuple[float, str, str]], relation: str, constant: float, names: Mapping[str, str]
+) -> str:
+    """A sum that is at most zero, or zero, with what is negative on the other side."""
+    sides: dict[bool, list[str]] = {True: [], False: []}
+    for factor, thing, what in terms:
+        number = "" if abs(factor) == 1 else f"{abs(factor):.4g} "
+        sides[factor > 0].append(f"{number}{names.get(thing, thing)}.{what}")
+    if abs(constant) > 1e-9:
+        sides[constant > 0].append(f"{abs(constant):.4g}")
+    left, right = (" + ".join(sides[positive]) or "0" for positive in (True, False))
+    return f"{left} {'=' if relation == '=' else '<='} {right}"

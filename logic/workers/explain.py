@@ -1,0 +1,76 @@
+"""Why a part of a house is as it is: the question, asked of a solver process."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from logic.errors import GrammarError, HouseFileError, LimitReached
+from logic.grammar import find
+from logic.house.house import House
+from logic.house.part_names import target_in
+from logic.why.answer import Why
+from logic.workers.solver import answers
+
+INFERENCES = 100_000_000
+"""Most Prolog inferences to make the house again."""
+
+
+def explain_house(
+    house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
+) -> Why:
+    """Say why a part of a house is as it is, by the rules that made it.
+
+    ``target`` is a room (``R3``), a piece or a companion (``R3.bed``; ``R3.bed2`` or ``R3.bed.2`` for the
+    second in the file's order); of a star a room's door (``R3.door``) or the main room (``main``); of a plan
+    a door between two rooms (``R1-R3``), the ``entrance``, or a window (``R3.window``). The house is made
+    again from its provenance; ``grammar`` is the directory of its rules where they are not shipped ones.
+
+    Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
+    provenance, or where the rules make another one: they or the house changed; ``GrammarError`` for wrong
+    rules; ``LimitReached`` where the house is not made again in these seconds. They end the search for what
+    could be instead too, and then the answer's ``limit`` says so.
+    """
+    parts = explained(house, target, grammar=grammar, seconds=seconds)
+    whole = next(parts)
+    for part in parts:
+        whole = whole.joined(part)
+    return whole
+
+
+def explained(
+    house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
+) -> Iterator[Why]:
+    """The answer of ``explain_house`` part by part as it is found: the derivation first."""
+    target_in(house, target)
+    made = house.provenance
+    if made is None:
+        raise HouseFileError(
+            "the house does not say which rules made it: generate writes that into its files"
+        )
+    try:
+        rules = find(grammar or made.grammar)
+    except GrammarError as error:
+        raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
+    question = {"why": target, "parts": True, "house": house.to_dict(), "inferences": INFERENCES}
+    opening = {"grammar": str(rules.directory), "cell": float(made.request.get("cell", 0.0))}
+    late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
+    others = tried = found = 0
+    try:
+        for answer in answers(opening, question, seconds, late):
+            if answer["why"] is None:
+                break
+            part = msgspec.convert(answer["why"], Why)
+            others, tried = others + part.others, tried + part.tried
+            found += sum(not each.known for choice in part.choices for each in choice.instead)
+            yield part
+    except LimitReached:
+        if not others:
+            raise
+    share = (
+        f"what forbids {found} of {others} other values was not found in their share of {seconds:g} seconds"
+    )
+    if tried < others:
+        yield Why(target, "", limit=f"{late}. {tried} of {others} other values were tried")
+    elif found:
+        yield Why(target, "", limit=f"{target}: {share}: raise it with --seconds")

@@ -1,0 +1,260 @@
+"""Houses by request: solver processes at work, and their answers in order."""
+
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from logic.errors import (
+    Finding,
+    GrammarError,
+    GrammarWarning,
+    RequestError,
+    Unsatisfiable,
+    VitruviusError,
+)
+from logic.grammar import SHIPPED, find
+from logic.house.house import House
+from logic.house.parts import BODY
+from logic.request.fixed_rooms import fixed_rooms
+from logic.request.given_plan import SNAP, OwnPlan, keeping, read_plan
+from logic.request.request import MOST_ROOMS, Count, Request, whole
+from logic.spelling import keywords
+from logic.workers.solver import GRACE, LOADING, START_UP, Idle, Solver
+
+_idle = Idle()
+
+TRIED = (10, 20)
+"""Numbers of rooms with which lint tries which rule takes too much, where it judges rules too long."""
+
+_warned: set[str] = set()
+"""Hashes of the rules whose warnings this process has given: once is enough."""
+
+
+@keywords(pieces="furniture", n="count", number="count", rules="grammar", timeout="seconds")
+def generate(
+    rooms: int | None = None,
+    *,
+    types: Mapping[str, Count] | None = None,
+    furniture: Mapping[str, Count] | None = None,
+    cell: float = 0.0,
+    plan: str | Path | House | Mapping[str, Any] | None = None,
+    plan_unit: str = "m",
+    snap: float = SNAP,
+    keep: House | None = None,
+    grammar: str | Path = "family",
+    seed: int = 0,
+    count: int = 1,
+    start: int = 0,
+    workers: int = 1,
+    inferences: int = 100_000_000,
+    seconds: float = 60.0,
+) -> Iterator[House]:
+    """Generate houses ``start`` to ``start + count - 1`` of a request, one by one, in order.
+
+    ``rooms`` is the number of secondary rooms (1 to 128). ``types`` counts the rooms of some types, exactly
+    or from a least to a greatest number, None for no bound: ``{"bedroom": 2, "bathroom": (1, None)}``.
+    ``furniture`` counts in the same way the pieces in each room that may have them, or in rooms of one type:
+    ``{"bed": 1, "bedroom.wardrobe": (1, 2)}``. With a ``cell`` (metres, at least the body's 0.287) every edge
+    of a house lies on a grid of such cells: fixed lengths and least ones are rounded up, greatest ones down.
+    The rooms of ``keep`` (as in ``house.only("R0", "R2")``) are fixed, with their doors and furniture, and
+    count among the ``rooms``; all else, the main room too, is generated around them. Rooms that share walls
+    are kept in a ``plan`` with doors, of the same house.
+    ``plan`` gives all rooms with their places, and types if these are not to be chosen: a house, GeoJSON, or
+    a file of either (``docs/house-file.md``). Doors, windows and furniture are generated in it, and ``rooms``
+    may be left out. ``plan_unit`` is GeoJSON's: ``m``, ``cm``, ``mm``, ``ft``, or metres to a unit. Edges
+    within ``snap`` metres of each other are one wall, of which is warned (``PlanWarning``).
+    ``grammar`` is a shipped grammar's name or a directory. House ``i`` is a function of the grammar, the
+    request, the seed and ``i``: the number of ``workers``, each a process, changes nothing but the time.
+    ``inferences`` (of Prolog) and ``seconds`` bound each house; to start processes and to load the rules,
+    which takes some seconds, has a limit of its own (``solver.START_UP``).
+
+    Warns once (``GrammarWarning``) of each rule of a grammar in a directory that never has an effect.
+    Raises ``RequestError`` for a request that makes no sense, ``GrammarError`` for a wrong grammar,
+    ``Unsatisfiable`` where it is proved that there is no such house, ``LimitReached`` past a bound.
+    """
+    own = None if plan is None else read_plan(plan, plan_unit, snap)
+    if keep is not None and not keep.is_star:
+        if own is None:
+            raise RequestError(
+                "keep: rooms that share walls are kept in their plan: give it too, as in "
+                'generate(plan=house, keep=house.only("R2"))'
+            )
+        own, keep = keeping(own, keep), None
+    if own:
+        rooms = _rooms_of(own, rooms, cell, keep)
+    if rooms is None:
+        raise RequestError("rooms: say how many, as in --rooms 6, or give a plan of them, as in --plan FILE")
+    rooms = whole("rooms", rooms, 1, MOST_ROOMS)
+    count, workers = whole("count", count, 1), whole("workers", workers, 1)
+    inferences = whole("inferences", inferences, 1)
+    seed, start = whole("seed", seed, 0), whole("start", start, 0)
+    whole("the index of the last house", start + count - 1, 0)
+    if not 0 < seconds < 1e6:
+        raise RequestError(f"seconds must be above 0 and below a million, not {seconds!r}")
+    seconds, cell = float(seconds), float(cell)
+    if cell and not BODY <= cell <= 2:
+        raise RequestError(f"cell must be {BODY} m (the body's width) to 2 m, not {cell!r}")
+    wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}, "cell": cell})
+    if keep is not None:
+        if cell:
+            raise RequestError("keep: fixed rooms need not lie on the grid: leave out cell or keep")
+        fixed = len(keep.secondary)
+        if not fixed:
+            raise RequestError('keep: the house has no room to keep: name some, as in keep=house.only("R0")')
+        if fixed > rooms:
+            raise RequestError(
+                f"keep: the house has {fixed} rooms to keep, but rooms={rooms}: ask for rooms={fixed} or "
+                'more, or keep some of them: keep=house.only("R0"), on the command line --keep-rooms R0'
+            )
+        wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
+    wanted = replace(wanted, plan=own)
+    question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
+    rules = find(grammar)
+    opening = {"grammar": str(rules.directory), "cell": float(cell)}
+    return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
+
+
+def _rooms_of(plan: OwnPlan, rooms: int | None, cell: float, keep: House | None) -> int:
+    """How many rooms a plan has. Raises ``RequestError`` for what a request cannot have beside it."""
+    number = len(plan.rooms)
+    if rooms not in (None, number):
+        raise RequestError(f"plan: it has {number} rooms, but rooms={rooms}: leave rooms out")
+    for name, given in (("cell", cell), ("keep", keep)):
+        if given:
+            raise RequestError(f"plan: all rooms have their places already: leave out {name} or plan")
+    return number
+
+
+@keywords(pieces="furniture", rules="grammar", timeout="seconds")
+def count_layouts(
+    rooms: int,
+    *,
+    types: Mapping[str, Count] | None = None,
+    furniture: Mapping[str, Count] | None = None,
+    grammar: str | Path = "family",
+    seconds: float = 60.0,
+    report: Callable[[str, int], None] = lambda name, number: None,
+) -> Iterator[tuple[str, int, bool]]:
+    """Count the layouts from which stage 1 samples: of a house's rooms, and of each type's furniture.
+
+    Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
+    more. Each count has its share of the seconds that are left. Room layouts say types, sides, corners;
+    furniture layouts all that ``rules/room.lp`` shows.
+    ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
+    """
+    wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
+    return _layouts({"grammar": str(find(grammar).directory), "cell": 0.0}, wanted, seconds, report)
+
+
+def _layouts(
+    opening: dict[str, Any], wanted: Request, seconds: float, report: Callable[[str, int], None]
+) -> Iterator[tuple[str, int, bool]]:
+    """The counts, one by one."""
+    worker = Solver(opening)
+    try:
+        worker.loaded()
+        end = time.monotonic() + seconds
+        worker.ask({"count": seconds, "request": wanted.to_dict()}, seconds + GRACE)
+        late = f"counting took {seconds:g} s: raise it with --seconds"
+        while count := worker.answer(end + GRACE - time.monotonic(), late, [wanted.rooms])["count"]:
+            name, number, whole = count
+            if whole is None:
+                report(name, number)
+            else:
+                yield name, number, whole
+    finally:
+        worker.end()
+
+
+def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]:
+    """Find the mistakes in a grammar's files that clingo and SWI-Prolog pass over, without running its code.
+
+    ``generate`` refuses a grammar with an error. Raises ``GrammarError`` where there is no such grammar, and
+    ``LimitReached`` past these seconds.
+    """
+    opening = {"grammar": str(find(grammar).directory), "cell": 0.0, "errors": "all"}
+    end = time.monotonic() + seconds
+    worker = Solver(opening)
+    try:
+        answer = worker.loaded(seconds)
+        if "findings" not in answer:
+            left = end - time.monotonic()
+            worker.ask({"lint": True}, left)
+            answer = worker.answer(left, f"{grammar}: lint took {seconds:g} s", TRIED)
+        return msgspec.convert(answer["findings"], list[Finding])
+    except GrammarError as error:
+        return [Finding("error", str(error.file), error.line or 1, error.column or 1, error.message)]
+    finally:
+        worker.end()
+
+
+def _warn(worker: Solver, rooms: int) -> None:
+    """Warn of what is of no use in the rules that a process has loaded, where these rooms are asked for.
+
+    The rules may take too much for other houses than these: then the process has ended, and nothing is said.
+    """
+    worker.ask({"warn": rooms, "processor": LOADING}, START_UP)
+    try:
+        found = worker.answer(START_UP, "")["findings"]
+    except VitruviusError:
+        return
+    for finding in msgspec.convert(found, list[Finding]):
+        warnings.warn(str(finding), GrammarWarning, stacklevel=3)
+
+
+def _houses(
+    opening: dict[str, Any],
+    rules: str,
+    request: dict[str, Any],
+    indices: range,
+    workers: int,
+    seconds: float,
+) -> Iterator[House]:
+    """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
+    key = (rules, *opening.values())
+    warn = rules not in _warned and Path(opening["grammar"]).parent != SHIPPED
+    _warned.add(rules)
+    number = min(workers, len(indices))
+    team: list[Solver] = []
+    reusable = False
+    try:
+        for _ in range(number):
+            team.append(_idle.take(key) or Solver(opening))
+        for worker in team:
+            if worker.unanswered:
+                worker.loaded()
+        for turn, worker in enumerate(team):
+            worker.ask(request | {"index": indices[turn]}, seconds)
+        rooms = [request["request"]["rooms"]]
+        for turn, index in enumerate(indices):
+            worker = team[turn % len(team)]
+            late = f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
+            try:
+                record = worker.answer(seconds, late, rooms)
+            finally:
+                if warn and worker.is_alive():
+                    _warn(worker, *rooms)
+                warn = False
+            if not worker.is_alive():
+                team[turn % len(team)] = worker = Solver(opening)
+                worker.loaded()
+            if turn + len(team) < len(indices):
+                worker.ask(request | {"index": indices[turn + len(team)]}, seconds)
+            reusable = True
+            yield House.from_dict(record["house"])
+            reusable = False
+        reusable = True
+    except (Unsatisfiable, RequestError):
+        reusable = True
+        raise
+    finally:
+        for worker in team:
+            if reusable and not worker.unanswered:
+                _idle.add(key, worker)
+            else:
+                worker.end()

@@ -1,0 +1,275 @@
+"""Solver processes from outside: how they are started, asked, ended, and kept for the next request.
+
+``worker.py`` is what runs in them.
+"""
+
+import atexit
+import contextlib
+import json
+import os
+import selectors
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Generator, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
+from logic.layout.account import GROUNDING
+
+START_UP = 60.0
+"""Seconds that a solver process may take to load a grammar."""
+
+LOADING = 4.0
+"""Seconds of processor time to load a grammar, which takes 1 to 2; past them it is tried by steps."""
+
+STEP = 1.0
+"""Seconds of processor time for one of these steps (``logic.language.trial``), which take some hundredths."""
+
+GRACE = 1.0
+"""Seconds past a limit in which a process may say what it was doing."""
+
+MOST_IDLE = 2
+"""Solver processes kept for the next request for the same rules: to start one takes half a second."""
+
+ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
+"""Rule files are UTF-8 whatever the user's language."""
+
+START = """
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+
+sys.path += sys.argv[2:]
+spec = spec_from_file_location("logic", sys.argv[1])
+sys.modules["logic"] = module_from_spec(spec)
+spec.loader.exec_module(sys.modules["logic"])
+from logic.workers.worker import main
+
+main()
+"""
+"""What a solver process runs. It imports this very package by its file, all else first from PYTHONPATH and
+where packages are installed: no file in the current folder or beside a script takes the place of a module.
+"""
+
+
+class Solver:
+    """A solver process and the two ends of its pipes."""
+
+    def __init__(self, opening: dict[str, Any]) -> None:
+        """Start it; it loads what ``opening`` names. With ``prepare``, a directory, it waits for ``open``."""
+        self._interrupted = False
+        self._start()
+        if "prepare" in opening:
+            self.ask(opening, LOADING)
+        else:
+            self.open(opening)
+
+    def open(self, opening: dict[str, Any]) -> None:
+        """Let it load a grammar: what ``opening`` names. A process loads one, once."""
+        self._opening, self._grammar = opening, opening["grammar"]
+        self.ask(opening, START_UP if "trial" in opening else LOADING)
+
+    def _start(self) -> None:
+        self._step: VitruviusError | None = None
+        self._trial: Solver | None = None
+        package, path = Path(__file__).parents[1] / "__init__.py", os.environ.get("PYTHONPATH", "")
+        # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", START, str(package), *_named(sys.path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+            env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(_named(path.split(os.pathsep)))},
+        )
+        assert self._process.stdin
+        assert self._process.stdout
+        self._questions, self._output = self._process.stdin, self._process.stdout.fileno()
+        self._answers = selectors.DefaultSelector()
+        os.set_blocking(self._output, False)
+        self._answers.register(self._output, selectors.EVENT_READ)
+        self._received = b""
+        self.unanswered = 0
+        if self._interrupted:
+            self._kill()
+
+    def ask(self, question: dict[str, Any], seconds: float) -> None:
+        """Send a request to be answered in these seconds; that the process is gone shows in its answer."""
+        self.unanswered += 1
+        try:
+            self._questions.write(json.dumps(question | {"seconds": seconds}).encode() + b"\n")
+            self._questions.flush()
+        except BrokenPipeError:
+            pass
+
+    def prepared(self) -> None:
+        """Wait until it is ready to load a grammar. Raises ``MissingProgram`` where a solver is missing."""
+        self.answer(START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?")
+
+    def loaded(self, seconds: float = START_UP) -> dict[str, Any]:
+        """Wait for the answer to the opening: the grammar's versions and warnings, or lint's findings.
+
+        Where the grammar ends the process or takes too much, another one tries it step by step, so that the
+        step is named (see ``logic.language.trial``). Past the seconds ``LimitReached``.
+        """
+        late = f"{self._grammar}: loading took {seconds:g} s: do its rules recur without end?"
+        end = time.monotonic() + seconds
+        try:
+            return self.answer(seconds, late)
+        except VitruviusError as error:
+            ended = isinstance(error, LimitReached) or not self.is_alive()
+            if not ended or self._interrupted or "trial" in self._opening:
+                raise
+        self.end()
+        self._start()
+        self.open(self._opening | {"trial": [], "step": STEP})
+        return self.answer(max(0.0, end - time.monotonic()), late)
+
+    def _suspect(self, rooms: Sequence[int]) -> None:
+        """Let another process find out which rule takes too much in houses of so many rooms."""
+        if self._trial is None and rooms:
+            self._trial = Solver(self._opening | {"trial": [*rooms], "step": STEP})
+
+    def _blamed(self) -> GrammarError | None:
+        """What that other process has found so far, if there is one, and anything."""
+        trial, self._trial = self._trial, None
+        if trial is None:
+            return None
+        try:
+            trial.answer(-GRACE, "")
+        except VitruviusError as error:
+            return error if isinstance(error, GrammarError) else None
+        finally:
+            trial.end()
+        return None
+
+    def answer(self, seconds: float, late: str, rooms: Sequence[int] = ()) -> dict[str, Any]:
+        """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``,
+        what the process was doing, and what a trial with so many ``rooms`` found, if rules were ground.
+        """
+        deadline = time.monotonic() + seconds + GRACE
+        while True:
+            while b"\n" not in self._received:
+                if not self._answers.select(max(0.0, deadline - time.monotonic())):
+                    raise LimitReached(late)
+                part = os.read(self._output, 1 << 20)
+                if not part:
+                    raise self._step or self._died(late)
+                self._received += part
+            line, self._received = self._received.split(b"\n", 1)
+            record = json.loads(line)
+            if "trial" in record:
+                self._step = record["trial"] and from_record(record["trial"])
+            elif record.get("working") == GROUNDING:
+                self._suspect(rooms)
+            elif "limit" in record:
+                at_fault = self._blamed()
+                raise LimitReached(f"{late}: {at_fault}" if at_fault else f"{late}. {record['limit']}")
+            elif "working" not in record:
+                break
+        self.unanswered -= 1
+        self._blamed()
+        if "error" in record:
+            error = from_record(record["error"])
+            raise (self._step if isinstance(error, LimitReached) else None) or error
+        return record
+
+    def is_alive(self) -> bool:
+        """Whether the process still runs."""
+        return self._process.poll() is None
+
+    def _died(self, late: str) -> VitruviusError:
+        code = self._process.wait()
+        if code == -signal.SIGXCPU:
+            return LimitReached(late)
+        if code == -signal.SIGKILL:
+            return LimitReached("a solver process was killed from outside, perhaps for want of memory")
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        why = "look for a directive that halts, or a clause that recurs without end"
+        return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)
+
+    def interrupt(self) -> None:
+        """Kill the process while another thread waits for its answer: that one gets an error, and ends it."""
+        self._interrupted = True
+        self._kill()
+
+    def end(self) -> None:
+        """Kill the process: it holds nothing that anyone needs."""
+        self._blamed()
+        self._kill()
+        self._process.communicate()
+        self._answers.close()
+
+    def _kill(self) -> None:
+        # With all that directives may have started.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+
+def _named(path: Iterable[str]) -> list[str]:
+    """Where modules are looked for, but for the current folder."""
+    return [folder for folder in path if folder and os.path.abspath(folder) != os.getcwd()]
+
+
+class Idle:
+    """Solver processes that have answered everything, by what they have loaded; safe among threads."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.forget()
+        atexit.register(self.end)
+        # A forked child has copies of the pipes, but the processes answer its parent.
+        os.register_at_fork(after_in_child=self.forget)
+
+    def forget(self) -> None:
+        """Begin with none."""
+        self._lock, self._workers = threading.Lock(), []
+
+    def take(self, key: tuple[Any, ...]) -> Solver | None:
+        """One that has loaded just these rules and still runs, if there is one."""
+        with self._lock:
+            places = [place for place, (loaded, _) in enumerate(self._workers) if loaded == key]
+            worker = self._workers.pop(places[-1])[1] if places else None
+        if worker is None or worker.is_alive():
+            return worker
+        worker.end()
+        return self.take(key)
+
+    def add(self, key: tuple[Any, ...], worker: Solver) -> None:
+        """Keep one, and end those beyond ``MOST_IDLE`` that were used the longest time ago."""
+        with self._lock:
+            self._workers.append((key, worker))
+            late = [self._workers.pop(0)[1] for _ in range(len(self._workers) - MOST_IDLE)]
+        for unused in late:
+            unused.end()
+
+    def end(self) -> None:
+        """End all."""
+        while self._workers:
+            self._workers.pop()[1].end()
+
+
+def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
+    """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
+    found = answers(opening, question, seconds, late)
+    try:
+        return next(found)
+    finally:
+        found.close()
+
+
+def answers(
+    opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str
+) -> Generator[dict[str, Any]]:
+    """All answers of a solver process to one question, as they come; past the seconds ``LimitReached``."""
+    worker = Solver(opening)
+    try:
+        worker.loaded()
+        deadline = time.monotonic() + seconds
+        worker.ask(question, seconds)
+        while True:
+            yield worker.answer(max(0.0, deadline - time.monotonic()), late)
+    finally:
+        worker.end()

@@ -1,0 +1,1 @@
+"""Environments for other libraries: MiniGrid, Stable-Baselines3."""

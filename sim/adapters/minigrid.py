@@ -1,0 +1,189 @@
+"""Houses on a grid as environments of MiniGrid (minigrid.farama.org), ``sim:Vitruvius/MiniGrid-v0``.
+
+Importing this needs that library: ``pip install vitruvius[minigrid]``.
+
+In MiniGrid walls fill tiles; in our houses they lie on the edges of cells. So a house of C x R cells has
+2C + 1 by 2R + 1 tiles: a tile for each cell, and one between two of them for the edge or the corner where
+they meet. A step on our grid is two there, and distances are otherwise the same.
+"""
+
+import zlib
+from typing import Any
+
+import numpy as np
+from minigrid.core.grid import Grid
+from minigrid.core.mission import MissionSpace
+from minigrid.core.world_object import Box, Door, Goal, Wall, WorldObj
+from minigrid.minigrid_env import MiniGridEnv
+
+from logic import House
+from sim.backends.backend import PIECE, WALL
+from sim.backends.grid.cells import Cells
+from sim.environment.arguments import Houses
+from sim.environment.vector import HouseVectorEnv
+from sim.tasks.tasks import Targets
+
+MISSION = "get to the green goal square"
+"""As MiniGrid says it."""
+
+FREE, DOOR, ENTRANCE, FILLED, SOLID = range(5)
+"""What a tile holds: nothing, a door between rooms, one to the outside, a piece, a wall."""
+
+PIECE_COLOURS = "blue", "purple", "red"
+"""MiniGrid has six: its walls are grey, its goal is green, and doors here are yellow."""
+
+
+Tile = tuple[int, int]
+"""East and south from the north-west corner of the grid."""
+
+
+class Piece(WorldObj):
+    """A tile of a piece of furniture: one of MiniGrid's boxes that nobody opens or carries away."""
+
+    def __init__(self, colour: str) -> None:
+        """Colours are MiniGrid's."""
+        super().__init__("box", colour)
+
+    def see_behind(self) -> bool:
+        """It hides what is behind it, as pieces do from our rays."""
+        return False
+
+    def render(self, r: np.ndarray) -> np.ndarray:
+        """Draw a box on a tile's pixels."""
+        Box(self.color).render(r)
+        return r
+
+
+class MiniGridHouseEnv(MiniGridEnv):
+    """An agent of MiniGrid looks for a target in a house.
+
+    An episode has the house, the start and the first target of ``HouseEnv`` with ``backend="grid"`` and the
+    same seed; a heading between two axes is turned right to the next one. All else is MiniGrid's: its
+    actions, its view of tiles, its reward, and an end at the goal. Smaller houses of a bank have walls
+    around them.
+
+    ``houses``: as for ``HouseVectorEnv``, made with one ``--cell``. ``targets``: where they lie, as there.
+    ``doors_open``: doors between rooms are open, as they always are in our simulator; or shut, to be opened
+    by MiniGrid's action ``toggle``. Those to the outside are locked. ``max_steps``: of an episode.
+    ``arguments``: those of ``MiniGridEnv``. Raises ``ValueError`` for houses that are off the grid.
+    """
+
+    def __init__(
+        self,
+        houses: Houses,
+        *,
+        targets: Targets = "main",
+        doors_open: bool = True,
+        max_steps: int = 1500,
+        **arguments: Any,
+    ) -> None:
+        """Divide the houses into tiles."""
+        self.envs = HouseVectorEnv(houses, backend="grid", targets=targets)
+        self.doors_open, self._episode = doors_open, {}
+        self._cells = [Cells(shape, self.envs.config.step) for shape in self.envs.geometries]
+        width, height = (2 * max(size) + 1 for size in zip(*(each.size for each in self._cells), strict=True))
+        super().__init__(
+            MissionSpace(mission_func=_mission), width=width, height=height, max_steps=max_steps, **arguments
+        )
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Begin an episode. ``options`` and the info that is returned: as for ``HouseEnv``."""
+        batched = {key: np.asarray(value)[None] for key, value in (options or {}).items()}
+        _, info = self.envs.reset(seed=seed, options=batched)
+        self._episode = {key: value[0] for key, value in info.items()}
+        observation, _ = super().reset(seed=seed)
+        return observation, dict(self._episode)
+
+    def close(self) -> None:
+        """End: to reset after it is an error."""
+        self.envs.close()
+        super().close()
+
+    def _gen_grid(self, width: int, height: int) -> None:
+        """Build the episode's house: see ``MiniGridEnv``."""
+        number = int(self._episode["house"])
+        cells, house = self._cells[number], self.envs.houses[number]
+        found, colours = tiles(house, cells), _colours(house, cells)
+        self.grid = Grid(width, height)
+        for x, y in np.ndindex(width, height):
+            inside = x < found.shape[0] and y < found.shape[1]
+            self.grid.set(x, y, self._object(int(found[x, y]), int(colours[x, y])) if inside else Wall())
+        x, y, heading = self._episode["pose"]
+        self.agent_pos = tile(cells, (x, y))
+        self.agent_dir = -(round(heading / (np.pi / 4)) // 2) % 4
+        goal = tile(cells, self._episode["target"])
+        if found[goal] != FREE:
+            x, y = self._episode["target"]
+            raise ValueError(f"house {number}: the target at ({x:.3f}, {y:.3f}) m is in no free cell")
+        self.put_obj(Goal(), *goal)
+
+    def _object(self, kind: int, colour: int) -> WorldObj | None:
+        if kind == FREE:
+            return None
+        if kind == FILLED:
+            return Piece(PIECE_COLOURS[colour])
+        if kind == SOLID:
+            return Wall()
+        return Door("yellow", is_open=kind == DOOR and self.doors_open, is_locked=kind == ENTRANCE)
+
+
+def tiles(house: House, cells: Cells) -> np.ndarray:
+    """What is on each tile of a house, (2 columns + 1, 2 rows + 1) int: cell (i, j) is tile (2i + 1, 2j + 1).
+
+    The tile of an edge is free where a body goes across it, that of a corner where all four edges around it
+    are.
+    """
+    columns, rows = cells.size
+    found = np.full((2 * columns + 1, 2 * rows + 1), FREE)
+    inner = np.full((columns + 2, rows + 2), SOLID)
+    inner[1:-1, 1:-1] = np.select([cells.stands, cells.filled], [FREE, FILLED], SOLID)
+    found[1::2, 1::2] = inner[1:-1, 1:-1]
+    found[::2, 1::2] = _edges(cells.upright, inner[:-1, 1:-1], inner[1:, 1:-1])
+    found[1::2, ::2] = _edges(cells.level, inner[1:-1, :-1], inner[1:-1, 1:])
+    around = np.pad(found, 1)
+    corners = (around[:-2:2, 1:-1:2], around[2::2, 1:-1:2], around[1:-1:2, :-2:2], around[1:-1:2, 2::2])
+    found[::2, ::2] = np.max(corners, axis=0)
+    for door in house.doors:
+        west, north, east, south = _in_cells(cells, door.box)
+        # All along it, but for the corners at its ends, which are the wall's.
+        across = slice(2 * west + (west < east), 2 * east + (west == east))
+        along = slice(2 * north + (north < south), 2 * south + (north == south))
+        found[across, along] = ENTRANCE if door.is_entrance else DOOR
+    return found
+
+
+def _colours(house: House, cells: Cells) -> np.ndarray:
+    """Which of ``PIECE_COLOURS`` a tile has, (2 columns + 1, 2 rows + 1) int: always the same for a type."""
+    columns, rows = cells.size
+    found = np.zeros((2 * columns + 1, 2 * rows + 1), int)
+    for room in house.rooms:
+        for piece in room.pieces:
+            west, north, east, south = _in_cells(cells, piece.box)
+            colour = zlib.crc32(piece.type.encode()) % len(
+                PIECE_COLOURS
+            )  # not hash(), which differs by process
+            found[2 * west : 2 * east + 1, 2 * north : 2 * south + 1] = colour
+    return found
+
+
+def _in_cells(cells: Cells, box: tuple[float, ...]) -> list[int]:
+    """A box (west, north, east, south), metres, in cells."""
+    return np.round((np.array(box) - np.tile(cells.corner, 2)) / cells.side).astype(int).tolist()
+
+
+def tile(cells: Cells, place: Any) -> Tile:
+    """The tile of a place (x, y) in a house, metres."""
+    i, j = np.floor((np.asarray(place) - cells.corner) / cells.side).astype(int)
+    return int(2 * i + 1), int(2 * j + 1)
+
+
+def _edges(edge: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """What the tiles of edges hold, of what is on the edges and in the cells on both sides."""
+    worst = np.maximum(before, after)
+    return np.select([edge == WALL, edge == PIECE], [SOLID, FILLED], worst)
+
+
+def _mission() -> str:
+    return MISSION

@@ -1,0 +1,241 @@
+"""The lists of the continuous backend, made on the device: what bodies in a cell may touch, and eyes see."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from sim.backends.backend import PIECE
+from sim.backends.continuous.layout import (
+    AHEAD,
+    BOXES,
+    CELL,
+    COLUMNS,
+    ENDS,
+    FIRST_BOX,
+    FIRST_CELL,
+    FIRST_LINE,
+    FIRST_PIECE,
+    FLOOR,
+    HEADER,
+    LISTS,
+    LONGEST,
+    MARGIN,
+    ROOMS,
+    ROWS,
+    Indices,
+    Numbers,
+    end_of,
+)
+from sim.config import Config
+from sim.runtime import Array, Launch, constants, start, ti
+
+
+def listed_arrays(
+    numbers: np.ndarray, header: np.ndarray, lines: np.ndarray, config: Config
+) -> tuple[Array, Array]:
+    """A bank's two arrays, with its lists, from ``numbers`` (n,), each house's ``header`` (H, 9) and how many
+    ``lines`` (H, 2) it has: all, and those across x. ``ValueError`` for a house with too many.
+    """
+    owner = np.repeat(np.arange(len(header)), header[:, COLUMNS] * header[:, ROWS])
+    arrays = {
+        "numbers": Array.of(numbers),
+        "houses": Array.of(np.column_stack([header, lines]).astype(np.int32).ravel()),
+        "owner": Array.of(owner.astype(np.int32)),
+        "visible": Array(ti.i32, len(owner) * (int(lines[:, 0].max()) // 32 + 1)),
+        "counts": Array(ti.i32, len(owner) * LISTS),
+    }
+    find, fill = _kernels(start(), config)
+    Launch(find, arrays)()
+    counts = arrays["counts"].numpy().reshape(-1, LISTS).cumsum(axis=1)
+    total = counts[:, -1]
+    if total.max() > LONGEST:
+        house = owner[total.argmax()]
+        raise ValueError(f"house {house} of {len(header)} has more walls and furniture than lists can hold")
+    ends = np.zeros((len(owner), 2 * ENDS), np.uint16)
+    ends[:, 1 : LISTS + 1] = counts
+    words = np.where(total > 0, ENDS + (total + 1) // 2, 0)
+    first = header.size + len(owner)
+    block = np.where(total > 0, first + ENDS + words.cumsum() - words, first)
+    indices = np.zeros(first + ENDS + int(words.sum()) + AHEAD, np.int32)
+    indices[:first] = np.concatenate([header.ravel(), block])
+    indices[block[total > 0, None] + np.arange(ENDS)] = ends[total > 0].view(np.int32)
+    arrays["indices"] = Array.of(indices)
+    Launch(fill, arrays)()
+    return arrays["numbers"], arrays["indices"]
+
+
+@cache
+def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
+    """Kernels that find what is visible from each cell and count it, and that fill the lists."""
+    body = max(config.body)
+    reach = body + config.step + MARGIN
+    left, right = (
+        np.deg2rad(45 * np.arange(8) + angle)
+        for angle in (config.first_ray, config.first_ray - config.ray_spacing * (config.rays - 1))
+    )
+    narrow = config.ray_spacing * (config.rays - 1) < 175
+    edges = np.column_stack([np.cos(left), -np.sin(left), np.cos(right), -np.sin(right)])
+    sides = constants(edges.astype(np.float32))
+    each = HEADER + 2
+
+    @ti.func
+    def square(numbers: ti.template(), houses: ti.template(), owner: ti.template(), c):
+        """A cell's house and its (west, north, east, south), a little larger than it is."""
+        house = owner[c]
+        at = house * each
+        k = c - (houses[at + FIRST_CELL] - houses[FIRST_CELL])
+        y, x = k // houses[at + COLUMNS], k % houses[at + COLUMNS]
+        west = numbers[2 * house] + ti.cast(x, ti.f32) * CELL
+        north = numbers[2 * house + 1] + ti.cast(y, ti.f32) * CELL
+        return at, ti.Vector([west - MARGIN, north - MARGIN, west + CELL + MARGIN, north + CELL + MARGIN])
+
+    @ti.func
+    def indoors(numbers: ti.template(), houses: ti.template(), at, cell):
+        """Whether an eye in a cell may be that of a body which stands in a room, or half in it."""
+        x, y = 0.5 * (cell[0] + cell[2]), 0.5 * (cell[1] + cell[3])
+        half, found = 0.5 * (cell[2] - cell[0]) + ti.static(body), 0
+        for k in range(houses[at + ROOMS] + 1):
+            room = houses[at + FLOOR] + 8 * k
+            across_x = ti.abs(x - numbers[room]) < numbers[room + 2] + half
+            across_y = ti.abs(y - numbers[room + 1]) < numbers[room + 3] + half
+            found |= ti.cast(across_x & across_y, ti.i32)
+        return found
+
+    @ti.func
+    def near(numbers: ti.template(), box, cell):
+        """Whether a body whose centre is in a cell may touch a box by one action."""
+        west, north, east, south = numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]
+        return (
+            (west - reach < cell[2])
+            & (cell[0] < east + reach)
+            & (north - reach < cell[3])
+            & (cell[1] < south + reach)
+        )
+
+    @ti.func
+    def hides(numbers: ti.template(), wall, line, axis, cell):
+        """Whether one wall stands between all of a cell and all of a line (at, from, to) across an axis.
+
+        A sight line crosses the wall's at a place that goes one way as either of its ends moves along an
+        edge, so the corners decide.
+        """
+        # What separates them is an axis: the wall's own.
+        upright = numbers[wall] == numbers[wall + 2]
+        at, low, high = numbers[wall], numbers[wall + 1], numbers[wall + 3]
+        near_0, near_1, side_0, side_1 = cell[0], cell[2], cell[1], cell[3]
+        if not upright:
+            at, low, high = numbers[wall + 1], numbers[wall], numbers[wall + 2]
+            near_0, near_1, side_0, side_1 = cell[1], cell[3], cell[0], cell[2]
+        along = ti.cast(upright, ti.i32) == axis  # the line runs along the axis that the wall lies across
+        far_0, far_1, aside_0, aside_1 = line[0], line[0], line[1], line[2]
+        if along:
+            far_0, far_1, aside_0, aside_1 = line[1], line[2], line[0], line[0]
+        beyond = (near_1 < at) & (at < ti.min(far_0, far_1)) | (near_0 > at) & (at > ti.max(far_0, far_1))
+        hidden = 0
+        if beyond:
+            hidden = 1
+            for corner in ti.static(range(8)):
+                near_ = near_1 if ti.static(corner & 1) else near_0
+                side = side_1 if ti.static(corner & 2) else side_0
+                far = far_1 if ti.static(corner & 4) else far_0
+                aside = aside_1 if ti.static(corner & 4) else aside_0
+                cross = side + (at - near_) / (far - near_) * (aside - side)
+                hidden &= ti.cast((low + MARGIN < cross) & (cross < high - MARGIN), ti.i32)
+        return hidden
+
+    @ti.func
+    def seen(numbers: ti.template(), houses: ti.template(), at, k, line, axis, cell):
+        """Whether some of a line may be seen from somewhere in a cell, at some heading."""
+        kind = numbers[k + 3]
+        low, high = cell[0], cell[2]
+        side_0, side_1 = cell[1], cell[3]
+        if axis == 1:
+            low, high, side_0, side_1 = cell[1], cell[3], cell[0], cell[2]
+        faces = not ((kind <= -PIECE) & (low > line[0]) | (kind >= PIECE) & (high < line[0]))
+        ahead = ti.max(0.0, ti.max(low - line[0], line[0] - high))
+        aside = ti.max(0.0, ti.max(side_0 - line[2], line[1] - side_1))
+        result = ti.cast(faces & (ahead * ahead + aside * aside < ti.static(config.range**2)), ti.i32)
+        wall, last = houses[at + FIRST_BOX], houses[at + FIRST_PIECE]
+        while (result == 1) & (wall < last):
+            result -= hides(numbers, wall, line, axis, cell)
+            wall += 4
+        return result
+
+    @ti.func
+    def ahead(heading, line, axis, cell):
+        """Whether a line may be in the field of view of an eye in a cell at a heading: it is not wholly to
+        the left of the first ray, nor to the right of the last, from any corner.
+        """
+        result = 1
+        if ti.static(narrow):
+            side = sides[heading]
+            left, right = 1, 1
+            for corner in ti.static(range(8)):
+                x = cell[2] if ti.static(corner & 1) else cell[0]
+                y = cell[3] if ti.static(corner & 2) else cell[1]
+                end = line[2] if ti.static(corner & 4) else line[1]
+                dx, dy = line[0] - x, end - y
+                if axis == 1:
+                    dx, dy = end - x, line[0] - y
+                left &= ti.cast(side[0] * dy - side[1] * dx < -MARGIN, ti.i32)
+                right &= ti.cast(side[2] * dy - side[3] * dx > MARGIN, ti.i32)
+            result = 1 - (left | right)
+        return result
+
+    @ti.func
+    def line_at(numbers: ti.template(), k):
+        """A line (at, from, to), as far as rays meet it."""
+        return ti.Vector([numbers[k], numbers[k + 1] - numbers[k + 2], numbers[k + 1] + numbers[k + 2]])
+
+    @ti.kernel
+    def find(numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices):
+        for c in range(owner.shape[0]):
+            words = visible.shape[0] // owner.shape[0]
+            at, cell = square(numbers, houses, owner, c)
+            if indoors(numbers, houses, at, cell):
+                for k in range(houses[at + BOXES]):
+                    if near(numbers, houses[at + FIRST_BOX] + 4 * k, cell):
+                        counts[c * LISTS] += 1
+                for k in range(houses[at + HEADER]):
+                    axis = ti.cast(k >= houses[at + HEADER + 1], ti.i32)
+                    place = houses[at + FIRST_LINE] + 4 * k
+                    line = line_at(numbers, place)
+                    if seen(numbers, houses, at, place, line, axis, cell):
+                        visible[c * words + k // 32] |= 1 << (k & 31)
+                        for heading in range(8):
+                            counts[c * LISTS + 1 + 2 * heading + axis] += ahead(heading, line, axis, cell)
+
+    @ti.func
+    def put(indices: ti.template(), first, k, number):
+        """Write the k-th number of 16 bits from a word on, where there was 0."""
+        indices[first + (k >> 1)] |= number << ((k & 1) << 4)
+
+    @ti.kernel
+    def fill(
+        numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices, indices: Indices
+    ):
+        for c in range(owner.shape[0]):
+            words = visible.shape[0] // owner.shape[0]
+            at, cell = square(numbers, houses, owner, c)
+            block = indices[houses[FIRST_CELL] + c]
+            first = block + ENDS
+            free = ti.Vector([0 for _ in range(LISTS)])
+            for k in ti.static(range(LISTS)):
+                free[k] = end_of(indices, block, k)
+            if counts[c * LISTS] > 0:
+                for k in range(houses[at + BOXES]):
+                    if near(numbers, houses[at + FIRST_BOX] + 4 * k, cell):
+                        put(indices, first, free[0], k)
+                        free[0] += 1
+            for k in range(houses[at + HEADER]):
+                if visible[c * words + k // 32] >> (k & 31) & 1:
+                    axis = ti.cast(k >= houses[at + HEADER + 1], ti.i32)
+                    line = line_at(numbers, houses[at + FIRST_LINE] + 4 * k)
+                    for heading in range(8):
+                        if ahead(heading, line, axis, cell):
+                            row = 1 + 2 * heading + axis
+                            put(indices, first, free[row], k)
+                            free[row] += 1
+
+    return find, fill

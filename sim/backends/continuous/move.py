@@ -1,0 +1,135 @@
+"""What is in a body's way in the continuous backend: boxes that it would touch as it slides."""
+
+import numpy as np
+
+from sim.backends.backend import Bank, Lattice
+from sim.backends.body import SKIN, Body, slides_into
+from sim.backends.continuous.layout import (
+    BOXES,
+    FIRST_BOX,
+    FIRST_PIECE,
+    FLOOR,
+    HEADER,
+    ROOMS,
+    cell_of,
+    end_of,
+    listed,
+)
+from sim.config import Config
+from sim.geometry import Geometry
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Motion:
+    """A body among boxes."""
+
+    def __init__(self, config: Config, body: Body) -> None:
+        """Move a body by the configuration's rule of collision."""
+        self.config, self.body = config, body
+        self.turns_in_place = config.body[0] == config.body[1]
+
+    def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
+        """A house's own lattice lies half a step off its corner, so that no body is flush by construction."""
+        west, north, east, south = shape.bounds
+        corner, step = np.array([west, north]), self.config.step
+        if origin is None:
+            origin = (corner + step / 2).astype(np.float32)
+        i, j = np.ceil((corner - origin) / step).astype(int).tolist()
+        columns, rows = (np.floor((np.array([east, south]) - origin) / step).astype(int) + 1).tolist()
+        return Lattice(origin, step, (columns - i, rows - j), (i, j))
+
+    def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Put origins through the given poses; a heading must be a multiple of 45 degrees."""
+        eighths = pose[:, 2] / (np.pi / 4)
+        heading = np.round(eighths)
+        if not np.isfinite(pose).all() or np.abs(eighths - heading).max() > 1e-3:
+            raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
+        cell = np.zeros((len(pose), 3), np.int32)
+        cell[:, 2] = heading.astype(np.int64) % 8
+        shift = np.where(cell[:, 2] % 2, self.config.eye[1] - self.config.eye[0], 0.0)
+        return np.ascontiguousarray(pose[:, :2] - shift[:, None], np.float32), cell
+
+    @ti.func
+    def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.stands``."""
+        return 1 - self.blocked(numbers, indices, house, origin, cell, cell)
+
+    @ti.func
+    def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
+        """See ``Backend.move``."""
+        new, blocked = cell, 0
+        if action == 2:
+            new = self.body.ahead(cell)
+            blocked = self.blocked(numbers, indices, house, origin, cell, new)
+        else:
+            new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
+            # A square that is the same at all headings turns in place.
+            if ti.static(not self.turns_in_place):
+                blocked = self.blocked(numbers, indices, house, origin, new, new)
+        return new, blocked
+
+    @ti.func
+    def blocked(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, new):
+        """Whether something is in the way from a cell to a new one (i32)."""
+        result = 0
+        if ti.static(self.config.collision == "swept"):
+            # The body keeps its north-west corner as it turns, so it may grow at both ends of its way.
+            half = self.body.half(new)
+            p = self.body.centre(origin, cell) + (half - self.body.half(cell))
+            q = self.body.centre(origin, new)
+            block, first_box = cell_of(numbers, indices, house, p), indices[house * HEADER + FIRST_BOX]
+            for k in range(end_of(indices, block, 1)):
+                result |= self.meets(numbers, first_box + 4 * listed(indices, block, k), p, q, half)
+        else:
+            result = self.original(
+                numbers, indices, house, self.body.centre(origin, new), self.body.half(new)
+            )
+        return result
+
+    @ti.func
+    def meets(self, numbers: ti.template(), box, p, q, half):
+        """Whether a square that slides from p to q meets a box (i32)."""
+        corners = ti.Vector([numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]])
+        return slides_into(corners, p, q, half)
+
+    @ti.func
+    def original(self, numbers: ti.template(), indices: ti.template(), house, centre, half):
+        """The original program's rule at the new place, with its gaps: a body astride a room's boundary must
+        be within the span of that room's door, whichever wall the door is in; one inside a room must not
+        meet furniture; one that is inside no room, astride or not, must be inside the main room's rectangle.
+        In our own files rooms lie outside of that rectangle, so a body astride need not be in it.
+        """
+        header = house * HEADER
+        floor = indices[header + FLOOR]
+        met, inside, touched = 0, 0, 0
+        for k in range(indices[header + ROOMS]):
+            room = floor + 8 * (k + 1)
+            door = room + 4
+            x, y = ti.abs(centre[0] - numbers[room]), ti.abs(centre[1] - numbers[room + 1])
+            width, height = numbers[room + 2], numbers[room + 3]
+            if (x < width + half - ti.static(SKIN)) & (y < height + half - ti.static(SKIN)):
+                touched = 1
+                if (x <= width - half + ti.static(SKIN)) & (y <= height - half + ti.static(SKIN)):
+                    inside = 1
+                else:
+                    along = centre[0] - numbers[door]
+                    if numbers[door + 2] == 0:
+                        along = centre[1] - numbers[door + 1]
+                    span = ti.max(numbers[door + 2], numbers[door + 3])
+                    met |= ti.cast(ti.abs(along) > span - half + ti.static(SKIN), ti.i32)
+        if inside:
+            piece, last = (
+                indices[header + FIRST_PIECE],
+                indices[header + FIRST_BOX] + 4 * indices[header + BOXES],
+            )
+            while piece < last:
+                met |= self.meets(numbers, piece, centre, centre, half)
+                piece += 4
+        if not inside:
+            area = floor + 4 * touched
+            x, y = ti.abs(centre[0] - numbers[area]), ti.abs(centre[1] - numbers[area + 1])
+            width, height = numbers[area + 2], numbers[area + 3]
+            within = (x <= width - half + ti.static(SKIN)) & (y <= height - half + ti.static(SKIN))
+            met |= ti.cast(not within, ti.i32)
+        return met

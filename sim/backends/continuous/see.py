@@ -1,0 +1,63 @@
+"""What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
+
+from sim.backends.body import Body
+from sim.backends.continuous.layout import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
+from sim.backends.rays import Rays
+from sim.config import Config
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Sight:
+    """Rays among lines."""
+
+    def __init__(self, config: Config, body: Body, lanes: int) -> None:
+        """Cast ``lanes`` rays at a time from the body's eye."""
+        self.config, self.body, self.rays = config, body, Rays(config, lanes)
+
+    @ti.func
+    def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
+        """See ``Backend.see``. Of hits at one distance walls come first, then pieces, then the target."""
+        eye = self.body.eye(origin, cell)
+        first = self.rays.first(cell[2], ray)
+        over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
+        over_y, slope_y = self.rays.floats(0.0), self.rays.floats(0.0)
+        self.rays.across(first, 0, over_x, slope_x)
+        self.rays.across(first, 1, over_y, slope_y)
+        nearest, kinds = self.rays.bits(ti.static(self.rays.none)), self.rays.bits(0)
+        block, first_line = cell_of(numbers, indices, house, eye), indices[house * HEADER + FIRST_LINE]
+        across_x, row = 1 + 2 * cell[2], 2 + 2 * cell[2]
+        for k in range(end_of(indices, block, across_x), end_of(indices, block, row)):
+            line = first_line + 4 * listed(indices, block, k)
+            ahead, aside, reach, kind = self.line(numbers, line, eye[0], eye[1])
+            self.rays.meet(
+                nearest, kinds, over_x, slope_x, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
+            )
+        for k in range(end_of(indices, block, row), end_of(indices, block, row + 1)):
+            line = first_line + 4 * listed(indices, block, k)
+            ahead, aside, reach, kind = self.line(numbers, line, eye[1], eye[0])
+            self.rays.meet(
+                nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
+            )
+        half = ti.static(self.config.target / 2)
+        if self.rays.may_see(target - eye, half, self.body.headings[cell[2]]):
+            self.rays.meet_square(
+                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(self.rays.last)
+            )
+            self.rays.name_target(kinds)
+        return self.rays.metres(nearest), kinds
+
+    @ti.func
+    def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.prefetch``: the first cache lines of a block, which are most blocks' all."""
+        block = cell_of(numbers, indices, house, self.body.eye(origin, cell))
+        some = indices[block]
+        for k in ti.static(range(LINE, AHEAD, LINE)):
+            some &= indices[block + k]
+        return some
+
+    @ti.func
+    def line(self, numbers: ti.template(), at, along, across):
+        """A line as the eye has it: how far ahead, its middle, its reach from there, its kind."""
+        kind = ti.cast(ti.abs(numbers[at + 3]), ti.u32)
+        return numbers[at] - along, numbers[at + 1] - across, numbers[at + 2], kind

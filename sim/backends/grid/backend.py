@@ -1,0 +1,49 @@
+"""The grid backend: a body is its cell, in a house whose edges are multiples of it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from logic import House
+from sim.backends.backend import Bank
+from sim.backends.body import Body
+from sim.backends.grid.cells import cell_side, off_grid
+from sim.backends.grid.move import Motion
+from sim.backends.grid.pack import pack
+from sim.backends.grid.see import Sight
+from sim.config import DEFAULT, Config
+from sim.geometry import geometry
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Grid(Motion, Sight):
+    """A body that fills a cell: see ``sim.backends.backend.Backend``."""
+
+    def __init__(self, config: Config, lanes: int) -> None:
+        """See ``Backend``."""
+        self.config, self.body = config, Body(config)
+        Motion.__init__(self, config, self.body)
+        Sight.__init__(self, config, self.body, lanes)
+
+    @staticmethod
+    def fit(config: Config, houses: Sequence[House]) -> Config:
+        """The body is a cell wide and goes a cell a step; ``ValueError`` for a house that is off the grid."""
+        cell = cell_side(houses)
+        if cell < DEFAULT.body[0]:
+            raise ValueError(
+                f"no grid of cells as wide as the body, {DEFAULT.body[0]:.3f} m, fits these houses; "
+                "the grid backend takes houses that were generated with one --cell"
+            )
+        for index, house in enumerate(houses):
+            stray = off_grid(geometry(house), cell)
+            if stray is not None:
+                raise ValueError(
+                    f"house {index} of {len(houses)}: the edge at {stray:.3f} m is off the grid of "
+                    f"{cell:g} m; the grid backend takes houses that were generated with one --cell"
+                )
+        body = {"body": (cell, cell), "eye": (cell / 2, cell / 2), "step": cell, "in_cells": True}
+        return replace(config, collision="swept", **body)
+
+    def pack(self, houses: Sequence[House]) -> Bank:
+        """See ``Backend``."""
+        return pack(houses, self.config)

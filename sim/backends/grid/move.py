@@ -1,0 +1,73 @@
+"""What a body can do in the grid backend: looked up for its cell."""
+
+import numpy as np
+
+from sim.backends.backend import Bank, Lattice
+from sim.backends.body import Body
+from sim.backends.grid.cells import STANDS, middle
+from sim.backends.grid.pack import COLUMNS, FIRST_CELL, HEADER, ROWS
+from sim.config import Config
+from sim.geometry import Geometry
+from sim.runtime import ti
+
+CENTRED = 1e-3
+"""Metres that a given pose may be off the middle of a cell."""
+
+
+@ti.func
+def looked_up(indices: ti.template(), house, cell):
+    """What is known of a cell; 0 outside."""
+    header = house * HEADER
+    columns, rows, known = indices[header + COLUMNS], indices[header + ROWS], 0
+    if 0 <= cell[0] < columns and 0 <= cell[1] < rows:
+        known = indices[indices[header + FIRST_CELL] + cell[1] * columns + cell[0]]
+    return known
+
+
+@ti.data_oriented
+class Motion:
+    """A body from cell to cell."""
+
+    def __init__(self, config: Config, body: Body) -> None:
+        """Move a body that is a cell wide."""
+        self.config, self.body = config, body
+
+    def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
+        """The middles of a house's cells."""
+        west, north, east, south = shape.bounds
+        side = self.config.step
+        size = round((east - west) / side), round((south - north) / side)
+        return Lattice(middle(shape, side), side, size)
+
+    def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The cells of the given poses; ``ValueError`` for one that is not in the middle of a cell."""
+        eighths = pose[:, 2] / (np.pi / 4)
+        heading = np.round(eighths)
+        if not np.isfinite(pose).all() or np.abs(eighths - heading).max() > 1e-3:
+            raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
+        origin = np.stack([self.lattice(bank.geometries[number]).origin for number in house])
+        steps = (pose[:, :2] - origin) / self.config.step
+        off = np.abs(steps - np.round(steps)).max(axis=1) * self.config.step
+        if off.max() > CENTRED:
+            e = int(off.argmax())
+            x, y = (origin[e] + np.round(steps[e]) * self.config.step).tolist()
+            raise ValueError(
+                f"pose {e} is not in the middle of a cell: the nearest one's is ({x:.3f}, {y:.3f}) m"
+            )
+        return origin, np.column_stack([np.round(steps), heading % 8]).astype(np.int32)
+
+    @ti.func
+    def stands(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.stands``."""
+        return looked_up(indices, house, cell) >> STANDS & 1
+
+    @ti.func
+    def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
+        """See ``Backend.move``."""
+        new, blocked = cell, 0
+        if action == 2:
+            new = self.body.ahead(cell)
+            blocked = 1 - (looked_up(indices, house, cell) >> cell[2] & 1)
+        else:
+            new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
+        return new, blocked

@@ -1,0 +1,50 @@
+"""What rays hit in the grid backend: looked up for the eye's cell, and the target before it."""
+
+from sim.backends.body import Body
+from sim.backends.grid.move import looked_up
+from sim.backends.grid.pack import ROW
+from sim.backends.rays import Rays
+from sim.config import Config
+from sim.runtime import ti
+
+
+@ti.data_oriented
+class Sight:
+    """Rays in tables."""
+
+    def __init__(self, config: Config, body: Body, lanes: int) -> None:
+        """Cast ``lanes`` rays at a time from the body's eye."""
+        self.config, self.body, self.rays = config, body, Rays(config, lanes)
+
+    @ti.func
+    def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
+        """See ``Backend.see``. Of hits at one distance walls come first, then pieces, then the target."""
+        eye = self.body.eye(origin, cell)
+        first = self.rays.first(cell[2], ray)
+        nearest, kinds = self.rays.bits(0), self.rays.bits(0)
+        at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count) + first
+        for r in range(ti.static(self.rays.lanes)):
+            nearest[r] = ti.bit_cast(numbers[at + r], ti.u32)
+        if ti.static(self.config.notes_hits):
+            kinds_at = at + numbers.shape[0] // 2
+            for r in range(ti.static(self.rays.lanes)):
+                kinds[r] = ti.cast(numbers[kinds_at + r], ti.u32)
+        half = ti.static(self.config.target / 2)
+        if self.rays.may_see(target - eye, half, self.body.headings[cell[2]]):
+            over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
+            over_y, slope_y = self.rays.floats(0.0), self.rays.floats(0.0)
+            self.rays.across(first, 0, over_x, slope_x)
+            self.rays.across(first, 1, over_y, slope_y)
+            self.rays.meet_square(
+                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(self.rays.last)
+            )
+            self.rays.name_target(kinds)
+        return self.rays.metres(nearest), kinds
+
+    @ti.func
+    def prefetch(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """See ``Backend.prefetch``: the distances."""
+        at = (looked_up(indices, house, cell) >> ROW) * ti.static(self.rays.count)
+        at += self.rays.first(cell[2], 0)
+        half, last = ti.static(self.rays.lanes // 2), ti.static(self.rays.lanes - 1)
+        return ti.bit_cast(numbers[at] + numbers[at + half] + numbers[at + last], ti.i32)

@@ -1,0 +1,1 @@
+"""What an agent is measured beside: shortest paths, and search that knows where it has looked."""

@@ -1,0 +1,342 @@
+"""The oracle's search in kernels: breadth first, backwards from a target, kept between calls.
+
+A search of an environment has a lattice with a border where no body can be, the distances found so far (in
+actions), and a queue of the poses that were found and not yet expanded.
+
+A closed door costs a path that enters its doorway the steps that it must still be walked at. Nothing stands
+in a doorway, so a shortest path enters each once: what leaves it and comes back is no shorter than the path
+that stays. A pose that such a step leads from waits until the search has come as far. Where a door has been
+walked at since, the search begins again.
+"""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+from sim.backends.doors import DoorArrays, Pushes
+from sim.runtime import ti
+from sim.tasks.survey import DIAGONAL, STRAIGHT
+from sim.world.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded, store
+
+FAR = 1 << 15
+"""More actions than any path takes."""
+
+UNKNOWN, NOWHERE = -1, -2
+"""In place of a distance: no search has come to this pose; the body cannot be there."""
+
+HEAD, TAIL, COLUMN, ROW, COLUMNS, ROWS, WAITING = range(7)
+"""Of a search: its queue's ends, the lattice's first place (i, j), its columns and rows with a border, and
+how many poses wait."""
+
+DOORWAY = 1 << 10
+"""Bit of a place beside those of its survey: a step from there may meet a door."""
+
+Moves, Steps = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.i16, 1)
+Notes = ti.types.ndarray(ti.types.vector(7, ti.i32), 1)
+Goals = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
+
+
+class SearchDoors(NamedTuple):
+    """The doors of a world, and what searches keep of them: how far they were opened when a search began, the
+    poses that wait and the distance at which each is found.
+    """
+
+    doorways: Any
+    pushes: Any
+    pushed: Any
+    waiting: Any
+    found_at: Any
+
+
+@cache
+def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
+    """What is compiled for a configuration. Arguments are named for the arrays of a world and of searches."""
+    search = Search(episodes)
+
+    @ti.kernel
+    def learn(
+        moves: Moves, distance: Steps, notes: Notes, goals: Goals,
+        s: ti.i32, i: ti.i32, j: ti.i32, survey: ti.types.ndarray(ti.u16, 2),
+    ):  # fmt: skip
+        """Take in a survey, with a border where no body can be, and forget what the search found."""
+        columns, rows = survey.shape[0] + 2, survey.shape[1] + 2
+        notes[s] = ti.Vector([0, 0, i - 1, j - 1, columns, rows, 0])
+        goals[s] = ti.Vector([ti.math.nan, ti.math.nan])
+        base = s * (moves.shape[0] // notes.shape[0])
+        for column, row in ti.ndrange(columns, rows):
+            open_ = ti.u16(0)
+            if 0 < column < columns - 1 and 0 < row < rows - 1:
+                open_ = survey[column - 1, row - 1]
+            place = base + column * rows + row
+            moves[place] = open_
+            for heading in ti.static(range(8)):
+                bit = ti.static(DIAGONAL if heading % 2 else STRAIGHT)
+                stands = (ti.cast(open_, ti.i32) & bit) != 0
+                distance[8 * place + heading] = ti.cast(ti.select(stands, UNKNOWN, NOWHERE), ti.i16)
+
+    @ti.kernel
+    def mark(moves: Moves, notes: Notes, doorways: Numbers, s: ti.i32, house: ti.i32, x: ti.f32, y: ti.f32):
+        """Mark the places of a lattice through (x, y) metres from which a step may meet a door."""
+        doors = ti.static(DoorArrays(doorways, None))
+        note = notes[s]
+        base = s * (moves.shape[0] // notes.shape[0])
+        for column, row in ti.ndrange(note[COLUMNS], note[ROWS]):
+            cell = ti.Vector([column + note[COLUMN], row + note[ROW], 0])
+            if search.episodes.doors.near(doors, house, ti.Vector([x, y]), cell):
+                place = base + column * note[ROWS] + row
+                moves[place] = moves[place] | ti.u16(DOORWAY)
+
+    @ti.kernel
+    def act(
+        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
+        doorways: Numbers, pushes: Pushes, pushed: Pushes, waiting: Indices, found_at: Indices,
+        reals: Reals, wholes: Wholes, answer: ti.types.ndarray(ti.i64, 1),
+    ):  # fmt: skip
+        """The first action of a shortest path; ``NOWHERE`` if there is none."""
+        doors = ti.static(SearchDoors(doorways, pushes, pushed, waiting, found_at))
+        ti.loop_config(block_dim=1)
+        for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
+            state = loaded(reals, wholes, first[0] + s)
+            answer[s] = search.choose(moves, distance, queue, notes, goals, doors, s, first[0] + s, state)
+
+    @ti.kernel
+    def follow(
+        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
+        numbers: Numbers, indices: Indices, doorways: Numbers, pushes: Pushes, pushed: Pushes,
+        waiting: Indices, found_at: Indices, reals: Reals, wholes: Wholes,
+        answer: ti.types.ndarray(ti.i64, 1),
+    ):  # fmt: skip
+        """The same, and go there; ``UNKNOWN`` where the action before this one picked the target up."""
+        doors = ti.static(SearchDoors(doorways, pushes, pushed, waiting, found_at))
+        ti.loop_config(block_dim=1)
+        for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
+            e = first[0] + s
+            state, action = loaded(reals, wholes, e), UNKNOWN
+            # What has been picked up is not marked otherwise, as nothing else is stepped meanwhile.
+            if state.over != UNKNOWN:
+                action = search.choose(moves, distance, queue, notes, goals, doors, s, e, state)
+                if action >= 0:
+                    cell, _, door = episodes.move(numbers, indices, doors, e, state, action)
+                    if door < 0:
+                        state.cell = cell
+                    else:
+                        episodes.push(doors, e, door)
+                    if episodes.overlaps(state.origin, state.cell, state.target):
+                        state.over = UNKNOWN
+                    store(reals, wholes, e, state)
+            answer[s] = action
+
+    @ti.kernel
+    def play(
+        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
+        numbers: Numbers, indices: Indices, places: Indices, doorways: Numbers, pushes: Pushes,
+        pushed: Pushes, waiting: Indices, found_at: Indices, reals: Reals, wholes: Wholes,
+        answer: ti.types.ndarray(ti.i64, 1),
+    ):  # fmt: skip
+        """Play episodes to their ends; how many targets were picked up."""
+        doors = ti.static(SearchDoors(doorways, pushes, pushed, waiting, found_at))
+        ti.loop_config(block_dim=1)
+        for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
+            e = first[0] + s
+            state, count = loaded(reals, wholes, e), 0
+            while not state.over:
+                action = ti.max(0, search.choose(moves, distance, queue, notes, goals, doors, s, e, state))
+                state, picked, _, _, _ = episodes.advance(numbers, indices, places, doors, e, state, action)
+                count += picked
+            store(reals, wholes, e, state)
+            answer[s] = count
+
+    return {"learn": learn, "mark": mark, "act": act, "follow": follow, "play": play}
+
+
+@ti.data_oriented
+class Search:
+    """One search, as functions of its arrays. A place is its number in the lattice with its border, by
+    columns; a pose is eight times that and its heading.
+    """
+
+    def __init__(self, episodes: Episodes) -> None:
+        """Search among the poses of a configuration."""
+        self.episodes, self.headings = episodes, episodes.body.headings
+        config = episodes.config
+        self.step, self.closed_doors = config.step, config.closed_doors > 0
+        # Places to look at around a target for poses that pick it up: more than any body's reach.
+        self.near = int((config.target / 2 + max(config.body)) / config.step) + 1
+
+    @ti.func
+    def choose(
+        self,
+        moves: ti.template(),
+        distance: ti.template(),
+        queue: ti.template(),
+        notes: ti.template(),
+        goals: ti.template(),
+        doors: ti.template(),
+        s,
+        e,
+        state,
+    ):
+        """Search until a pose that an action leads to is known to lead to the target; say which action."""
+        opened = self.opened(doors, s, e)
+        if not (goals[s] == state.target).all() or opened:  # NaN, at first, equals nothing
+            goals[s] = state.target
+            self.begin(moves, distance, queue, notes, s, state)
+        note = notes[s]
+        base, rows = s * (moves.shape[0] // notes.shape[0]), note[ROWS]
+        column, row, heading = state.cell[0] - note[COLUMN], state.cell[1] - note[ROW], state.cell[2]
+        action = NOWHERE
+        if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
+            place = base + column * rows + row
+            forward, toll = self.headings[heading], 0
+            # Forward first: of two shortest paths the straighter. A pose that cannot be is never found.
+            options = ti.Vector([8 * place + (heading + 1 & 7), 8 * place + (heading + 7 & 7), -1])
+            if moves[place] >> heading & 1:
+                options[2] = 8 * (place + forward[0] * rows + forward[1]) + heading
+                toll = self.toll(moves, doors, e, state, note, 8 * base, 8 * place + heading)
+            nearest, searching = FAR, True
+            while searching:
+                # Poses are found in order of distance: the first of the next poses to be found is the best,
+                # but for a door before it.
+                for turn in ti.static(range(3)):
+                    option = ti.static((2 + turn) % 3)
+                    if options[option] >= 0:
+                        known = ti.cast(distance[options[option]], ti.i32)
+                        if known >= 0:
+                            if ti.static(option == 2):
+                                known += toll
+                            if known < nearest:
+                                nearest, action = known, option
+                note, searching = self.admit(distance, queue, doors, 8 * base, note), False
+                if note[HEAD] < note[TAIL]:
+                    searching = nearest > ti.cast(distance[queue[8 * base + note[HEAD]]], ti.i32) + 1
+                if searching:
+                    note = self.expand(moves, distance, queue, doors, e, state, 8 * base, note)
+            notes[s] = note  # whole, as it is read: what Taichi caches in a loop is so the same
+        return action
+
+    @ti.func
+    def begin(
+        self,
+        moves: ti.template(),
+        distance: ti.template(),
+        queue: ti.template(),
+        notes: ti.template(),
+        s,
+        state,
+    ):
+        """Begin a search: forget what was found and queue the poses that pick the target up.
+
+        Where a body is larger on the diagonal, only poses where it can turn: it could not leave others.
+        """
+        note, anyhow = notes[s], ti.static(STRAIGHT | DIAGONAL)
+        base, rows = s * (moves.shape[0] // notes.shape[0]), note[ROWS]
+        for k in range(8 * base, 8 * base + note[TAIL]):
+            distance[queue[k]] = ti.cast(UNKNOWN, ti.i16)
+        middle = ti.cast(ti.floor((state.target - state.origin) / ti.static(self.step)), ti.i32)
+        tail = 0
+        for i in range(middle[0] - self.near, middle[0] + self.near + 2):
+            for j in range(middle[1] - self.near, middle[1] + self.near + 2):
+                column, row = i - note[COLUMN], j - note[ROW]
+                if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
+                    place = base + column * rows + row
+                    if ti.cast(moves[place], ti.i32) & anyhow == anyhow:
+                        for heading in range(8):
+                            cell = ti.Vector([i, j, heading])
+                            if self.episodes.overlaps(state.origin, cell, state.target):
+                                tail = self.found(distance, queue, 8 * base, tail, 8 * place + heading, 0)
+        note[HEAD], note[TAIL], note[WAITING] = 0, tail, 0
+        notes[s] = note
+
+    @ti.func
+    def opened(self, doors: ti.template(), s, e):
+        """Whether a door was walked at, or closed, since the search began, which takes note of it."""
+        opened = False
+        if ti.static(self.closed_doors):
+            count = self.episodes.doors.count(doors)
+            for door in range(count):  # pyright: ignore[reportArgumentType]
+                pushes = doors.pushes[e * count + door]
+                opened |= doors.pushed[s * count + door] != pushes
+                doors.pushed[s * count + door] = pushes
+        return opened
+
+    @ti.func
+    def toll(self, moves: ti.template(), doors: ti.template(), e, state, note, base, pose):
+        """How many steps must be walked at closed doors until forward leads on from a pose (i32)."""
+        toll = 0
+        if ti.static(self.closed_doors):
+            place = (pose - base) >> 3
+            if moves[pose >> 3] & DOORWAY:
+                i, j = place // note[ROWS] + note[COLUMN], place % note[ROWS] + note[ROW]
+                cell = ti.Vector([i, j, pose & 7])
+                toll = self.episodes.doors.toll(doors, e, state.house, state.origin, cell)
+        return toll
+
+    @ti.func
+    def admit(self, distance: ti.template(), queue: ti.template(), doors: ti.template(), base, note):
+        """Queue the poses that waited for the distance of the next pose, or where none is queued for the
+        least. All poses at that distance are so queued before the first of them is expanded.
+        """
+        if ti.static(self.closed_doors):
+            admitting = note[WAITING] > 0
+            if note[HEAD] < note[TAIL] and note[HEAD] > 0:
+                head = base + note[HEAD]
+                admitting &= distance[queue[head]] != distance[queue[head - 1]]
+            while admitting:
+                level = FAR
+                if note[HEAD] < note[TAIL]:
+                    level = ti.cast(distance[queue[base + note[HEAD]]], ti.i32)
+                else:
+                    for k in range(base, base + note[WAITING]):
+                        level = ti.min(level, doors.found_at[k])
+                k = base
+                while k < base + note[WAITING]:
+                    if doors.found_at[k] <= level:
+                        pose, found_at = doors.waiting[k], doors.found_at[k]
+                        note[TAIL] = self.found(distance, queue, base, note[TAIL], pose, found_at)
+                        note[WAITING] -= 1
+                        last = base + note[WAITING]
+                        doors.waiting[k], doors.found_at[k] = doors.waiting[last], doors.found_at[last]
+                    else:
+                        k += 1
+                admitting = note[HEAD] == note[TAIL] and note[WAITING] > 0
+        return note
+
+    @ti.func
+    def expand(
+        self,
+        moves: ti.template(),
+        distance: ti.template(),
+        queue: ti.template(),
+        doors: ti.template(),
+        e,
+        state,
+        base,
+        note,
+    ):
+        """Take the next pose from the queue and find those that one action leads from to it."""
+        pose, tail = queue[base + note[HEAD]], note[TAIL]
+        place, heading = pose >> 3, pose & 7
+        further = ti.cast(distance[pose], ti.i32) + 1
+        tail = self.found(distance, queue, base, tail, 8 * place + (heading + 1 & 7), further)
+        tail = self.found(distance, queue, base, tail, 8 * place + (heading + 7 & 7), further)
+        forward = self.headings[heading]
+        place -= forward[0] * note[ROWS] + forward[1]
+        pose = 8 * place + heading
+        if moves[place] >> heading & 1:
+            toll = self.toll(moves, doors, e, state, note, base, pose)
+            if toll == 0:
+                tail = self.found(distance, queue, base, tail, pose, further)
+            elif distance[pose] == UNKNOWN:
+                doors.waiting[base + note[WAITING]] = pose
+                doors.found_at[base + note[WAITING]] = further + toll
+                note[WAITING] += 1
+        note[HEAD], note[TAIL] = note[HEAD] + 1, tail
+        return note
+
+    @ti.func
+    def found(self, distance: ti.template(), queue: ti.template(), base, tail, pose, further):
+        """Note a pose's distance and queue it, if the body can be there and it is new; the queue's end."""
+        if distance[pose] == UNKNOWN:
+            distance[pose] = ti.cast(further, ti.i16)
+            queue[base + tail] = pose
+            tail += 1
+        return tail

@@ -1,0 +1,245 @@
+"""Where bodies have looked and been: the spots of a house where a target would have been seen, and rooms.
+
+Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps
+between them count, and what is unseen is exactly where a target that has not been seen may still be.
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from sim.backends.rays import Rays
+from sim.environment.vector import HouseVectorEnv
+from sim.geometry import Geometry
+from sim.runtime import Array, Launch, start, ti
+from sim.world.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
+from sim.world.world import World
+
+FAR_OFF = 1e6
+"""Metres: a target there hides nothing."""
+
+WORD = 64
+"""Spots in a word of bits."""
+
+PITCH = 0.29
+"""Metres between the spots of ``Lookout``, about: a whole number of steps."""
+
+Words = ti.types.ndarray(ti.u64, 1)
+
+
+@ti.func
+def bit(k):
+    """The bit of the k-th spot, in the word that it is in."""
+    return ti.u64(1) << ti.cast(k % ti.static(WORD), ti.u64)
+
+
+@ti.data_oriented
+class Looks:
+    """A look's rays, and whether one would have met a target at a spot."""
+
+    def __init__(self, episodes: Episodes) -> None:
+        """Look as the bodies of a configuration do, with all rays at once."""
+        self.episodes, self.config = episodes, episodes.config
+        self.backend = type(episodes.backend)(self.config, self.config.rays)
+        self.rays = Rays(self.config, 1)
+        self.half = self.config.target / 2
+        self.reach = self.half * 2**0.5
+
+    @ti.func
+    def distances(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+        """How far each ray goes before anything but a target stops it, metres."""
+        nowhere = ti.Vector([ti.f32(FAR_OFF), ti.f32(FAR_OFF)])
+        distance, _ = self.backend.see(numbers, indices, house, origin, cell, nowhere, 0)
+        return distance
+
+    @ti.func
+    def window(self, distance: ti.template(), corner, origin, cell):
+        """Where the spots are that a look may show: the least and the greatest i, then j (ivec4)."""
+        eye, row = self.backend.body.eye(origin, cell), self.rays.first(cell[2], 0)
+        low, high = eye - ti.static(max(self.config.body)), eye + ti.static(max(self.config.body))
+        for r in range(ti.static(self.config.rays)):
+            for axis in ti.static(range(2)):
+                end = (
+                    eye[axis] + distance[r] / self.rays.table[row + r + ti.static(2 * axis * self.rays.count)]
+                )
+                low[axis], high[axis] = ti.min(low[axis], end), ti.max(high[axis], end)
+        low = (low - ti.static(self.half) - corner) / ti.static(self.config.step)
+        high = (high + ti.static(self.half) - corner) / ti.static(self.config.step)
+        low, high = ti.floor(low), ti.ceil(high)
+        return ti.cast(ti.Vector([low[0], high[0], low[1], high[1]]), ti.i32)
+
+    @ti.func
+    def spot(self, corner, i, j):
+        """Where a house's place lies, metres."""
+        return corner + ti.Vector([i, j]) * ti.static(self.config.step)
+
+    @ti.func
+    def meets(self, distance: ti.template(), origin, cell, spot):
+        """Whether a target at a spot is under the body or before the end of one of the rays (i32)."""
+        met = self.episodes.overlaps(origin, cell, spot)
+        offset = spot - self.backend.body.eye(origin, cell)
+        if not met and self.rays.may_see(offset, ti.static(self.half), self.backend.body.headings[cell[2]]):
+            away = offset.norm()
+            # Only rays whose bearing is about the spot's can meet a target there.
+            bearing = ti.atan2(-offset[1], offset[0]) * ti.static(180 / np.pi) - 45.0 * cell[2]
+            bearing -= 360.0 * ti.round(bearing / 360.0)
+            middle = (ti.static(self.config.first_ray) - bearing) / ti.static(self.config.ray_spacing)
+            width = ti.f32(ti.static(180 / self.config.ray_spacing))
+            if away > ti.static(self.reach):
+                width = ti.asin(self.reach / away) * ti.static(180 / np.pi / self.config.ray_spacing)
+            first = ti.max(0, ti.cast(ti.ceil(middle - width), ti.i32))
+            last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(middle + width), ti.i32))
+            for ray in range(first, last + 1):
+                met |= self.crosses(offset, self.rays.first(cell[2], ray), distance[ray])
+        return met
+
+    @ti.func
+    def crosses(self, offset, row, distance):
+        """Whether a ray in the direction of a row enters a target at an offset before it ends (i32)."""
+        near, far = ti.f32(0.0), distance
+        for axis in ti.static(range(2)):
+            # The ray is in the square between its entry and its exit along both axes.
+            over = self.rays.table[row + ti.static(2 * axis * self.rays.count)]
+            one, other = (offset[axis] - self.half) * over, (offset[axis] + self.half) * over
+            near, far = ti.max(near, ti.min(one, other)), ti.min(far, ti.max(one, other))
+        return ti.cast(near < far, ti.i32)
+
+
+class Lookout:
+    """How much of its house each of E environments has looked at, and which rooms it has been in.
+
+    Its spots are the places where this world's targets may lie, on a square grid of ``PITCH``. Only on the
+    CPU.
+    """
+
+    def __init__(self, envs: HouseVectorEnv) -> None:
+        """Watch these environments; the bank must stay as it is. ``begin`` it at each reset.
+
+        ``spots``: for each house the centres (n, 2) float64 of the targets that are looked for, metres.
+        """
+        self.world: World = envs.unwrapped.world
+        if self.world.config.closed_doors:
+            raise ValueError("a lookout looks through doorways: give it environments with closed_doors=0")
+        pitch = in_steps(PITCH, self.world)
+        spots = [here.targets[here.spread(pitch)] for here in self.world.places]
+        self.arrays = {
+            "spots": Array.of(np.concatenate(spots).ravel()),
+            "starts": Array.of(np.cumsum([0, *map(len, spots)]).astype(np.int32)),
+            "origins": Array.of(origins_of(self.world)),
+            "seen": Array(ti.u64, self.world.num_envs * -(-max(map(len, spots)) // WORD)),
+            "counts": Array(ti.i32, self.world.num_envs),
+        }
+        self.spots = [
+            self.world.config.step * each + np.asarray(lattice.origin, np.float32)
+            for each, lattice in zip(spots, self.world.lattices, strict=True)
+        ]
+        self._total = np.array([len(each) for each in spots])
+        self._rooms = np.full((len(spots), max(len(shape.rooms) for shape in self._shapes), 4), np.nan)
+        for house, shape in enumerate(self._shapes):
+            self._rooms[house, : len(shape.rooms)] = shape.rooms
+        self._been = np.zeros((self.world.num_envs, self._rooms.shape[1]), bool)
+        kernel = _kernels(start(), self.world.kernels.episodes)
+        self._launch = Launch(kernel, self.world.arrays | self.arrays)
+
+    def begin(self) -> None:
+        """Forget all, and look from where the bodies are."""
+        self.arrays["seen"].view()[:], self._been[:] = 0, False
+        self.look()
+
+    @property
+    def seen(self) -> np.ndarray:
+        """Which spots of its house each environment has looked at, (E, W) uint64: bit k % 64 of word k // 64
+        is for the house's k-th spot. The same memory at each look.
+        """
+        seen = self.arrays["seen"].view().reshape(self.world.num_envs, -1)
+        seen.flags.writeable = False
+        return seen
+
+    def forget(self, chosen: np.ndarray, last: np.ndarray | None = None) -> None:
+        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms. With
+        their ``last`` targets (E, 2), metres, spots so near to these that the next is sampled elsewhere count
+        as looked at.
+        """
+        seen, counts = (self.arrays[name].view() for name in ("seen", "counts"))
+        seen = seen.reshape(self.world.num_envs, -1)
+        seen[chosen], counts[chosen] = 0, 0
+        if last is None or not chosen.any():
+            return
+        houses, apart = self._houses, self.world.kernels.episodes.apart
+        for e in np.flatnonzero(chosen):
+            near = np.abs(self.spots[houses[e]] - last[e]).max(axis=1) < apart
+            if not near.all():  # where all are, the next target is among them
+                bits = np.packbits(near, bitorder="little")
+                seen[e].view(np.uint8)[: len(bits)], counts[e] = bits, near.sum()
+
+    def look(self) -> None:
+        """Look from where the bodies are now."""
+        self._launch()
+        pose, _, house = self.world.describe()
+        rooms = self._rooms[house]
+        self._been |= (np.abs(pose[:, None, :2] - rooms[..., :2]) < rooms[..., 2:]).all(axis=-1)
+
+    def counts(self) -> np.ndarray:
+        """How many of its house's spots each environment has looked at, (E,) int32."""
+        return self.arrays["counts"].numpy()
+
+    def totals(self) -> np.ndarray:
+        """How many spots each environment's house has, (E,) int64."""
+        return self._total[self._houses]
+
+    def share(self) -> np.ndarray:
+        """The share of its house's spots that each environment has looked at, (E,) float64."""
+        return self.counts() / self.totals()
+
+    def rooms(self) -> np.ndarray:
+        """How many secondary rooms each environment's eye has been in, (E,) int64."""
+        return self._been.sum(axis=1)
+
+    @property
+    def _houses(self) -> np.ndarray:
+        return self.world.state["wholes"][:, 3]
+
+    @property
+    def _shapes(self) -> list[Geometry]:
+        return self.world.bank.geometries
+
+
+def origins_of(world: World) -> np.ndarray:
+    """Where each house's places are counted from, (2 H,) float32, metres."""
+    return np.concatenate([lattice.origin for lattice in world.lattices]).astype(np.float32)
+
+
+def in_steps(length: float, world: World) -> int:
+    """A length in metres as a number of steps, at least one."""
+    return max(1, round(length / world.config.step))
+
+
+@cache
+def _kernels(program: Any, episodes: Episodes) -> Any:
+    looks = Looks(episodes)
+
+    @ti.kernel
+    def look(
+        numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes,
+        spots: Numbers, starts: Indices, origins: Numbers, seen: Words, counts: Indices,
+    ):  # fmt: skip
+        """Note what each environment sees from where it is, and how much it has seen."""
+        for e in range(reals.shape[0]):
+            state, words = loaded(reals, wholes, e), seen.shape[0] // reals.shape[0]
+            distance = looks.distances(numbers, indices, state.house, state.origin, state.cell)
+            first, end = starts[state.house], starts[state.house + 1]
+            corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
+            window, count = looks.window(distance, corner, state.origin, state.cell), 0
+            for k in range(end - first):
+                word = e * words + k // ti.static(WORD)
+                if not (seen[word] & bit(k)):
+                    i, j = spots[2 * (first + k)], spots[2 * (first + k) + 1]
+                    # Nested: Taichi's ``and`` computes both sides.
+                    if window[0] <= i <= window[1] and window[2] <= j <= window[3]:  # noqa: SIM102
+                        if looks.meets(distance, state.origin, state.cell, looks.spot(corner, i, j)):
+                            seen[word] |= bit(k)
+                count += ti.cast((seen[word] & bit(k)) != 0, ti.i32)
+            counts[e] = count
+
+    return look

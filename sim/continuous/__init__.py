@@ -1,5 +1,0 @@
-"""The continuous backend: exact geometry of axis-aligned boxes, in metres."""
-
-from sim.continuous.backend import Continuous
-
-__all__ = ["Continuous"]

@@ -1,0 +1,1 @@
+"""Gymnasium's interface over the world: many environments, or a single one."""

@@ -1,0 +1,145 @@
+"""An environment's arguments, read and checked: its houses, its backend and its configuration."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium import spaces
+
+from logic import House, load
+from logic.spelling import unknown
+from sim.backends.backend import METHODS, Backend
+from sim.config import PRESETS, Config
+from sim.geometry import check_lengths
+from sim.tasks.tasks import PAPER, AnyTask, Targets, named, task
+
+Houses = str | Path | Sequence[House] | dict[str, Any]
+
+BANK = Path(__file__).with_name("houses.jsonl.gz")
+"""32 houses to begin with, those of ``vitruvius generate --rooms 4 --count 32 --out sim/environment/houses.jsonl.gz``."""
+
+PAPER_HOUSE = "paper-house"
+"""The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
+
+DEVICES = ("cpu", "cuda")
+
+ACTIONS = 3
+"""Turn left, turn right, forward."""
+
+METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}
+"""Of one environment; Gymnasium shows it in a window where ``human`` is asked for."""
+
+METADATA_OF_MANY: dict[str, Any] = METADATA | {"render_modes": ["human", "rgb_array"]}
+
+BACKENDS = {"continuous": "sim.backends.continuous:Continuous", "grid": "sim.backends.grid:Grid"}
+
+
+class Arguments(NamedTuple):
+    """What environments are made of, read and checked without Taichi."""
+
+    config: Config
+    backend: type[Backend]
+    houses: list[House]
+    task: AnyTask
+
+
+def read_arguments(
+    houses: Houses,
+    backend: str,
+    targets: Targets,
+    preset: str | Config,
+    max_episode_steps: int | None,
+    render_mode: str | None,
+    device: str,
+    metadata: dict[str, Any] = METADATA,
+) -> Arguments:
+    """Read the arguments of ``HouseVectorEnv``. ``ValueError`` says which is wrong.
+
+    ``config`` is the backend's for these houses. Whether they have places for the targets is seen when they
+    are packed.
+    """
+    require("device", device, DEVICES)
+    config = configuration(preset, max_episode_steps)
+    if render_mode not in (None, *metadata["render_modes"]):
+        raise ValueError(f"unknown render_mode {render_mode!r}: there are {metadata['render_modes']}")
+    make, bank = backend_class(backend), house_list(houses)
+    wanted = task(targets)
+    check_lengths(bank)
+    return Arguments(make.fit(config, bank), make, bank, wanted)
+
+
+def single_spaces(config: Config) -> tuple[spaces.Box, spaces.Discrete]:
+    """The spaces of one environment's observations and actions."""
+    shape = (config.rays, config.channels)
+    # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
+    high = np.ones(shape, np.float32)
+    if config.sees_angle:
+        high[:, 0] = 360 / 359
+    return spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32), spaces.Discrete(ACTIONS)
+
+
+def house_list(houses: Houses) -> list[House]:
+    """The houses of a file, of a request for ``logic.generate``, or of a list, or the one that is named
+    ``PAPER_HOUSE``; ``ValueError`` if none.
+    """
+    if isinstance(houses, dict):
+        from logic import generate
+
+        houses = list(generate(**houses))
+    elif str(houses) == PAPER_HOUSE:
+        houses = load(PAPER / "house.json", whole_pixels=True)
+    elif isinstance(houses, str | Path):
+        houses = load(houses)
+    if not isinstance(houses, Iterable):
+        raise ValueError(f"houses must be a path, a request or a list of House, not {type(houses).__name__}")
+    houses = list(houses)
+    if not houses:
+        raise ValueError("no house to simulate: the bank is empty")
+    strange = next((h for h in houses if not isinstance(h, House)), None)
+    if strange is not None:
+        raise ValueError(
+            f"houses must be a path, a request or a list of House, not of {type(strange).__name__}"
+        )
+    return houses
+
+
+def backend_class(name: str) -> type[Backend]:
+    """A backend of ours by name, or another as ``module:Class``; ``ValueError`` if there is none."""
+    if name in BACKENDS:
+        name = BACKENDS[name]
+    elif ":" not in name:
+        raise ValueError(f"{unknown('backend', name, BACKENDS)}, or module:Class")
+    try:
+        make = named(name)
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"backend {name!r} cannot be had: {error}") from None
+    if not isinstance(make, type):
+        raise ValueError(f"backend {name!r} cannot be had: it is no class")
+    lacking = next((method for method in METHODS if not callable(getattr(make, method, None))), None)
+    if lacking:
+        raise ValueError(
+            f"backend {name!r} cannot be had: it has no {lacking}(), see sim.backends.backend.Backend"
+        )
+    return make
+
+
+def configuration(preset: str | Config, max_episode_steps: int | None) -> Config:
+    """A preset, by name or itself, with another length of episodes if that is given."""
+    if not isinstance(preset, Config):
+        require("preset", preset, PRESETS)
+        preset = PRESETS[preset]
+    if max_episode_steps is not None:
+        if isinstance(max_episode_steps, bool) or not isinstance(max_episode_steps, int | np.integer):
+            raise ValueError(f"max_episode_steps must be a whole number, not {max_episode_steps!r}")
+        if not 1 <= max_episode_steps < 2**31:
+            raise ValueError(f"max_episode_steps is {max_episode_steps}: from 1 to {2**31 - 1:,}")
+        preset = replace(preset, steps=int(max_episode_steps))
+    return preset
+
+
+def require(name: str, value: Any, known: Any) -> None:
+    """Raise ``ValueError`` unless the value is one of those known."""
+    if value not in known:
+        raise ValueError(unknown(name, value, known))

@@ -1,0 +1,59 @@
+"""What the step of a world returns: copies for ``step``, tensors in the same memory for ``step_torch``."""
+
+from typing import Any
+
+import numpy as np
+
+from sim.world.episodes import HOUSE
+from sim.world.kernels import BLOCKED, SAME_STEP, TERMINATED, TRUNCATED
+from sim.world.world import World
+
+
+class Outputs:
+    """The arrays that a world's kernels write, in the shapes that an environment returns."""
+
+    def __init__(self, world: World) -> None:
+        """Read this world's arrays."""
+        self.world = world
+        self.shape = world.num_envs, world.config.rays, world.config.channels
+
+    def observation(self, name: str = "observation") -> np.ndarray:
+        """Observations (E, R, C) float32: a copy. ``name``: ``final`` for those in which episodes ended."""
+        return self.world.arrays[name].numpy().view(np.float32).reshape(self.shape)
+
+    def flags(self) -> np.ndarray:
+        """Which environments terminated, were truncated, were blocked (3, E) bool: a copy."""
+        return self.world.arrays["flags"].numpy().view(bool).reshape(3, self.world.num_envs)
+
+    def info(self, flags: np.ndarray | None = None, last: bool = False) -> dict[str, np.ndarray]:
+        """The info of the environments: copies. ``last``: as their latest episodes ended."""
+        pose, target, house = self.world.describe(last)
+        flags = self.flags() if flags is None else flags
+        return {"pose": pose, "blocked": flags[BLOCKED].copy(), "house": house, "target": target}
+
+    def finals(self, ended: np.ndarray, info: dict[str, np.ndarray]) -> dict[str, Any]:
+        """What an info has more in ``SAME_STEP``, where episodes ended (E,) bool in this step: their last
+        observations and infos. ``blocked`` in the info becomes the new episodes'.
+        """
+        if not ended.any():
+            return {}
+        observation = self.observation("final")
+        observation[~ended] = 0
+        last = self.info(last=True)
+        masks = {f"_{name}": ended.copy() for name in last}
+        info["blocked"][ended] = False
+        final = {"final_obs": observation, "_final_obs": ended}
+        return final | {"final_info": last | masks, "_final_info": ended.copy()}
+
+    def tensors(self, device: str) -> tuple[Any, tuple[Any, ...]]:
+        """The actions to be written, and what ``step_torch`` returns, in the world's own memory."""
+        arrays, count = self.world.arrays, self.world.num_envs
+        flags = arrays["flags"].tensor(np.bool_, (3, count))
+        wholes = arrays["wholes"].tensor(np.int32, arrays["wholes"].shape)
+        info = {"blocked": flags[BLOCKED], "house": wholes[:, HOUSE]}
+        if self.world.mode == SAME_STEP:
+            info["final_obs"] = arrays["final"].tensor(np.float32, self.shape)
+        observation = arrays["observation"].tensor(np.float32, self.shape)
+        reward, action = arrays["reward"].tensor(np.float32, (count,)), arrays["action"]
+        outputs = observation, reward, flags[TERMINATED], flags[TRUNCATED], info
+        return action.view() if device == "cpu" else action.tensor(np.int64, (count,)), outputs

@@ -1,0 +1,101 @@
+"""One house at a time: a Gymnasium ``Env``."""
+
+from functools import cached_property
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
+
+from logic.spelling import keywords
+from sim.config import Config
+from sim.environment.arguments import BANK, METADATA, Houses, read_arguments, single_spaces
+from sim.environment.vector import HouseVectorEnv
+from sim.tasks.tasks import Targets
+
+
+class HouseEnv(gymnasium.Env):
+    """One environment: ``HouseVectorEnv`` with ``num_envs=1``, and its arguments.
+
+    Taichi starts at the first reset. So one may be made, for its spaces, in a process that is then forked, as
+    Gymnasium's ``AsyncVectorEnv`` does.
+    """
+
+    metadata = METADATA
+
+    @keywords(config="preset", bank="houses", task="targets")
+    def __init__(
+        self,
+        houses: Houses = BANK,
+        render_mode: str | None = None,
+        *,
+        backend: str = "continuous",
+        targets: Targets = "main",
+        preset: str | Config = "default",
+        seed: int | None = None,
+        max_episode_steps: int | None = None,
+        device: str = "cpu",
+        by_ray: bool | None = None,
+    ) -> None:
+        """See ``HouseVectorEnv``. ``ValueError`` says what is wrong with an argument; of houses without a
+        place for a target the first reset does.
+        """
+        asked = read_arguments(houses, backend, targets, preset, max_episode_steps, render_mode, device)
+        self._arguments: dict[str, Any] = {
+            "houses": asked.houses,
+            "backend": backend,
+            "targets": asked.task,
+            "preset": preset,
+            "seed": seed,
+            "max_episode_steps": max_episode_steps,
+            "device": device,
+            "by_ray": by_ray,
+        }
+        self.render_mode = render_mode
+        self.observation_space, self.action_space = single_spaces(asked.config)
+        self._over = self._closed = False
+
+    @cached_property
+    def envs(self) -> HouseVectorEnv:
+        """The vector environment of one, made when it is first asked for."""
+        return HouseVectorEnv(num_envs=1, render_mode=self.render_mode, **self._arguments)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin a new episode; ``options`` as for ``HouseVectorEnv``: a house, a (3,) pose, a (2,) target."""
+        self._require_open()
+        super().reset(seed=seed)
+        batched = {key: np.asarray(value)[None] for key, value in (options or {}).items()}
+        observation, info = self.envs.reset(seed=seed, options=batched)
+        self._over = False
+        return observation[0], _only(info)
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """One action; after an episode's end, ``ResetNeeded``."""
+        self._require_open()
+        if self._over:
+            raise ResetNeeded("the episode has ended: call reset()")
+        observation, reward, terminated, truncated, info = self.envs.step(np.asarray(action)[None])
+        self._over = bool(terminated[0] or truncated[0])
+        return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)
+
+    def render(self) -> np.ndarray | None:
+        """A picture, (height, width, 3) uint8, where ``render_mode`` is ``rgb_array``."""
+        frames = self.envs.render()
+        return None if frames is None else frames[0]
+
+    def close(self) -> None:
+        """End: to step or reset after it is an error."""
+        self._closed = True
+        if "envs" in self.__dict__:
+            self.envs.close()
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise ClosedEnvironmentError("this environment was closed: make new ones")
+
+
+def _only(info: dict[str, Any]) -> dict[str, Any]:
+    """The info of the only environment: Python's own numbers, and arrays."""
+    return {key: value[0].item() if value.ndim == 1 else value[0] for key, value in info.items()}

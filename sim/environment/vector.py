@@ -1,0 +1,413 @@
+"""Many houses at once: a Gymnasium ``VectorEnv``."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from logic import House
+from logic.spelling import keywords
+from sim.backends.backend import Backend
+from sim.config import Config
+from sim.environment.arguments import (
+    ACTIONS,
+    BANK,
+    METADATA_OF_MANY,
+    Houses,
+    house_list,
+    read_arguments,
+    single_spaces,
+)
+from sim.environment.options import read_options, read_seeds
+from sim.environment.outputs import Outputs
+from sim.environment.window import Window
+from sim.geometry import Geometry
+from sim.runtime import start
+from sim.tasks.tasks import Targets
+from sim.world.episodes import HOUSE, MOST_CELLS
+from sim.world.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
+from sim.world.world import TABLES, World
+
+if TYPE_CHECKING:
+    import torch
+
+    from sim.film import Camera, Scene
+
+MODES = {
+    AutoresetMode.NEXT_STEP: NEXT_STEP,
+    AutoresetMode.SAME_STEP: SAME_STEP,
+    AutoresetMode.DISABLED: DISABLED,
+}
+
+
+class HouseVectorEnv(VectorEnv):
+    """Bodies with 40 rays look for targets in furnished houses, all stepped by one kernel.
+
+    ## Description
+    Each environment samples a house of the bank at the start of each episode. A body walks in it and picks up
+    targets: square areas that appear one after the other. Metres, x east and y south; headings turn
+    counter-clockwise from east.
+
+    ## Action Space
+    ``Discrete(3)``: 0 turns left by 45 degrees, 1 turns right, 2 goes one step (0.0717 m) forward along
+    an axis, or as far along both on a diagonal. A step into something is blocked: it is not made.
+
+    ## Observation Space
+    ``Box(0, 1, (40, 2), float32)``, a row for each ray from left to right:
+
+    | column | means | unit |
+    |---|---|---|
+    | distance | to the nearest wall, piece or target; 1 if there is none within the range | 7.89 m |
+    | is target | 1 where that is the target | |
+
+    ``Config.kinds`` puts columns before the distance: whether the ray ends on a piece of each of these kinds.
+    Ray i looks 58.5 - 3 i degrees counter-clockwise from the heading. The ``paper`` preset looks at 60 - 3 i
+    and puts a column before the others: the ray's absolute angle, in units of 359 degrees.
+
+    ## Rewards
+    1 for each target picked up, by the body's overlapping it after the action; else 0. The next one is
+    sampled at once, at least 0.82 m from it along one axis where the house allows.
+
+    ## Starting State
+    Anywhere free in the main room, at any of the eight headings, not on the first target; or where the task
+    says. ``paper``: at the free place nearest to the main room's middle, heading north.
+
+    ## Episode End
+    Truncated after 1500 steps; ``paper`` also terminates at a collision.
+
+    ## Info
+    Arrays by environment: ``pose`` (E, 3) of the eye (x, y, heading: metres, radians), ``blocked`` (E,),
+    ``house`` (E,) its number in the bank, ``target`` (E, 2) its centre in metres.
+
+    ## Random numbers
+    They are keyed by (seed + i, episode, counter) for environment i, as in ``SyncVectorEnv``. A trajectory
+    does not depend on the number of environments, and an episode's k-th target is a function of seed + i,
+    episode, house and k: it never depends on the agent. So to measure agents on the same tasks, give house i
+    to environment i by ``reset(seed=0, options={"house": np.arange(n)})`` and step one episode: each agent
+    meets the same starts and the same targets in the same order, those that ``targets`` lists.
+
+    ## Arguments
+    ``houses``: a file's path, a list of ``House``, or a request for ``logic.generate``, such as
+    ``{"rooms": 4, "count": 64}``; by default 32 houses of 4 rooms that come with the package.
+    ``targets``: where they lie, ``main`` room (or hub), ``secondary`` rooms or ``all``, or in rooms of some
+    types, ``{"rooms": ["bedroom"]}``, or at given points, ``{"points": [[2.5, 3.0], [4.0, 1.5]], "start":
+    [1.0, 2.0, 0.0]}``, or another task, ``habit``, ``{"task": "object", "piece": "bed"}``, ``{"task":
+    "reach", "room": "hall"}``, or a ``.json`` file of one:
+    ``sim.tasks.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
+    ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
+    ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.
+    ``max_episode_steps``: in place of the preset's.
+    ``seed``: of the first reset, if that is given none.
+    ``render_mode``: ``rgb_array``, or ``human``, which shows each step in a window (pygame).
+    """
+
+    @keywords(config="preset", bank="houses", task="targets", n_envs="num_envs")
+    def __init__(
+        self,
+        houses: Houses = BANK,
+        num_envs: int = 1,
+        *,
+        backend: str = "continuous",
+        targets: Targets = "main",
+        preset: str | Config = "default",
+        seed: int | None = None,
+        max_episode_steps: int | None = None,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        device: str = "cpu",
+        by_ray: bool | None = None,
+    ) -> None:
+        """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
+        if num_envs < 1:
+            raise ValueError(f"num_envs is {num_envs}: at least one environment")
+        asked = read_arguments(
+            houses, backend, targets, preset, max_episode_steps, render_mode, device, METADATA_OF_MANY
+        )
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = METADATA_OF_MANY | {"autoreset_mode": self.autoreset_mode}
+        self.render_mode, self.num_envs, self.device = render_mode, num_envs, device
+
+        start(device)
+        self.world = World(
+            asked.config,
+            asked.backend,
+            asked.houses,
+            asked.task,
+            num_envs,
+            mode=MODES[self.autoreset_mode],
+            by_ray=device != "cpu" if by_ray is None else by_ray,
+        )
+        self.config = self.world.config
+
+        self.single_observation_space, self.single_action_space = single_spaces(self.config)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+
+        self._arguments = {
+            "num_envs": num_envs,
+            "backend": backend,
+            "preset": preset,
+            "seed": seed,
+            "max_episode_steps": max_episode_steps,
+            "render_mode": render_mode,
+            "autoreset_mode": self.autoreset_mode,
+            "device": device,
+            "by_ray": by_ray,
+        }
+        self._outputs = Outputs(self.world)
+        self._seed, self._ready = seed, False
+        self._tensors: tuple[Any, tuple[Any, ...]] | None = None
+        self._cameras: list[Camera] | None = None
+        self._window = Window(METADATA_OF_MANY["render_fps"]) if render_mode == "human" else None
+
+    @property
+    def houses(self) -> list[House]:
+        """The bank that episodes sample from."""
+        return self.world.houses
+
+    @property
+    def geometries(self) -> list[Geometry]:
+        """The boxes of each house of the bank, metres."""
+        return self.world.bank.geometries
+
+    @property
+    def backend(self) -> Backend:
+        """What moves bodies and casts rays."""
+        return self.world.backend
+
+    def set_houses(self, houses: Houses, targets: Targets | None = None) -> None:
+        """Take another bank in place of this one, with targets where they were or elsewhere; then ``reset``.
+        Nothing is compiled for it.
+
+        Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
+        """
+        self.world.load(house_list(houses), targets)
+        self._ready, self._cameras = False, None
+
+    def reset(
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
+
+        ``options``: ``house`` (E,) int, each environment's house for this episode; ``pose`` (E, 3) and
+        ``target`` (E, 2) in metres and radians, in place of those sampled; ``reset_mask`` (E,)
+        bool, those environments that begin a new episode, all but the first time. ``ValueError`` for wrong
+        ones, before anything is changed.
+        """
+        self._require_open()
+        asked = read_options(options or {}, self.world, first=not self._ready)
+        if seed is None and not self._ready:
+            seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
+        if seed is not None:
+            seeds = read_seeds(seed, self.num_envs)
+            super().reset(seed=int(seeds[0]))
+            self.world.seed(seeds, asked.mask)
+        self.world.reset(asked.wholes, asked.reals)
+        flags = self._outputs.flags()
+        flags[:, asked.mask] = False
+        self.world.arrays["flags"].fill(flags.view(np.uint8).ravel())
+        self._ready = True
+        self._show()
+        return self._outputs.observation(), self._outputs.info(flags)
+
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """One action (E,) for each environment; fresh arrays come back.
+
+        What follows an episode's end is the ``autoreset_mode``'s: by default the step after it ignores its
+        action and begins the next episode, with reward 0 and no flags. In ``SAME_STEP`` the info has
+        ``final_obs`` (E, R, C) and ``final_info``, valid where ``_final_obs`` is True. In ``DISABLED`` it is
+        an error to step an environment that has ended.
+        Raises ``ValueError``, before anything is changed, for actions of another shape, kind or range.
+        """
+        actions = np.asarray(actions)
+        if not np.issubdtype(actions.dtype, np.integer):
+            raise ValueError(f"actions must be integers 0, 1 or 2, not {actions.dtype}")
+        self._check(actions)
+        self.world.arrays["action"].fill(actions)
+        self.world.run("step")
+        flags, observation = self._outputs.flags(), self._outputs.observation()
+        reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED], info)
+        self._show()
+        return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
+
+    def step_torch(
+        self, actions: "torch.Tensor"
+    ) -> tuple["torch.Tensor", "torch.Tensor", "torch.Tensor", "torch.Tensor", dict[str, "torch.Tensor"]]:
+        """``step`` with tensors and without copies: the batched path.
+
+        ``actions`` is (E,) int64 on the environments' device. What comes back (observations, rewards,
+        terminated, truncated, and of the info ``blocked`` and ``house`` (int32), and ``final_obs`` where the
+        mode is ``SAME_STEP``) is the same memory at each call: clone what must outlive the next one.
+        """
+        import torch
+
+        if actions.dtype != torch.int64 or actions.device.type != self.device:
+            raise ValueError(f"actions must be an int64 tensor on the device {self.device!r}")
+        # By NumPy where that can be: torch's threads would stay awake, and in the way of those that step.
+        given: Any = actions.numpy() if self.device == "cpu" else actions
+        self._check(given)
+        if self._tensors is None:
+            self._tensors = self._outputs.tensors(self.device)
+        action, outputs = self._tensors
+        action[:] = given
+        self.world.run("step")
+        return outputs
+
+    def launch(self, actions: np.ndarray) -> None:
+        """Run the step's kernel alone on actions (E,) int64: for measurements, only on the CPU.
+
+        Nothing is checked or returned; its outputs are in the memory that ``step_torch`` returns.
+        """
+        self.world.arrays["action"].view()[:] = actions
+        self.world.run("step")
+
+    def info(self) -> dict[str, np.ndarray]:
+        """The info of the environments as they are now: copies, as ``step`` returns them."""
+        return self._outputs.info()
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """What kernels read of the bank, copies: ``numbers`` (n,) float32 and ``indices`` (m,) int32, laid
+        out as the backend's ``pack.py`` says, and ``places`` (p,) int32, as ``sim.world.world`` says.
+        """
+        return {name: self.world.arrays[name].numpy() for name in TABLES}
+
+    def targets(self, count: int) -> np.ndarray:
+        """Each environment's target and those that follow it in this episode, (E, count, 2), metres.
+
+        After a reset: what an episode brings in order, whatever the agent does.
+        """
+        if not self._ready:
+            raise ResetNeeded("call reset() before targets()")
+        return self.world.targets(count)
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that the next steps depend on, but for the houses: copies, to be given back another time.
+
+        With them every environment goes on bit for bit, in this or another environment of the same
+        arguments.
+        """
+        return self.world.state | {
+            "flags": self._outputs.flags(),
+            "observation": self._outputs.observation(),
+        }
+
+    @state.setter
+    def state(self, state: dict[str, np.ndarray]) -> None:
+        kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
+        if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
+            raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
+        houses, cells = state["wholes"][:, HOUSE], state["wholes"][:, :HOUSE]
+        if strange := houses[(houses < 0) | (houses >= len(self.houses))].tolist():
+            raise ValueError(
+                f"a state of another bank: a body is in house {strange[0]} of {len(self.houses)}"
+            )
+        if not ((cells >= 0) & (cells < MOST_CELLS)).all():
+            raise ValueError("a state of no house: a body is in no cell, or has no heading")
+        self.world.state = state
+        for name in ("flags", "observation"):
+            array = self.world.arrays[name]
+            array.fill(np.ascontiguousarray(state[name]).view(array.dtype).ravel())
+        self._ready = True
+
+    def render(self) -> tuple[np.ndarray, ...] | None:
+        """A picture of each environment, (height, width, 3) uint8, all as large as the largest house's.
+
+        ``None`` where ``render_mode`` is, and where it is ``human``: then ``reset`` and ``step`` show the
+        pictures in a window. ``sim.film.mosaic`` makes one picture of them.
+        """
+        if self.render_mode is None:
+            return None
+        if not self._ready:
+            raise ResetNeeded("call reset() before render()")
+        if self._window:
+            self._window.show(self._pictures())
+            return None
+        return tuple(self._pictures())
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the window, if there is one."""
+        if self._window:
+            self._window.close()
+
+    def _show(self) -> None:
+        if self._window:
+            self._window.show(self._pictures())
+
+    def _pictures(self) -> list[np.ndarray]:
+        if self._cameras is None:
+            from sim.film import Camera, largest
+
+            frame = largest(self.houses)
+            self._cameras = [Camera(self, index, frame=frame) for index in range(self.num_envs)]
+        return [np.asarray(camera.shoot()) for camera in self._cameras]
+
+    def scene(self, index: int) -> "Scene":
+        """What there is to see of one environment, for ``sim.film``."""
+        from sim.film import Scene
+
+        info, column = self._outputs.info(), int(self.config.sees_angle)
+        seen, state = self._outputs.observation()[index], self.world.environment(index)
+        return Scene(
+            house=self.houses[info["house"][index]],
+            config=self.config,
+            pose=info["pose"][index],
+            target=info["target"][index],
+            distance=seen[:, column] * self.config.range,
+            is_target=seen[:, -1] > 0,
+            step=state["time"],
+            found=state["found"] - 1,
+        )
+
+    def _require_open(self) -> None:
+        if self.closed:
+            raise ClosedEnvironmentError("these environments were closed: make new ones")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the arguments and the state: what is read goes on bit for bit."""
+        arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
+        state = self.state if self._ready else None
+        return _remade, (type(self), arguments, self._np_random, state, self.closed)
+
+    def _check(self, actions: Any) -> None:
+        """Raise an error if these actions, an array or a tensor, cannot be done now."""
+        self._require_open()
+        if not self._ready:
+            raise ResetNeeded("call reset() before step()")
+        if actions.shape != (self.num_envs,):
+            raise ValueError(
+                f"actions have shape {tuple(actions.shape)}: one for each of {self.num_envs} environments"
+            )
+        least, greatest = int(actions.min()), int(actions.max())
+        if least < 0 or greatest >= ACTIONS:
+            raise ValueError(f"actions go from 0 to 2, found {least} to {greatest}")
+        if self.autoreset_mode is AutoresetMode.DISABLED:
+            flags = self._outputs.flags()
+            over = flags[TERMINATED] | flags[TRUNCATED]
+            if over.any():
+                raise ResetNeeded(
+                    f"the episode of environment {int(over.argmax())} has ended: reset it by "
+                    'reset(options={"reset_mask": ...})'
+                )
+
+
+def _remade(
+    kind: type[HouseVectorEnv],
+    arguments: dict[str, Any],
+    np_random: np.random.Generator | None,
+    state: dict[str, np.ndarray] | None,
+    closed: bool,
+) -> HouseVectorEnv:
+    """The environments that were pickled."""
+    envs = kind(**arguments)
+    envs._np_random = np_random
+    if state is not None:
+        envs.state = state
+    if closed:
+        envs.close()
+    return envs

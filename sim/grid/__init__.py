@@ -1,5 +1,0 @@
-"""The grid backend: houses whose edges lie on a grid of cells, looked up and not computed."""
-
-from sim.grid.backend import Grid
-
-__all__ = ["Grid"]

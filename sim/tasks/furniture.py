@@ -1,0 +1,121 @@
+"""Tasks that furniture decides: targets beside pieces of a kind, and where each house's habits put them.
+
+All kinds of rooms and pieces come from the houses' own data.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, runtime_checkable
+
+import msgspec
+
+from logic import House
+from logic.spelling import unknown
+from sim.backends.kinds import pieces_in
+from sim.geometry import Box
+
+BESIDE = 0.75
+"""Metres from a piece to the outer edge of a target beside it at most: the default target is 0.538 m wide."""
+
+
+@runtime_checkable
+class WeightedTask(Protocol):
+    """A task whose targets are drawn from regions of a house, some more often than others."""
+
+    ends_on_pick_up: ClassVar[bool]
+    """Whether the first pick-up terminates the episode."""
+
+    def regions(self, house: House) -> Sequence[tuple[Sequence[Box], float]]:
+        """Regions, each some rectangles of which a target lies wholly in one, with the probability that the
+        next target is drawn from it, all its places alike. Regions may overlap; their places then have the
+        sum. A region where no target fits is left out, and the rest keep their proportions.
+        """
+        ...
+
+
+def beside(house: House, kind: str, margin: float = BESIDE) -> list[Box]:
+    """The rectangles that reach ``margin`` metres around each piece of a kind, within the piece's room."""
+    boxes = []
+    for room in house.rooms:
+        west, north, east, south = room.box
+        for piece in room.pieces:
+            if piece.type == kind:
+                x, y, end_x, end_y = piece.box
+                boxes.append((
+                    max(west, x - margin), max(north, y - margin),
+                    min(east, end_x + margin), min(south, end_y + margin),
+                ))  # fmt: skip
+    return boxes
+
+
+@dataclass(frozen=True)
+class Object:
+    """Find a piece of a kind: a target lies directly beside one, and picking it up ends the episode."""
+
+    piece: str
+    ends_on_pick_up: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` for what is no name."""
+        if not isinstance(self.piece, str):
+            raise TypeError(f"piece: the kind of a piece, not {self.piece!r}")
+
+    def suits(self, house: House) -> bool:
+        """Whether a house has such a piece."""
+        return self.piece in pieces_in(house)
+
+    def check(self, houses: Sequence[House]) -> None:
+        """Raise ``ValueError`` where no house has such a piece, or one has none."""
+        lacking = [index for index, house in enumerate(houses) if not self.suits(house)]
+        if len(lacking) == len(houses):
+            known = sorted({kind for house in houses for kind in pieces_in(house)})
+            raise ValueError(f"targets: {unknown('piece', self.piece, known)}")
+        if lacking:
+            raise ValueError(
+                f"house {lacking[0]} of {len(houses)} has no {self.piece}: "
+                f"take the {len(houses) - len(lacking)} that have one"
+            )
+
+    def spaces(self, house: House) -> list[Box]:
+        """See ``Task``."""
+        return beside(house, self.piece)
+
+
+@dataclass(frozen=True)
+class Habit:
+    """Pick up targets, as many as can be, that lie where the house's habits put them.
+
+    A house's regions are the rooms of each type, and the floor beside the pieces of each kind. An order of
+    them, a function of the house's rooms and ``seed`` alone, says which is its favourite, its second, and so
+    on: the favourite has ``share`` of the targets, and each next region that share of what is left.
+    """
+
+    share: float = 0.65
+    seed: int = 0
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for what is no share."""
+        if not 0 < self.share <= 1:
+            raise ValueError(f"share: above 0 and at most 1, not {self.share}")
+
+    def order(self, house: House) -> list[tuple[str, str]]:
+        """The regions, the favourite first: ("room", type) and ("piece", kind)."""
+        shape = msgspec.json.encode(house.rooms)
+        names = {("room", room.type) for room in house.rooms}
+        names |= {("piece", kind) for kind in pieces_in(house)}
+
+        def number(name: tuple[str, str]) -> bytes:
+            return hashlib.sha256(repr((self.seed, *name)).encode() + shape).digest()
+
+        return sorted(names, key=number)
+
+    def regions(self, house: House) -> list[tuple[list[Box], float]]:
+        """See ``WeightedTask``."""
+        found = []
+        for rank, (what, name) in enumerate(self.order(house)):
+            rooms = [room.box for room in house.rooms if room.type == name]
+            boxes = rooms if what == "room" else beside(house, name)
+            found.append((boxes, self.share * (1 - self.share) ** rank))
+        return [(boxes, weight) for boxes, weight in found if weight > 0]

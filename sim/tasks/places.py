@@ -1,0 +1,256 @@
+"""Where an episode may start and where targets may lie: places of a house's lattice, found once at packing.
+
+A target's place is one that the body can itself come to, and whose whole square is free floor; or where a
+task puts it, if the body can pick it up there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from logic import House
+from sim.backends.backend import Lattice
+from sim.config import Config
+from sim.geometry import TOLERANCE, Geometry
+from sim.tasks.furniture import WeightedTask
+from sim.tasks.survey import Survey
+from sim.tasks.tasks import AnyTask, Box, FixedTask, Task
+
+NORTH = 2
+"""The heading of the start nearest to the main room's middle."""
+
+LISTED = 4096
+"""Entries of a house's list of places, about, where some are drawn more often than others."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """Some of a house's targets, and the probability that the next is drawn from them, all alike."""
+
+    targets: np.ndarray
+    """(n,) int: rows of ``Places.targets``."""
+    share: float
+    """That probability."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where a house's episodes start and its targets lie, in steps east and south of its lattice's origin."""
+
+    starts: np.ndarray
+    """(n, 2) int32."""
+    targets: np.ndarray
+    """(m, 2) float32: whole steps, but for targets at given places. In the order of their steps east."""
+    heading: int = -1
+    """That of all starts, in eighths of a turn; -1 for any."""
+    given: bool = False
+    """Whether the targets are at given places."""
+    regions: tuple[Region, ...] = ()
+    """Of a weighted task; none where all targets are alike."""
+    counts: np.ndarray | None = None
+    """(m,) int: how often each target stands in the list from which the next is drawn; once by default."""
+
+    @property
+    def listed(self) -> np.ndarray:
+        """(n, 2) float32: the list from which the next target is drawn, all entries alike."""
+        return self.targets if self.counts is None else np.repeat(self.targets, self.counts, axis=0)
+
+    def spread(self, pitch: int) -> np.ndarray:
+        """Which targets lie on a grid of ``pitch`` steps, (k,) int: all given ones, or one at least."""
+        chosen = np.flatnonzero((self.targets % pitch == 0).all(axis=1))
+        if self.given:
+            return np.arange(len(self.targets))
+        return chosen if len(chosen) else np.zeros(1, int)
+
+
+def places(
+    house: House,
+    geometry: Geometry,
+    lattice: Lattice,
+    survey: Survey,
+    config: Config,
+    task: AnyTask,
+    start: np.ndarray | None = None,
+) -> Places:
+    """Find a house's starts and a task's targets from what the body can do there.
+
+    Bodies start at the cell ``start`` (i, j, heading), where the task gives one. Else they start in the main
+    room of a star, in the hub of another house, or as ``House.start`` says.
+
+    Raises ``ValueError`` where the body has nowhere to stand there, where it cannot come to a room
+    in which the task has targets, or where a target has nowhere to lie.
+    """
+    starts, reached, heading = _starts(house, geometry, lattice, survey, config, start)
+    first = np.argwhere(starts).astype(np.int32)
+    if isinstance(task, FixedTask):
+        return Places(first, _given(house, lattice, reached, config, task).astype(np.float32), heading, True)
+    room = _Room(house, geometry, lattice, reached, config)
+    if isinstance(task, WeightedTask):
+        return Places(first, *_weighted(room, task, heading))
+    return Places(first, np.argwhere(_free(room, task)).astype(np.float32), heading)
+
+
+def free_floor(
+    house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config
+) -> np.ndarray:
+    """Where a target may lie in some task, (m, 2) float32 steps: free floor that the body can come to."""
+    _, reached, _ = _starts(house, geometry, lattice, survey, config, None)
+    room = _Room(house, geometry, lattice, reached, config)
+    return np.argwhere(room.inside).astype(np.float32)
+
+
+def _starts(
+    house: House, geometry: Geometry, lattice: Lattice, survey: Survey, config: Config,
+    start: np.ndarray | None,
+) -> tuple[np.ndarray, np.ndarray, int]:  # fmt: skip
+    """Where episodes start, where the body can come to from there, (X, Y) bool, and the starts' heading."""
+    free = survey.part > 0
+    if start is not None:
+        i, j, heading = start.tolist()
+        starts = np.zeros_like(free)
+        starts[i, j] = free[i, j]
+        if not starts.any():
+            raise ValueError("the body cannot turn where the task starts")
+        reached = survey.part == survey.part[i, j]
+    else:
+        body = max(config.body) / 2
+        starts = free & _within(geometry.floor, body, lattice) & ~_touched(geometry.rooms, body, lattice)
+        if not starts.any():
+            raise ValueError(f"the body has nowhere to stand in {_name(house.start.box, house)}")
+        # Of parts of the house that no path joins, the body lives in the one with most of that room.
+        reached = survey.part == np.bincount(survey.part[starts]).argmax()
+        starts &= reached
+        heading = -1 if config.random_start else NORTH
+        if not config.random_start:
+            starts = _nearest(starts, geometry.floor, lattice)
+    return starts, reached, heading
+
+
+def _given(
+    house: House, lattice: Lattice, reached: np.ndarray, config: Config, task: FixedTask
+) -> np.ndarray:
+    """Where the task puts its targets, (m, 2) steps, from the westernmost on."""
+    points, half = np.array(task.positions(house), np.float64).reshape(-1, 2), config.target / 2
+    if not len(points):
+        raise ValueError(f"{task} gives no place for a target")
+    for x, y in points:
+        if not (reached & _touched(np.array([[x, y, half, half]]), config.body[0] / 2, lattice)).any():
+            raise ValueError(f"the body cannot pick up a target at ({x:.3f}, {y:.3f}) m")
+    return (points[np.argsort(points[:, 0])] - lattice.origin) / lattice.pitch
+
+
+class _Room:
+    """Where in a house targets may lie at all."""
+
+    def __init__(
+        self, house: House, geometry: Geometry, lattice: Lattice, reached: np.ndarray, config: Config
+    ) -> None:
+        self.house, self.lattice, self.reached = house, lattice, reached
+        self.half, self.body = config.target / 2, max(config.body) / 2
+        clear = reached & ~_touched(geometry.solids, self.half, lattice)
+        self.main = clear & _within(geometry.floor, self.half, lattice)
+        self.main &= ~_touched(geometry.rooms, self.half, lattice)
+        self.inside = self.main.copy()
+        for room in geometry.rooms:
+            self.inside |= clear & _within(room, self.half, lattice)
+
+    def fits(self, space: Box) -> np.ndarray:
+        """The lattice's places (X, Y) where a target lies wholly in a space."""
+        free = self.main if space == self.house.start.box else self.inside
+        return free & _within(_row(space), self.half, self.lattice)
+
+    def is_reached(self, space: Box) -> bool:
+        """Whether the body can be wholly in a space."""
+        return bool((self.reached & _within(_row(space), self.body, self.lattice)).any())
+
+
+def _free(room: _Room, task: Task) -> np.ndarray:
+    """The lattice's places where targets may lie in the task's spaces, (X, Y) bool."""
+    house = room.house
+    spaces, boxes = list(task.spaces(house)), [each.box for each in house.rooms if each is not house.start]
+    if not spaces:
+        types = ", ".join(sorted({room.type for room in house.counted}))
+        raise ValueError(f"it has no room for the targets of {task}: there are {types}")
+    chosen = np.zeros_like(room.reached)
+    for space in spaces:
+        if space in boxes and not room.is_reached(space):
+            raise ValueError(f"the body cannot reach {_name(space, house)}")
+        chosen |= room.fits(space)
+    if not chosen.any():
+        where = ", ".join(_name(space, house) for space in spaces)
+        raise ValueError(f"no target fits on free floor that the body can reach in {where}")
+    return chosen
+
+
+def _weighted(
+    room: _Room, task: WeightedTask, heading: int
+) -> tuple[np.ndarray, int, bool, tuple[Region, ...], np.ndarray]:
+    """The fields of ``Places`` for a task with regions.
+
+    A region of share p has about p ``LISTED`` entries, one at least, spread evenly over its places in the
+    order of the lattice: some once more than others, or where there are more places than entries, some not
+    at all.
+    """
+    found = [
+        (np.logical_or.reduce([room.fits(box) for box in boxes]), weight)
+        for boxes, weight in task.regions(room.house)
+        if boxes
+    ]
+    found = [(fits.ravel().nonzero()[0], weight) for fits, weight in found if weight > 0 and fits.any()]
+    if not found:
+        raise ValueError(f"no target of {task} fits on free floor that the body can reach")
+    whole, counts = sum(weight for _, weight in found), np.zeros(room.reached.size, int)
+    entries: list[np.ndarray] = []
+    for fits, weight in found:
+        number = max(1, round(LISTED * weight / whole))
+        entries.append(fits[np.arange(number) * len(fits) // number])
+        np.add.at(counts, entries[-1], 1)
+    listed, length = counts.nonzero()[0], counts.sum()
+    regions = tuple(Region(np.searchsorted(listed, np.unique(at)), len(at) / length) for at in entries)
+    targets = np.stack(np.unravel_index(listed, room.reached.shape), axis=1).astype(np.float32)
+    return targets, heading, False, regions, counts[listed]
+
+
+def _row(box: Box) -> np.ndarray:
+    """A box as its centre and half its sides, (4,)."""
+    return np.array([box[0] + box[2], box[1] + box[3], box[2] - box[0], box[3] - box[1]]) / 2
+
+
+def _name(space: Box, house: House) -> str:
+    """A space in words."""
+    names = {room.box: f"room {room.name} ({room.type})" for room in reversed(house.rooms)}
+    if house.is_star:
+        names = {house.main.box: "the main room"} | {room.box: names[room.box] for room in house.secondary}
+    return names.get(space, "the rectangle ({:.2f}, {:.2f}, {:.2f}, {:.2f})".format(*space))
+
+
+def _within(box: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
+    """Places (X, Y) where a square of half side ``margin`` lies inside a box; touching is inside."""
+    inside = np.zeros(lattice.shape, bool)
+    inside[_slices(box, -margin + TOLERANCE, lattice)] = True
+    return inside
+
+
+def _touched(boxes: np.ndarray, margin: float, lattice: Lattice) -> np.ndarray:
+    """Places (X, Y) where a square of half side ``margin`` overlaps one of the boxes; touching does not."""
+    touched = np.zeros(lattice.shape, bool)
+    for box in boxes:
+        touched[_slices(box, margin - TOLERANCE, lattice)] = True
+    return touched
+
+
+def _slices(box: np.ndarray, grow: float, lattice: Lattice) -> tuple[slice, slice]:
+    """The lattice's places inside a box (x, y, half width, half height) whose halves grow by ``grow``."""
+    low = np.ceil((box[:2] - box[2:] - grow - lattice.origin) / lattice.pitch).astype(int)
+    high = np.floor((box[:2] + box[2:] + grow - lattice.origin) / lattice.pitch).astype(int) + 1
+    i, j = (slice(max(0, a), max(0, b)) for a, b in zip(low, high, strict=True))
+    return i, j
+
+
+def _nearest(start: np.ndarray, floor: np.ndarray, lattice: Lattice) -> np.ndarray:
+    """Only the start that is nearest to the floor's middle, the first of equals."""
+    where = np.argwhere(start)
+    away = lattice.origin + lattice.pitch * where - floor[:2]
+    one = np.zeros_like(start)
+    one[tuple(where[(away**2).sum(axis=1).argmin()])] = True
+    return one

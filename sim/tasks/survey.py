@@ -1,0 +1,112 @@
+"""What a body can do at each place of a lattice, by the very arithmetic of its moves."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from sim.backends.backend import Backend, Bank, Lattice
+from sim.backends.body import HEADINGS
+from sim.runtime import Array, Launch, start, ti
+
+STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
+"""Bits of a survey: the body can be at this place with a heading along an axis, on a diagonal."""
+
+Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What a body can do at the places of a lattice."""
+
+    moves: np.ndarray
+    """(X, Y) uint16; bit h: ``forward`` at heading h is not blocked; then ``STRAIGHT`` and ``DIAGONAL``."""
+    part: np.ndarray
+    """(X, Y) int32: equal where moves join places that the body can be at with any heading; 0 at others."""
+
+
+def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Lattice]) -> list[Survey]:
+    """Survey lattices over some houses."""
+    columns = [lattice.shape[0] for lattice in lattices]
+    ends = np.cumsum([0, *(lattice.shape[0] * lattice.shape[1] for lattice in lattices)])
+    rows = [
+        (house, *lattice.first, *lattice.shape, end)
+        for house, lattice, end in zip(houses, lattices, ends, strict=False)
+    ]
+    # A task for each column: which lattice it is of, and its number there.
+    tasks = [np.repeat(np.arange(len(lattices)), columns), np.concatenate([*map(np.arange, columns)])]
+    arrays = {
+        "numbers": bank.numbers,
+        "indices": bank.indices,
+        "origins": Array.of(np.concatenate([lattice.origin for lattice in lattices]).astype(np.float32)),
+        "rows": Array.of(np.array(rows, np.int32).ravel()),
+        "tasks": Array.of(np.stack(tasks, axis=1).astype(np.int32).ravel()),
+        "moves": Array(ti.u16, int(ends[-1])),
+        "part": Array(ti.i32, int(ends[-1])),
+        "stack": Array(ti.i32, int(ends[-1])),
+    }
+    look, join = _kernels(start(), backend)
+    Launch(look, arrays)()
+    Launch(join, arrays)()
+    moves, part = arrays["moves"].numpy(), arrays["part"].numpy()
+    return [
+        Survey(moves[first:last].reshape(lattice.shape), part[first:last].reshape(lattice.shape))
+        for first, last, lattice in zip(ends, ends[1:], lattices, strict=False)
+    ]
+
+
+@cache
+def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
+    """Kernels that ask what a body can do, and that join the places."""
+    each, anywhere = 6, STRAIGHT | DIAGONAL
+    steps = HEADINGS.tolist()
+
+    @ti.kernel
+    def look(
+        numbers: Numbers,
+        indices: Indices,
+        origins: Numbers,
+        rows: Indices,
+        tasks: Indices,
+        moves: ti.types.ndarray(ti.u16, 1),
+    ):
+        for task in range(tasks.shape[0] // 2):
+            k, column = tasks[2 * task], tasks[2 * task + 1]
+            house, i, j = rows[each * k], rows[each * k + 1] + column, rows[each * k + 2]
+            count = rows[each * k + 4]
+            at = rows[each * k + 5] + column * count
+            origin = ti.Vector([origins[2 * k], origins[2 * k + 1]])
+            for row in range(count):
+                found = 0
+                for heading in range(2):
+                    cell = ti.Vector([i, j + row, heading])
+                    found |= backend.stands(numbers, indices, house, origin, cell) << (8 + heading)
+                for heading in range(8):
+                    cell = ti.Vector([i, j + row, heading])
+                    _, blocked = backend.move(numbers, indices, house, origin, cell, 2)
+                    found |= (1 - blocked) << heading
+                moves[at + row] = ti.cast(found, ti.u16)
+
+    @ti.kernel
+    def join(rows: Indices, moves: ti.types.ndarray(ti.u16, 1), part: Indices, stack: Indices):
+        for k in range(rows.shape[0] // each):
+            number, columns, count, at = 0, rows[each * k + 3], rows[each * k + 4], rows[each * k + 5]
+            for seed in range(columns * count):
+                if moves[at + seed] & anywhere == anywhere and part[at + seed] == 0:
+                    number += 1
+                    part[at + seed], stack[at], height = number, seed, 1
+                    while height > 0:
+                        height -= 1
+                        place = stack[at + height]
+                        for heading in ti.static(range(8)):
+                            i = place // count + ti.static(steps[heading][0])
+                            j = place % count + ti.static(steps[heading][1])
+                            open_ = moves[at + place] >> heading & 1 != 0
+                            if open_ and i >= 0 and i < columns and j >= 0 and j < count:
+                                there = at + i * count + j
+                                if moves[there] & anywhere == anywhere and part[there] == 0:
+                                    part[there], stack[at + height] = number, i * count + j
+                                    height += 1
+
+    return look, join

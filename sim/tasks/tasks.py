@@ -1,0 +1,307 @@
+"""What an episode asks of the body: where its targets lie, and whether one pick-up is all.
+
+A new task is a class of a few lines, given to an environment as ``targets=``:
+
+    @dataclass(frozen=True)
+    class Largest:
+        "Pick up targets in the largest room."
+        ends_on_pick_up: ClassVar[bool] = False
+
+        def spaces(self, house: House) -> list[Box]:
+            return [max(house.rooms, key=lambda room: room.area).box]
+"""
+
+import importlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
+
+from logic import House
+from logic.spelling import unknown
+from sim.config import PIXEL
+from sim.geometry import Box
+from sim.tasks.furniture import Habit, Object, WeightedTask
+
+UNITS = {"m": 1.0, "px": PIXEL}
+"""Metres in a unit of length."""
+
+
+class Task(Protocol):
+    """Targets appear one after the other in some spaces of a house; picking one up earns 1.
+
+    It may have ``check(houses)``, which raises ``ValueError`` for a bank where it cannot be played, and
+    ``suits(house)``, whether it can be played in a house.
+    """
+
+    ends_on_pick_up: ClassVar[bool]
+    """Whether the first pick-up terminates the episode."""
+
+    def spaces(self, house: House) -> list[Box]:
+        """The rectangles of which targets lie wholly in one: ``room.box``, ``house.main.box`` for the hub (of
+        a star: the floor without the rooms, in all files), or any others.
+        """
+        ...
+
+
+@runtime_checkable
+class FixedTask(Protocol):
+    """A task that says itself where each target lies; it may say where episodes start."""
+
+    ends_on_pick_up: ClassVar[bool]
+    """Whether the first pick-up terminates the episode."""
+
+    def positions(self, house: House) -> Sequence[Sequence[float]]:
+        """The centres (x, y) of the targets in a house, metres. Each next target is another of them, as
+        likely as the rest, at least 0.82 m from the last along one axis where there is such a one.
+        """
+        ...
+
+    def pose(self, house: House) -> Sequence[float] | None:
+        """Where the eye is when an episode starts, (x, y, heading) in metres and radians, or ``None``:
+        anywhere free in the main room.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Points:
+    """Pick up targets at given places, as many as can be. Lengths are metres, or of ``unit`` "px" the paper's
+    pixels; a heading is in radians.
+    """
+
+    points: Sequence[Sequence[float]]
+    """Centres (x, y) of targets."""
+    start: Sequence[float] | None = None
+    """(x, y, heading) of the eye where all episodes start; by default anywhere free in the main room."""
+    unit: str = "m"
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``ValueError`` for what are no points, no pose and no unit."""
+        if not np.iterable(self.points) or not all(_finite(point, 2) for point in [*self.points] or [None]):
+            raise ValueError(f"points: a list of [x, y], not {self.points!r}")
+        if self.start is not None and not _finite(self.start, 3):
+            raise ValueError(f"start: [x, y, heading], not {self.start!r}")
+        if self.unit not in UNITS:
+            raise ValueError(unknown("unit", self.unit, UNITS))
+
+    def positions(self, house: House) -> list[tuple[float, ...]]:
+        """See ``FixedTask``."""
+        return [tuple(UNITS[self.unit] * value for value in point) for point in self.points]
+
+    def pose(self, house: House) -> tuple[float, ...] | None:
+        """See ``FixedTask``."""
+        if self.start is None:
+            return None
+        return (*(UNITS[self.unit] * value for value in self.start[:2]), self.start[2])
+
+
+def _finite(values: Any, count: int) -> bool:
+    """Whether these are so many finite numbers."""
+    array = np.asarray(values)
+    return array.shape == (count,) and array.dtype.kind in "if" and bool(np.isfinite(array).all())
+
+
+@dataclass(frozen=True)
+class Collect:
+    """Pick up targets, as many as can be: in the main room (the hub), in the other rooms, or in both."""
+
+    main: bool = True
+    secondary: bool = True
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def spaces(self, house: House) -> list[Box]:
+        """See ``Task``. Raises ``ValueError`` for the main room of a house without a hub."""
+        if self.main and not self.secondary and not house.hub:
+            types = sorted({room.type for room in house.rooms})
+            raise ValueError(
+                f'it names no hub, so it has no main room: ask for targets="all" or {{"rooms": {types}}}'
+            )
+        hub = [house.main.box] if self.main and house.hub else []
+        return hub + [room.box for room in house.secondary] * self.secondary
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """Pick up targets, as many as can be, in rooms of these types."""
+
+    rooms: Sequence[str]
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` for what is no list of names."""
+        if isinstance(self.rooms, str) or not all(isinstance(name, str) for name in self.rooms):
+            raise TypeError(f"rooms: a list of room types, not {self.rooms!r}")
+
+    def spaces(self, house: House) -> list[Box]:
+        """See ``Task``."""
+        return [room.box for room in house.rooms if room.type in self.rooms]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Reach a room of a type: a target lies in one of those, and picking it up ends the episode."""
+
+    room: str
+    ends_on_pick_up: ClassVar[bool] = True
+
+    def spaces(self, house: House) -> list[Box]:
+        """See ``Task``."""
+        return [room.box for room in house.rooms if room.type == self.room]
+
+
+TARGETS = {
+    "main": Collect(secondary=False),
+    "secondary": Collect(main=False),
+    "mixed": Collect(),
+    "all": Collect(),
+    "habit": Habit(),
+}
+"""Tasks that have a name. ``mixed`` and ``all`` are the same: anywhere in a house."""
+
+PAPER = Path(__file__).parents[1] / "paper"
+PAPER_TASKS = {path.stem: path for path in sorted(PAPER.glob("paper-*.json"))}
+"""Files of the tasks of the paper's house, by name: see the README beside them."""
+
+TASKS = {
+    "collect": Collect, "habit": Habit, "object": Object, "points": Points, "reach": Reach, "rooms": Rooms,
+}  # fmt: skip
+"""Tasks that take arguments."""
+
+AnyTask = Task | FixedTask | WeightedTask
+Targets = str | dict[str, Any] | AnyTask
+
+
+def task(targets: Targets) -> AnyTask:
+    """The task that is meant: by a name of ``TARGETS`` or ``PAPER_TASKS``, as ``{"task": name or
+    "module:Class", **arguments}``, such as ``{"task": "reach", "room": "kitchen"}``, or that as a JSON text
+    or in a ``.json`` file, as ``"module:Class"`` alone, or itself. ``{"rooms": ["bedroom", "study"]}`` is
+    short for the task ``rooms``, ``{"points": [[2.5, 3.0]], "start": [1.0, 2.0, 0.0]}`` for ``points``.
+
+    All but the last go through JSON, as an environment's ``spec`` does. Raises ``ValueError`` if there is
+    no such task, or not with these arguments.
+    """
+    if isinstance(targets, str) and targets in TARGETS:
+        return TARGETS[targets]
+    given = _read(targets) if isinstance(targets, str) else targets
+    if not isinstance(given, dict):
+        found = isinstance(given, FixedTask | WeightedTask) or callable(getattr(given, "spaces", None))
+        if not (found and hasattr(given, "ends_on_pick_up")):
+            raise ValueError(f"targets: {given!r} is no task, which has spaces(house) and ends_on_pick_up")
+        return given
+    arguments = dict(given)
+    name = arguments.pop("task", next((short for short in ("rooms", "points") if short in arguments), None))
+    if name not in TASKS and (not isinstance(name, str) or ":" not in name):
+        names = TASKS if given is targets else [*TARGETS, *PAPER_TASKS]
+        raise ValueError(
+            f"targets: {unknown('task', name, names)}, module:Class, and"
+            f' {{"task": ...}} with {", ".join(TASKS)} or module:Class'
+        )
+    try:
+        return (TASKS.get(name) or named(name))(**arguments)
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"targets {targets!r} cannot be had: {error}") from None
+
+
+def suited(targets: Targets, houses: Sequence[House]) -> list[House]:
+    """The houses in which a task can be played, in their order: all, for most tasks."""
+    suits = getattr(task(targets), "suits", lambda house: True)
+    return [house for house in houses if suits(house)]
+
+
+def _read(text: str) -> dict[str, Any]:
+    """A task's name and arguments, of a JSON text, of the name of a ``.json`` file, or of a name alone."""
+    where = PAPER_TASKS.get(text, Path(text) if text.endswith(".json") else None)
+    if where is None and not text.startswith("{"):
+        return {"task": text}
+    try:
+        given = json.loads(where.read_text() if where else text)
+    except OSError as error:
+        raise ValueError(f"targets: {where} cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise ValueError(f"targets: {text} is no JSON: {error}") from None
+    if not isinstance(given, dict):
+        raise ValueError(f"targets: {text} holds no task, which is a JSON object")
+    return given
+
+
+def named(name: str) -> Any:
+    """What ``module:attribute`` names; ``ImportError`` or ``AttributeError`` where there is no such thing."""
+    module, _, attribute = name.partition(":")
+    return getattr(importlib.import_module(module), attribute)
+
+
+class Cover(VectorWrapper):
+    """Cover the house: a reward of 1 for each square of floor that the eye is over for the first time in its
+    episode, in place of the environment's. The one where it starts earns nothing.
+
+    The info says how many there are: ``covered`` (E,) int64. All autoreset modes are right, as are banks
+    that are swapped by ``set_houses``.
+    """
+
+    def __init__(self, env: VectorEnv, cell: float = 0.5) -> None:
+        """Over a ``HouseVectorEnv``, or wrappers of one; ``cell`` is the side of a square, metres."""
+        if not 0 < cell < float("inf"):
+            raise ValueError(f"cell is {cell}: a square's side in metres")
+        super().__init__(env)
+        self.cell = cell
+        self._over = np.zeros(self.num_envs, bool)
+
+    def reset(
+        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """See ``HouseVectorEnv.reset``."""
+        observation, info = self.env.reset(seed=seed, options=options)  # pyright: ignore[reportArgumentType]
+        mask = (options or {}).get("reset_mask")
+        if mask is None or mask.all():
+            self._survey()
+            mask = np.ones(self.num_envs, bool)
+        self._begin(mask, info)
+        return observation, info | {"covered": self._covered.copy()}
+
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """See ``HouseVectorEnv.step``."""
+        observation, _, terminated, truncated, info = self.env.step(actions)
+        ended, mode = terminated | truncated, self.env.metadata["autoreset_mode"]
+        if mode is AutoresetMode.NEXT_STEP:
+            self._begin(self._over, info)
+        pose, house = info["pose"], info["house"]
+        if "final_info" in info:
+            pose = np.where(ended[:, None], info["final_info"]["pose"], pose)
+            house = np.where(ended, info["final_info"]["house"], house)
+        reward = self._visit(pose, house).astype(np.float32)
+        self._over = ended
+        if "final_info" in info:
+            final = {"covered": self._covered.copy(), "_covered": ended.copy()}
+            info["final_info"] = info["final_info"] | final
+            self._begin(ended, info)
+        return observation, reward, terminated, truncated, info | {"covered": self._covered.copy()}
+
+    def _survey(self) -> None:
+        """Divide the bank's houses into squares."""
+        envs: Any = self.env.unwrapped
+        bounds = np.array([shape.bounds for shape in envs.geometries])
+        self._corner = bounds[:, :2]
+        self._size = np.ceil((bounds[:, 2:] - bounds[:, :2]) / self.cell).astype(int)
+        self._visited = np.zeros((self.num_envs, *self._size.max(axis=0)), bool)
+        self._covered = np.zeros(self.num_envs, np.int64)
+
+    def _begin(self, mask: np.ndarray, info: dict[str, Any]) -> None:
+        """Forget what these environments (E,) bool covered, but for where they are."""
+        self._visited[mask], self._covered[mask] = False, 0
+        self._visit(info["pose"], info["house"], mask)
+        self._over = self._over & ~mask
+
+    def _visit(self, pose: np.ndarray, house: np.ndarray, mask: np.ndarray | None = None) -> np.ndarray:
+        """Note where these environments are; whether they are there for the first time (E,) bool."""
+        square = ((pose[:, :2] - self._corner[house]) / self.cell).astype(int)
+        at = (np.arange(self.num_envs), *np.clip(square, 0, self._size[house] - 1).T)
+        new = ~self._visited[at] if mask is None else ~self._visited[at] & mask
+        self._visited[at] |= new
+        self._covered += new
+        return new

@@ -1,0 +1,73 @@
+"""What a task is called in words, the same in reports, tables, plots and games."""
+
+import json
+from collections.abc import Callable, Sequence
+
+from logic.house.looks import spaced
+from sim.tasks.furniture import Habit, Object
+from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Rooms, Targets, task
+
+
+def in_words(targets: Targets, named: Callable[[str], str] = spaced) -> str:
+    """A task as a phrase: "find a bed", "reach a kitchen", "targets in secondary rooms".
+
+    ``named`` gives the name of a type. What is no task, as in files of others, is its own name.
+    """
+    if isinstance(targets, str) and targets in PAPER_TASKS:
+        return f"{in_words(targets.removeprefix('paper-'))}, paper's"
+    try:
+        asked = task(targets)
+    except ValueError:
+        given = _read(targets)
+        return _own(given) if isinstance(given, dict) else str(given)
+    return _shipped(asked, named) or _own(_read(targets))
+
+
+def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
+    """One of our tasks in words; nothing of another."""
+    match asked:
+        case Collect(main=True, secondary=True):
+            words = "targets in all rooms"
+        case Collect(main=main):
+            words = "targets in the main room" if main else "targets in secondary rooms"
+        case Rooms(rooms=rooms):
+            words = f"targets in rooms of type {_listed([named(room) for room in rooms], 'or')}"
+        case Reach(room=room):
+            words = f"reach {_article(named(room))}"
+        case Object(piece=piece):
+            words = f"find {_article(named(piece))}"
+        case Habit(share=share, seed=seed):
+            usual = Habit()
+            said = [f"share {share:g}"] * (share != usual.share) + [f"seed {seed}"] * (seed != usual.seed)
+            words = ", ".join(["targets in places of habit", *said])
+        case Points(points=points):
+            words = f"targets at {len(points)} given place{'s' * (len(points) != 1)}"
+        case _:
+            words = ""
+    return words
+
+
+def _read(targets: Targets) -> Targets:
+    """What a JSON text says; all else is itself."""
+    try:
+        given = json.loads(targets) if isinstance(targets, str) else targets
+    except ValueError:
+        return targets
+    return given if isinstance(given, dict) else targets
+
+
+def _own(targets: Targets) -> str:
+    """A task of a user's own: its class, and its arguments."""
+    if isinstance(targets, dict):
+        arguments = [f"{spaced(name)} {value}" for name, value in targets.items() if name != "task"]
+        return ", ".join([_own(str(targets.get("task"))), *arguments])
+    name = targets if isinstance(targets, str) else type(targets).__name__
+    return f"task {spaced(name.rpartition(':')[2])}"
+
+
+def _article(name: str) -> str:
+    return f"{'an' if name[:1] in 'aeiou' else 'a'} {name}"
+
+
+def _listed(names: Sequence[str], last: str) -> str:
+    return f" {last} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))

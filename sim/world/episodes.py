@@ -1,0 +1,293 @@
+"""What happens to one environment: episodes, targets and rewards, as functions of its state.
+
+How bodies move and what they see is the backend's. Every random number is Philox's word for (seed of the
+environment, episode, counter): counter 0 is the episode's house and start, counter k its k-th target. So none
+depends on how many environments there are, on how often others reset, or, for targets, on the agent.
+"""
+
+import numpy as np
+
+from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
+from sim.backends.body import SKIN
+from sim.backends.doors import Doors
+from sim.config import Config
+from sim.runtime import ti
+from sim.world.philox import below, philox, uniform
+
+TRIES = 32
+"""Samples until a place that should lie apart from another is taken as it comes."""
+
+EPISODE, SENSOR, WHEELS = range(3)
+"""What a random number is for: the fourth word of its counter."""
+
+HOUSE = 3
+"""Where the house is among the whole numbers of an environment's state."""
+
+MOST_CELLS = 1 << 16, 1 << 16, 8
+"""Of a house, east and south, and headings."""
+
+HEADER = 7
+"""Of a house among the places: its lattice's origin (x, y: float32 bits), first start, starts, first target,
+targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
+the same as two float32."""
+
+Numbers = ti.types.ndarray(ti.f32, 1)
+Indices = ti.types.ndarray(ti.i32, 1)
+Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
+Wholes = ti.types.ndarray(ti.types.vector(10, ti.i32), 1)
+
+State = ti.types.struct(
+    origin=ti.math.vec2,  # of the body's lattice, metres
+    target=ti.math.vec2,  # its centre, metres
+    cell=ti.math.ivec3,  # steps east and south, heading
+    house=ti.i32,
+    time=ti.i32,  # steps in this episode
+    found=ti.i32,  # targets picked up in this episode, and one
+    over=ti.i32,  # whether the episode has ended
+    episode=ti.i32,
+    seed=ti.u64,
+)
+
+
+@ti.func
+def loaded(reals: ti.template(), wholes: ti.template(), e):
+    """An environment's state."""
+    real, whole = reals[e], wholes[e]
+    low = ti.cast(ti.bit_cast(whole[8], ti.u32), ti.u64)
+    high = ti.cast(ti.bit_cast(whole[9], ti.u32), ti.u64)
+    return State(
+        origin=ti.Vector([real[0], real[1]]),
+        target=ti.Vector([real[2], real[3]]),
+        cell=ti.Vector([whole[0], whole[1], whole[2]]),
+        house=whole[3],
+        time=whole[4],
+        found=whole[5],
+        over=whole[6],
+        episode=whole[7],
+        seed=low | (high << ti.u64(32)),
+    )
+
+
+@ti.func
+def store(reals: ti.template(), wholes: ti.template(), e, state):
+    """Write an environment's state, but for its seed."""
+    reals[e] = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
+    seed = wholes[e]
+    wholes[e] = ti.Vector(
+        [
+            state.cell[0], state.cell[1], state.cell[2], state.house, state.time,
+            state.found, state.over, state.episode, seed[8], seed[9],
+        ]
+    )  # fmt: skip
+
+
+@ti.data_oriented
+class Episodes:
+    """One environment's step and reset, for a configuration and a backend."""
+
+    def __init__(self, config: Config, backend: Backend, ends_on_pick_up: bool, lanes: int) -> None:
+        """``ends_on_pick_up``: whether an episode is over when its target is picked up. ``lanes``: rays in a
+        look.
+        """
+        if config.closed_doors:
+            self.doors = Doors(config, backend.body, lanes)
+        self.config, self.backend, self.body = config, backend, backend.body
+        self.ends_on_pick_up = ends_on_pick_up
+        # Apart by more than this, a target is not picked up from where the one before it was.
+        self.apart = config.target + max(config.body)
+
+    @ti.func
+    def advance(
+        self,
+        numbers: ti.template(),
+        indices: ti.template(),
+        places: ti.template(),
+        doors: ti.template(),
+        e,
+        state,
+        action,
+    ):
+        """One step but for sight: the state, and picked up, terminated, truncated, blocked (i32)."""
+        cell, blocked, door = self.move(numbers, indices, doors, e, state, action)
+        if ti.static(self.config.slip > 0):
+            counter = ti.Vector([state.episode, state.time, 0, WHEELS])
+            words = philox(state.seed, ti.cast(counter, ti.u64))
+            if uniform(words[0]) < ti.static(self.config.slip):
+                cell, blocked, door = state.cell, 0, -1
+        self.push(doors, e, door)
+        terminated = 0
+        if ti.static(self.config.ends_on_collision):
+            terminated = blocked
+        elif blocked:
+            cell = state.cell
+        state.cell = cell
+        picked = self.overlaps(state.origin, cell, state.target)
+        if ti.static(self.ends_on_pick_up):
+            terminated |= picked
+        state.time += 1
+        truncated = ti.cast(state.time >= ti.static(self.config.steps), ti.i32)
+        state.over = terminated | truncated
+        if picked:
+            if state.over:
+                state.found += (
+                    1  # Its target stays: what is seen last, and said of the end, is what was reached.
+                )
+            else:
+                state = self.sample_target(places, state, ti.static(self.apart))
+        return state, picked, terminated, truncated, blocked
+
+    @ti.func
+    def move(self, numbers: ti.template(), indices: ti.template(), doors: ti.template(), e, state, action):
+        """The cell that an action leads to, whether something is in the way (i32), and which closed door is,
+        -1 for none. Nothing is changed.
+        """
+        cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
+        door = -1
+        if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
+            if action == 2:
+                door = self.doors.ahead(doors, e, state.house, state.origin, state.cell)
+                blocked |= ti.cast(door >= 0, ti.i32)
+        return cell, blocked, door
+
+    @ti.func
+    def push(self, doors: ti.template(), e, door):
+        """Walk at a closed door for a step; -1 for none."""
+        if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
+            if door >= 0:
+                self.doors.push(doors, e, door)
+
+    @ti.func
+    def begin(self, places: ti.template(), doors: ti.template(), e, state, house):
+        """The next episode, in the given house, or a sampled one if that is negative."""
+        state.episode += 1
+        state.house = house
+        if house < 0:
+            state.house = below(self.random(state, 0, 0)[0], places[0])
+        at = 1 + HEADER * state.house
+        state.origin = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
+        state.time, state.found, state.over = 0, 0, 0
+        state = self.sample_start(places, self.sample_target(places, state, -1.0))
+        self.close_doors(doors, e, state)
+        return state
+
+    @ti.func
+    def close_doors(self, doors: ti.template(), e, state):
+        """Close the doors of an environment's house as its episode begins."""
+        if ti.static(self.config.closed_doors > 0):
+            self.doors.close(doors, e, state.house, state.origin, state.cell)
+
+    @ti.func
+    def sample_start(self, places: ti.template(), state):
+        """Sample where an episode starts, not on its first target."""
+        at = 1 + HEADER * state.house
+        first, count, given = places[at + 2], places[at + 3], places[at + 6]
+        turn, searching = 0, 1
+        while searching:
+            turn += 1
+            words = self.random(state, 0, turn)
+            place = places[first + below(words[0], count)]
+            heading = ti.select(given < 0, below(words[1], 8), given)
+            state.cell = ti.Vector([place & 0xFFFF, place >> 16, heading])
+            on_target = self.overlaps(state.origin, state.cell, state.target)
+            searching = on_target & ti.cast(turn < ti.static(TRIES), ti.i32)
+        return state
+
+    @ti.func
+    def sample_target(self, places: ti.template(), state, apart):
+        """Sample the next target, not within ``apart`` metres of the last along both axes."""
+        state.found += 1
+        at = 1 + HEADER * state.house
+        corner = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
+        first, count = places[at + 4], places[at + 5]
+        last = state.target
+        turn, searching = 0, 1
+        while searching:
+            turn += 1
+            place = first + 2 * below(self.random(state, state.found, turn)[0], count)
+            steps = ti.Vector([ti.bit_cast(places[place], ti.f32), ti.bit_cast(places[place + 1], ti.f32)])
+            state.target = corner + steps * ti.static(self.config.step)
+            near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
+            searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
+        return state
+
+    @ti.func
+    def random(self, state, counter, turn):
+        """The random words of this environment's episode for a counter, at a turn of sampling again."""
+        words = ti.Vector([state.episode, counter, turn, EPISODE])
+        return philox(state.seed, ti.cast(words, ti.u64))
+
+    @ti.func
+    def overlaps(self, origin, cell, target):
+        """Whether the body overlaps a target's square (i32); touching is not overlapping."""
+        reach = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
+        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
+
+    @ti.func
+    def look(
+        self,
+        numbers: ti.template(),
+        indices: ti.template(),
+        doors: ti.template(),
+        state,
+        ray,
+        lanes: ti.template(),
+        observation: ti.template(),
+        e,
+    ):
+        """Write what ``lanes`` rays see, from number ``ray`` on: (angle / 359 degrees,) (is a piece of each
+        named kind,) distance / range, (is wall, is piece, (is door,)) is target.
+        """
+        distance, kind = self.backend.see(
+            numbers, indices, state.house, state.origin, state.cell, state.target, ray
+        )
+        if ti.static(self.config.closed_doors > 0):
+            self.doors.hide(doors, e, state.house, state.origin, state.cell, ray, distance, kind)
+        if ti.static(self.config.noise > 0 or self.config.dropout > 0):
+            for r in range(ti.static(lanes)):
+                distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])
+        at = e * ti.static(self.config.rays) + ray
+        if ti.static(self.config.channels == 2):
+            pairs = ti.Vector([ti.u64(0) for _ in range(ti.static(lanes))])
+            for r in range(ti.static(lanes)):
+                first = ti.bit_cast(distance[r] * ti.static(1 / self.config.range), ti.u32)
+                second = ti.bit_cast(ti.select(kind[r] == TARGET, 1.0, 0.0), ti.u32)
+                pairs[r] = ti.cast(first, ti.u64) | (ti.cast(second, ti.u64) << ti.u64(32))
+            for r in range(ti.static(lanes)):
+                observation[at + r] = pairs[r]
+        else:
+            for r in range(ti.static(lanes)):
+                to = (at + r) * ti.static(self.config.channels)
+                if ti.static(self.config.sees_angle):
+                    angle = 45.0 * state.cell[2] + ti.static(self.config.first_ray)
+                    angle -= ti.static(self.config.ray_spacing) * (ray + r)
+                    observation[to] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
+                    to += 1
+                if ti.static(self.config.kinds):
+                    for place in range(ti.static(len(self.config.kinds))):
+                        named = ti.cast(kind[r], ti.i32) == NAMED + place
+                        observation[to + place] = ti.select(named, 1.0, 0.0)
+                    to += ti.static(len(self.config.kinds))
+                observation[to] = distance[r] * ti.static(1 / self.config.range)
+                to += 1
+                if ti.static(self.config.sees_kind):
+                    observation[to] = ti.select(kind[r] == WALL, 1.0, 0.0)
+                    observation[to + 1] = ti.select((kind[r] == PIECE) | (kind[r] >= NAMED), 1.0, 0.0)
+                    to += 2
+                if ti.static(self.config.sees_doors):
+                    observation[to] = ti.select(kind[r] == DOOR, 1.0, 0.0)
+                    to += 1
+                observation[to] = ti.select(kind[r] == TARGET, 1.0, 0.0)
+
+    @ti.func
+    def disturbed(self, state, ray, distance, kind):
+        """What a ray's sensor makes of a hit: a normal error, by Box and Muller, or nothing at all."""
+        counter = ti.Vector([state.episode, state.time, ray, SENSOR])
+        words = philox(state.seed, ti.cast(counter, ti.u64))
+        if ti.static(self.config.noise > 0):
+            size = ti.sqrt(-2.0 * ti.log(1.0 - uniform(words[0])))
+            error = size * ti.cos(ti.static(2 * np.pi) * uniform(words[1]))
+            distance += ti.static(self.config.noise) * error
+            distance = ti.max(0.0, ti.min(ti.static(self.config.range), distance))
+        if uniform(words[2]) < ti.static(self.config.dropout):
+            distance, kind = ti.static(self.config.range), ti.u32(0)
+        return distance, kind

@@ -1,0 +1,264 @@
+"""The state of E environments over a bank of houses: the arrays that their kernels read and write."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from logic import House
+from sim.backends.backend import Backend, Bank, Lattice
+from sim.backends.doors import door_arrays
+from sim.backends.kinds import check_kinds
+from sim.config import Config
+from sim.geometry import check_lengths
+from sim.runtime import Array, Launch, start, ti
+from sim.tasks.places import Places, places
+from sim.tasks.survey import survey
+from sim.tasks.tasks import AnyTask, FixedTask, Targets, task
+from sim.world.episodes import HEADER, HOUSE
+from sim.world.kernels import NEXT_STEP, SAME_STEP, kernels
+
+STATE = "reals", "wholes"
+"""Arrays that a step depends on and that are not the bank's. Where doors are closed also ``pushes``, which
+is as long as the bank's doors ask for."""
+
+TABLES = "numbers", "indices", "places"
+"""Arrays of the bank."""
+
+BATCH = 256
+"""Houses that are surveyed at a time: it bounds the memory that packing takes."""
+
+
+class World:
+    """E environments over H houses, with everything that their steps read and write."""
+
+    def __init__(
+        self,
+        config: Config,
+        backend: type[Backend],
+        houses: Sequence[House],
+        targets: Targets,
+        num_envs: int,
+        mode: int = NEXT_STEP,
+        by_ray: bool = False,
+    ) -> None:
+        """Pack the houses and find their starts and targets (``ValueError`` if there are none).
+
+        ``by_ray``: one task for each environment and ray in place of one for each environment, the loop for
+        a GPU; the results are the same, bit for bit.
+        """
+        self.task, self.num_envs, self.mode = task(targets), num_envs, mode
+        check_lengths(houses)
+        self.config = backend.fit(config, houses)
+        self.kernels = kernels(start(), self.config, backend, mode, by_ray, bool(self.task.ends_on_pick_up))
+        self.backend: Backend = self.kernels.backend
+        self._make_arrays()
+        self.load(houses)
+
+    def _make_arrays(self) -> None:
+        count, config, mode = self.num_envs, self.config, self.mode
+        pairs = config.channels == 2
+        numbers = count * config.rays * (1 if pairs else config.channels)
+        observation = ti.u64 if pairs else ti.f32
+        ended = numbers if mode == SAME_STEP else 1
+        self.arrays = {
+            "reals": Array(ti.f32, count, 4),
+            "wholes": Array(ti.i32, count, 10),
+            "action": Array(ti.i64, count),
+            "observation": Array(observation, numbers),
+            "final": Array(observation, ended),
+            "reward": Array(ti.f32, count),
+            "flags": Array(ti.u8, 3 * count),
+            "prefetched": Array(ti.i32, count),
+            "option_wholes": Array(ti.i32, count, 4),
+            "option_reals": Array(ti.f32, count, 4),
+            "pose": Array(ti.f32, 3 * count),
+            "target": Array(ti.f32, 2 * count),
+            "house": Array(ti.i32, count),
+            "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
+            "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, 10),
+        }
+        self.launches: dict[str, Launch] = {}
+
+    def load(self, houses: Sequence[House], targets: Targets | None = None) -> None:
+        """Load another bank, and another task if ``targets`` names one; nothing is compiled.
+        Reset all environments before they are stepped again.
+
+        Raises ``ValueError``, and keeps the bank that it has, where a house cannot be had.
+        """
+        check_lengths(houses)
+        wanted = self.task if targets is None else task(targets)
+        if wanted.ends_on_pick_up != self.task.ends_on_pick_up:
+            raise ValueError("episodes of that task end otherwise: make a new environment for it")
+        if self.backend.fit(self.config, houses) != self.config:
+            raise ValueError("these houses need another body and step: make a new environment for them")
+        check_kinds(houses, self.config.kinds)
+        getattr(wanted, "check", lambda houses: None)(houses)
+        bank = self.backend.pack(houses)
+        self.lattices, self.places = self._places(houses, bank, wanted)
+        self.houses, self.bank, self.task = list(houses), bank, wanted
+        self.arrays |= {"numbers": bank.numbers, "indices": bank.indices, "places": self._table()}
+        self.arrays |= door_arrays(self.config, bank.geometries, self.num_envs)
+        for launch in self.launches.values():
+            launch.bind(self.arrays)
+
+    def _places(
+        self, houses: Sequence[House], bank: Bank, task: AnyTask
+    ) -> tuple[list[Lattice], list[Places]]:
+        lattices: list[Lattice] = []
+        cells: list[np.ndarray | None] = []
+        found: list[Places] = []
+        count = index = len(bank.geometries)
+        try:
+            for index in range(count):
+                lattice, cell = self._lattice(houses[index], bank, index, task)
+                lattices.append(lattice)
+                cells.append(cell)
+            for first in range(0, count, BATCH):
+                some = list(range(first, min(first + BATCH, count)))
+                tables = survey(self.backend, bank, some, lattices[first : first + BATCH])
+                for index, table in zip(some, tables, strict=True):
+                    house, shape, lattice = houses[index], bank.geometries[index], lattices[index]
+                    found.append(places(house, shape, lattice, table, self.config, task, cells[index]))
+        except ValueError as error:
+            raise ValueError(f"house {index} of {count}: {error}") from None
+        return lattices, found
+
+    def _lattice(
+        self, house: House, bank: Bank, index: int, task: AnyTask
+    ) -> tuple[Lattice, np.ndarray | None]:
+        """The lattice over house ``index`` of a bank, and its cell (i, j, heading) where a task starts."""
+        shape, pose = bank.geometries[index], task.pose(house) if isinstance(task, FixedTask) else None
+        if pose is None:
+            return self.backend.lattice(shape), None
+        origin, cell = self.place(np.array([index]), np.array([pose], np.float64), bank)
+        through = self.backend.lattice(shape, origin[0])
+        corner = (through.origin + through.pitch * np.array(through.first)).astype(np.float32)
+        return Lattice(corner, through.pitch, through.shape), cell[0] - (*through.first, 0)
+
+    def _table(self) -> Array:
+        """Places as kernels read them: the number of houses, their headers, then starts and targets of each:
+        see ``HEADER``.
+        """
+        count = len(self.places)
+        header = np.zeros((count, HEADER), np.int32)
+        at, rows = 1 + header.size, [np.array([count], np.int32), header.reshape(-1)]
+        for k, (lattice, here) in enumerate(zip(self.lattices, self.places, strict=True)):
+            listed = here.listed
+            starts, targets = len(here.starts), len(listed)
+            origin = np.asarray(lattice.origin, np.float32).view(np.int32)
+            header[k] = (*origin, at, starts, at + starts, targets, here.heading)
+            at += starts + 2 * targets
+            rows += [here.starts[:, 0] | here.starts[:, 1] << 16, listed.view(np.int32).ravel()]
+        return Array.of(np.concatenate(rows))
+
+    def run(self, name: str) -> None:
+        """Run a kernel, ``reset``, ``step`` or ``describe``, on the world's arrays."""
+        if name not in self.launches:
+            self.launches[name] = Launch(getattr(self.kernels, name), self.arrays)
+        self.launches[name]()
+
+    def seed(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
+        """Give the chosen (E,) bool environments their seeds (E,) uint64; their next episode is number 0."""
+        wholes = self.arrays["wholes"].numpy()
+        wholes[chosen, 7] = -1
+        wholes[chosen, 8:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
+        self.arrays["wholes"].fill(wholes)
+
+    def reset(self, option_wholes: np.ndarray, option_reals: np.ndarray) -> None:
+        """Begin episodes: see the kernel ``reset``."""
+        self.arrays["option_wholes"].fill(option_wholes)
+        self.arrays["option_reals"].fill(option_reals)
+        self.run("reset")
+
+    def place(
+        self, house: np.ndarray, pose: np.ndarray, bank: Bank | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Poses (E, 3) in houses (E,) of a bank, this world's or another, as origins (E, 2) float32 and cells
+        (E, 3) int32.
+
+        Raises ``ValueError`` for a pose where the body cannot be.
+        """
+        bank = bank or self.bank
+        origin, cell = self.backend.place(bank, house, pose)
+        indoors = np.zeros(len(pose), bool)
+        for k in np.unique(house):
+            indoors[house == k] = bank.geometries[k].holds(pose[house == k, :2])
+        arrays = {
+            "numbers": bank.numbers,
+            "indices": bank.indices,
+            "cells": Array.of(np.column_stack([house, cell]).astype(np.int32).ravel()),
+            "origins": Array.of(origin.astype(np.float32).ravel()),
+            "free": Array(ti.i32, len(pose)),
+        }
+        Launch(self.kernels.stand, arrays)()
+        free = indoors & (arrays["free"].numpy() != 0)
+        if not free.all():
+            e = int((~free).argmax())
+            x, y = pose[e, :2]
+            raise ValueError(f"pose {e}: the body cannot be at ({x:.3f}, {y:.3f}) m in house {house[e]}")
+        return origin, cell
+
+    def describe(self, last: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The eyes' poses (E, 3), the targets' centres (E, 2) and the houses (E,): copies.
+
+        ``last``: as they were when the latest episode ended, where the same step begins the next.
+        """
+        if last:
+            self._describe_last()
+        else:
+            self.run("describe")
+        pose, target, house = (self.arrays[name].numpy() for name in ("pose", "target", "house"))
+        return pose.reshape(-1, 3), target.reshape(-1, 2), house
+
+    @cached_property
+    def _describe_last(self) -> Launch:
+        """It reads nothing of a bank, so it stays bound."""
+        last = {"reals": self.arrays["last_reals"], "wholes": self.arrays["last_wholes"]}
+        return Launch(self.kernels.describe, self.arrays | last)
+
+    def targets(self, count: int) -> np.ndarray:
+        """The target of each environment and the next ones, (E, count, 2), metres."""
+        arrays = self.arrays | {"targets": Array(ti.f32, self.num_envs * count * 2)}
+        Launch(self.kernels.peek, arrays)()
+        return arrays["targets"].numpy().reshape(self.num_envs, count, 2)
+
+    def environment(self, e: int) -> dict[str, int]:
+        """One environment's counts: steps and targets sampled in its episode, if it is over, its number."""
+        whole = self.arrays["wholes"].numpy()[e]
+        return {
+            "time": int(whole[4]),
+            "found": int(whole[5]),
+            "over": int(whole[6]),
+            "episode": int(whole[7]),
+        }
+
+    @property
+    def open_doors(self) -> np.ndarray:
+        """Which doors of its house, in the order of ``Geometry.doors``, are open in each environment, (E, D)
+        bool; beyond a house's last door False.
+        """
+        house = self.state["wholes"][:, HOUSE]
+        count = np.array([len(shape.doors) for shape in self.bank.geometries])[house]
+        most = max(len(shape.doors) for shape in self.bank.geometries)
+        is_open = np.arange(most) < count[:, None]
+        if self.config.closed_doors:
+            pushes = self.arrays["pushes"].numpy().reshape(self.num_envs, -1)[:, :most]
+            is_open &= pushes >= self.config.closed_doors
+        return is_open
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, 10) and (E,) int32; where
+        doors are closed also how often each was walked at, (E D,) uint8.
+        """
+        return {name: self.arrays[name].numpy() for name in self._state_names}
+
+    @state.setter
+    def state(self, state: dict[str, np.ndarray]) -> None:
+        for name in self._state_names:
+            self.arrays[name].fill(state[name])
+
+    @property
+    def _state_names(self) -> tuple[str, ...]:
+        return (*STATE, "pushes") if self.config.closed_doors else STATE

@@ -1,0 +1,121 @@
+"""The agent in the real simulator: the shield, and flipped houses."""
+
+import math
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from agent.actions import FORWARD, LEFT, RIGHT
+from agent.algorithms.presets import PRESETS
+from agent.evaluation.episodes import play
+from agent.learning.config import PQNConfig
+from agent.learning.environments import make_envs, shield
+from agent.learning.simulator import sensor, simulator
+from agent.policies.policies import RandomPolicy
+from logic import House, HouseFileError, Rect, Star, StarRoom
+from sim import DEFAULT, PAPER, Config, HouseVectorEnv
+from tests.sample_houses import random_house
+
+E = 16
+EAST, NORTH = 0.0, math.pi / 2
+CORRIDOR, TWO_ROOMS, MIRRORED, MIRROR = 12, 13, 14, 15
+
+
+def mirror(house: House) -> House:
+    """The house with west and east exchanged about x = 0."""
+
+    def flipped(value: Any) -> Any:
+        if isinstance(value, dict):
+            changed = {key: flipped(item) for key, item in value.items()}
+            return changed | {"x": -changed["x"] - changed["width"]} if "x" in changed else changed
+        return [flipped(item) for item in value] if isinstance(value, list) else value
+
+    return House.from_dict(flipped(house.to_dict()))
+
+
+@pytest.fixture(scope="module")
+def envs() -> HouseVectorEnv:
+    """For all tests, as each compiles its kernels: 12 random houses and those named above."""
+    torch.set_num_threads(1)  # batches of 16: a second thread only costs
+    door = Rect(4.0, 2.0 - 0.381, 0.0, 0.762)
+    hall = StarRoom(4.0, 0.5, 3.0, 3.0, type="hall", children=(), door=door)
+    two_rooms = House.of_star(Star(Rect(0, 0, 4, 4), (hall,)))
+    corridor = House.of_star(Star(Rect(0, 0, 8, 0.9)))
+    furnished = [random_house(seed) for seed in range(13)]
+    return make_envs([*furnished[:12], corridor, two_rooms, furnished[12], mirror(furnished[12])], E)
+
+
+def everywhere(house: int) -> np.ndarray:
+    """That house for each environment."""
+    return np.full(E, house)
+
+
+def chance(seed: int = 0) -> torch.Generator:
+    return torch.Generator().manual_seed(seed)
+
+
+def test_fields_of_the_simulator_replace_those_of_the_preset_and_the_sensor_is_kept_for_measuring():
+    config = PQNConfig(world="paper", sim=("rays=20", "body=[0.2, 0.3]", "collision=swept", "steps=70"))
+    learnt_in = Config(**asdict(PAPER) | {"rays": 20, "body": (0.2, 0.3), "collision": "swept", "steps": 70})
+    assert simulator(config) == learnt_in
+    measured_in = replace(DEFAULT, rays=20, first_ray=PAPER.first_ray, sees_angle=True)
+    assert sensor(config) == measured_in
+
+
+def test_the_presets_learn_in_the_simulators_presets():
+    assert {name: simulator(preset) for name, preset in PRESETS.items()} == {
+        name: PAPER if name == "paper" else DEFAULT for name in PRESETS
+    }
+
+
+def test_in_a_corridor_no_step_that_the_shield_allows_is_blocked(envs):
+    """8 m by 0.9 m: 16 bodies walk 1500 steps, through all headings."""
+    score = play(envs, RandomPolicy(shield(envs), chance()), seed=0, houses=everywhere(CORRIDOR))
+    assert score.steps == E * 1500
+    assert score.interventions > 1000
+    assert score.blocked == 0
+
+
+def test_the_shield_lets_a_body_straight_through_a_door(envs):
+    """From every offset at which the body fits with its margin, 1 m before the door to 1 m behind it."""
+    most = (0.762 - envs.config.body[0]) / 2 - 0.006
+    poses = np.column_stack([np.full(E, 3.0), 2.0 + np.linspace(-most, most, E), np.full(E, EAST)])
+    options = {"house": everywhere(TWO_ROOMS), "pose": poses, "target": np.full((E, 2), 0.5)}
+    observation, layer = torch.as_tensor(envs.reset(seed=0, options=options)[0]), shield(envs)
+    for _ in range(28):
+        assert layer(observation, torch.zeros(E, dtype=torch.bool))[:, FORWARD].all()
+        observation, _, _, _, info = envs.step_torch(torch.full((E,), FORWARD))
+        assert not info["blocked"].any()
+    assert (envs.step(np.full(E, LEFT))[4]["pose"][:, 0] > 4.9).all()
+
+
+def test_in_furnished_houses_hardly_a_step_that_the_shield_allows_is_blocked(envs):
+    """Rays are 3 degrees apart and end at 58.5: corners beside the body can stay unseen, but rarely."""
+    shielded = play(envs, RandomPolicy(shield(envs), chance()), seed=0)
+    free = play(envs, RandomPolicy(lambda observation, blocked: torch.ones(E, 3).bool(), chance()), seed=0)
+    assert shielded.blocked < 0.05 * free.blocked
+
+
+def test_in_a_flipped_house_the_rays_are_the_flipped_rays(envs):
+    floor = envs.houses[MIRRORED].star.floor
+    x, y = floor.x + floor.width / 2, floor.y + floor.height / 2
+    poses, targets = np.array([[x, y, NORTH], [-x, y, NORTH]]), np.array([[x, y - 0.9], [-x, y - 0.9]])
+    options = {
+        "house": np.array([MIRRORED, MIRROR] * (E // 2)),
+        "pose": np.tile(poses, (E // 2, 1)),
+        "target": np.tile(targets, (E // 2, 1)),
+    }
+    observation, _ = envs.reset(seed=0, options=options)
+    assert observation[0, :, 1].any()
+    for action in (LEFT, FORWARD, FORWARD, RIGHT, FORWARD, LEFT, LEFT, FORWARD):
+        np.testing.assert_allclose(observation[1, ::-1], observation[0], atol=1e-5)
+        mirrored = action if action == FORWARD else RIGHT - action
+        observation, *_ = envs.step(np.array([action, mirrored] * (E // 2)))
+
+
+def test_a_house_where_nothing_can_stand_is_refused_as_a_wrong_file():
+    with pytest.raises(HouseFileError, match="house 0"):
+        make_envs([House.of_star(Star(Rect(0, 0, 0.2, 0.2)))], 1)

@@ -1,0 +1,271 @@
+"""Runs survive a kill at any moment, and overwrite no other run."""
+
+import gzip
+import io
+import json
+import os
+import pickle
+import signal
+import time
+from dataclasses import replace
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+
+from agent.runs import checkpoint
+from agent.runs import runs
+from agent.banks import bank_hash
+from vitruvius.cli import parse
+from agent.learning.config import PQNConfig
+from agent.learning.learner import Diverged
+from agent.algorithms.learners import LEARNERS
+from agent.algorithms.map_completion.config import CompletionConfig
+from agent.algorithms.pqn import PQN
+from agent.algorithms.presets import PRESETS
+from agent.runs.released import CheckpointError
+from agent.report.folder import report
+from agent.runs.runs import run
+from logic import load, save
+from logic.errors import RequestError
+from logic.stopping import Terminated
+from sim.environment.arguments import BANK
+from tests import processes
+from tests.sample_houses import random_house
+
+HOUSES = [random_house(seed) for seed in range(4)]
+CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)
+RECURRENT = replace(PRESETS["pqn-recurrent"], num_envs=8, num_steps=16, steps=1500)
+COMPLETION = CompletionConfig(targets="secondary", num_envs=4, num_steps=16, steps=384, channels=(4, 4))
+VIEWPOINTS = replace(PRESETS["viewpoints"], num_envs=4, steps=4000, sim=("steps=300",), batch_size=32)
+REPLAY = replace(PRESETS["dqn"], num_envs=8, steps=4000, buffer_size=1000, learning_starts=100, batch_size=32)
+
+
+@pytest.fixture(autouse=True)
+def keeping_at_once(monkeypatch):
+    """All is kept after every report."""
+    monkeypatch.setattr(runs, "SAVE_EVERY", 0.0)
+
+
+def metrics(folder: Path) -> list[dict]:
+    """The reports, without what a clock says."""
+    lines = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
+    clocks = ("seconds", "simulator", "learner", "map")
+    return [{name: value for name, value in line.items() if name not in clocks} for line in lines]
+
+
+def same(one: Path, other: Path) -> bool:
+    """Whether two checkpoints hold the same numbers."""
+    pairs = [checkpoint.load(path / "agent.safetensors").network.state_dict() for path in (one, other)]
+    return all(torch.equal(value, pairs[1][name]) for name, value in pairs[0].items())
+
+
+def test_train_takes_any_task_and_any_field_of_the_simulator_and_keeps_them(tmp_path, monkeypatch):
+    """In the houses that come with the project, where none are given."""
+    monkeypatch.chdir(tmp_path)
+    task = '{"task": "reach", "room": "kitchen"}'
+    words = ["train", "--targets", task, "--sim", "steps=99", "--sim", "random_start=false", "--out", "run"]
+    words += ["--num-envs", "8", "--num-steps", "16", "--steps"]
+    assert parse([*words, "256"]).run() == 0
+    found = checkpoint.load("run/agent.safetensors")
+    assert (found.config.targets, found.config.sim) == (task, ("steps=99", "random_start=false"))
+    assert found.houses == bank_hash(load(BANK))
+    assert parse([*words, "512", "--resume"]).run() == 0
+    assert checkpoint.load("run/agent.safetensors").steps == 512
+    assert Path("run/report.html").read_bytes() == report(Path("run"))
+
+
+def test_a_folder_has_all_that_is_needed_to_repeat_the_run(tmp_path):
+    made, history = run(HOUSES, CONFIG, tmp_path / "run", name="pqn", command="vitruvius train ...")
+    record = json.loads((tmp_path / "run/config.json").read_text())
+    assert checkpoint.config_of(record["algorithm"], record["config"]) == CONFIG
+    assert record["houses"] == {"number": 4, "hash": bank_hash(HOUSES)}
+    found = checkpoint.load(tmp_path / "run/agent.safetensors")
+    assert (found.steps, found.houses, found.command) == (1536, bank_hash(HOUSES), "vitruvius train ...")
+    assert made.steps == history[-1].steps == metrics(tmp_path / "run")[-1]["steps"] == 1536
+    assert [path.name[:19] for path in (tmp_path / "run/tensorboard").iterdir()] == ["events.out.tfevents"]
+
+
+def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
+    """By SIGKILL, wherever it stood; and again. With all that a run may keep."""
+    save(HOUSES, tmp_path / "houses.jsonl")
+    arguments = ["train", str(tmp_path / "houses.jsonl"), "--steps", "2500", "--seed", "1"]
+    arguments += ["--num-envs", "8", "--num-steps", "16"]
+
+    def started(name: str) -> BaseProcess:
+        # --resume begins where there is nothing yet
+        return processes.start(*arguments, "--out", str(tmp_path / name), "--resume")
+
+    whole = started("whole")
+    whole.join(120)  # the others find its kernels on disk
+    assert whole.exitcode == 0
+    killed, lines = started("killed"), 0
+    for least in (4, 11):
+        while lines < least and killed.is_alive():
+            time.sleep(0.02)
+            file = tmp_path / "killed/metrics.jsonl"
+            lines = len(file.read_text().splitlines()) if file.exists() else 0
+        killed.kill()
+        killed.join()
+        killed = started("killed")
+    killed.join(120)
+    assert killed.exitcode == 0
+    assert metrics(tmp_path / "killed") == metrics(tmp_path / "whole")
+    assert same(tmp_path / "killed", tmp_path / "whole")
+
+
+@pytest.mark.parametrize(
+    "config",
+    [CONFIG, RECURRENT, VIEWPOINTS, REPLAY, COMPLETION],
+    ids=["pqn", "pqn-recurrent", "viewpoints", "dqn", "map-completion"],
+)
+def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
+    """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
+    run(HOUSES, config, tmp_path / "whole")
+    learner: Any = LEARNERS[config.algorithm]
+    iterate = learner.iterate
+    for left in (1, 2):
+        turns = iter([iterate] * left)
+        monkeypatch.setattr(learner, "iterate", lambda learner, turns=turns: next(turns)(learner))
+        with pytest.raises(RuntimeError, match="StopIteration"):
+            run(HOUSES, config, tmp_path / "stopped", resume=True)
+    monkeypatch.setattr(learner, "iterate", iterate)
+    run(HOUSES, config, tmp_path / "stopped", resume=True)
+    assert metrics(tmp_path / "stopped") == metrics(tmp_path / "whole")
+    assert same(tmp_path / "stopped", tmp_path / "whole")
+
+
+def test_a_run_that_is_terminated_is_saved_at_the_next_report(tmp_path, monkeypatch):
+    reports, iterate = [], PQN.iterate
+
+    def terminated(learner: PQN):
+        reports.append(iterate(learner))
+        if len(reports) == 3:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return reports[-1]
+
+    monkeypatch.setattr(PQN, "iterate", terminated)
+    monkeypatch.setattr(runs, "SAVE_EVERY", 1e9)
+    with pytest.raises(Terminated):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    assert checkpoint.load(tmp_path / "run/agent.safetensors").steps == 384
+    made, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [now.steps for now in history] == list(range(128, 1537, 128))
+    assert made.steps == 1536
+
+
+def test_a_run_goes_on_with_more_steps(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    made, history = run(HOUSES, replace(CONFIG, steps=2500), tmp_path / "run", resume=True)
+    assert made.steps == 2560
+    assert [now.steps for now in history] == list(range(128, 2561, 128))
+
+
+def test_a_folder_that_holds_a_run_is_refused_and_left_as_it_is(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
+    with pytest.raises(RequestError, match="holds a run already"):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    with pytest.raises(RequestError, match="another config cannot go on here: q_lambda"):
+        run(HOUSES, replace(CONFIG, q_lambda=0.3), tmp_path / "run", resume=True)
+    with pytest.raises(RequestError, match="pqn cannot go on as dqn"):
+        run(HOUSES, replace(PRESETS["dqn"], num_envs=8), tmp_path / "run", resume=True)
+    with pytest.raises(RequestError, match="other houses"):
+        run(HOUSES[:2], CONFIG, tmp_path / "run", resume=True)
+    assert before == {path.name: path.read_bytes() for path in (tmp_path / "run").iterdir() if path.is_file()}
+
+
+@pytest.mark.parametrize("name", ["agent.safetensors", "metrics.jsonl", "state.pt.gz"])
+def test_a_folder_with_a_file_that_a_run_would_replace_is_refused(tmp_path, name):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(RequestError, match="holds a run already"):
+        run(HOUSES, CONFIG, tmp_path)
+    assert (tmp_path / name).read_text() == "mine"
+
+
+def test_a_folder_that_another_run_works_in_is_refused(tmp_path):
+    folder = runs.Folder(tmp_path / "run")
+    with folder.alone(resume=False), pytest.raises(RequestError, match="another run is at work here"):
+        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [path.name for path in (tmp_path / "run").iterdir()] == [".lock"]
+    run(HOUSES, CONFIG, tmp_path / "run")  # what ended leaves it free
+
+
+def test_a_damaged_state_is_refused_in_one_line(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    state = tmp_path / "run/state.pt.gz"
+    for content in (b"", b"nothing", state.read_bytes()[:-500]):
+        state.write_bytes(content)
+        with pytest.raises(CheckpointError, match=r"state.pt.gz: cannot be read") as caught:
+            run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+        assert "\n" not in str(caught.value)
+
+
+def test_a_state_of_another_content_is_refused_in_one_line(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    state = tmp_path / "run/state.pt.gz"
+    (good,) = torch.load(io.BytesIO(gzip.decompress(state.read_bytes())), weights_only=True)
+    strange = [
+        7,
+        [7],
+        {},
+        [{}],
+        [good | {"network": {}}],
+        [good | {"envs": {}}],
+        [good | {"clock": {"a": 1}}],
+    ]
+    for value in [*strange, [good | {"generator": torch.zeros(3)}], [good | {"config": []}]]:
+        content = io.BytesIO()
+        torch.save(value, content)
+        state.write_bytes(gzip.compress(content.getvalue()))
+        with pytest.raises((CheckpointError, RequestError)) as caught:
+            run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+        assert "\n" not in str(caught.value)
+    state.write_bytes(gzip.compress(pickle.dumps(print)))
+    with pytest.raises(CheckpointError, match="cannot be read"):
+        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+
+
+def test_reports_that_cannot_be_read_are_left_out_and_a_run_without_any_is_refused(tmp_path):
+    run(HOUSES, CONFIG, tmp_path / "run")
+    file = tmp_path / "run/metrics.jsonl"
+    lines = file.read_bytes().splitlines(keepends=True)
+    strange = [
+        b"\xff\xfe\n",
+        b"[]\n",
+        b'{"steps": "many"}\n',
+        lines[0].replace(b'"steps": 128', b'"steps": null'),
+    ]
+    file.write_bytes(b"".join([*strange, *lines, bytes(100_000)]))
+    _, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+    assert [now.steps for now in history] == list(range(128, 1537, 128))
+    assert file.read_bytes().splitlines(keepends=True) == lines
+    file.write_bytes(strange[0])
+    with pytest.raises(CheckpointError, match=r"metrics.jsonl: holds no report up to step 1,536"):
+        run(HOUSES, CONFIG, tmp_path / "run", resume=True)
+
+
+def test_a_run_that_diverges_leaves_the_last_good_checkpoint(tmp_path, monkeypatch):
+    reports, iterate = [], PQN.iterate
+
+    def spoilt(learner: PQN):
+        if len(reports) == 3:
+            torch.nn.init.constant_(learner.network.judge[-1].bias, float("nan"))
+        reports.append(iterate(learner))
+        return reports[-1]
+
+    monkeypatch.setattr(PQN, "iterate", spoilt)
+    with pytest.raises(Diverged, match=r"nan after 512 steps: .*agent.safetensors is the last good one"):
+        run(HOUSES, CONFIG, tmp_path / "run")
+    kept = checkpoint.load(tmp_path / "run/agent.safetensors")
+    assert kept.steps == 384
+    assert all(torch.isfinite(value).all() for value in kept.network.state_dict().values())
+
+
+def test_a_device_that_is_not_there_is_refused(tmp_path):
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    with pytest.raises(RequestError, match="torch finds no GPU here"):
+        run(HOUSES, replace(CONFIG, device="cuda"), tmp_path / "run")

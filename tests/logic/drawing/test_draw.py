@@ -1,0 +1,547 @@
+"""Plans show what is there, in words and colours that stay, and their files are whole."""
+
+import dataclasses
+import math
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from collections import Counter
+from itertools import combinations, product
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+from PIL import Image, ImageColor
+
+from logic import House, Piece, Rect, load
+from logic.drawing.canvas import DENSITY, Block, Drawing, Line, Oval, Part, Text, flat, png, text_width
+from logic.drawing.door_leaves import Leaf, door_leaves
+from logic.drawing.draw import contact_sheet, contact_sheet_svg, draw, plan, plan_png, plan_svg
+from logic.drawing.labels import LEAST, abbreviations
+from logic.drawing.palettes import Inks, style
+from logic.drawing.plan import BEYOND, INNER, OUTER, Frame, opening, piece_shapes, wall_boxes
+from logic.house.boxes import distance, excess, overlap
+from logic.house.looks import DEFAULT as LOOKS
+from logic.house.part_names import doors_by_name, target_in, windows_by_name
+from logic.house.parts import ORIGINAL, OUTSIDE, Provenance
+from tests.logic.house.handmade import Sketch, built, sketches, turned, turned_house
+from tests.plans import PLANS
+from tests.sample_houses import changed_star
+
+HOUSE = built(4.2, 4.2, tuple((sketch,) for sketch in sketches()))
+INKS = Inks()
+FLOORS = {fill.colour for fill in style([HOUSE]).fills.values()}
+NAMESPACE = "{http://www.w3.org/2000/svg}"
+
+
+def block(drawing: Drawing, name: str) -> Block:
+    """The first rectangle of a part: of a room its floor."""
+    part = next(shape for shape in drawing.shapes if isinstance(shape, Part) and shape.name == name)
+    return next(shape for shape in part.shapes if isinstance(shape, Block))
+
+
+class Picture:
+    """A plan's image, asked in metres."""
+
+    def __init__(self, house: House) -> None:
+        self.image = plan_png(house)
+        drawing = plan(house, self.image.width // DENSITY, self.image.height // DENSITY)
+        first = house.rooms[0]
+        left, top, right, _ = block(drawing, first.name).box
+        self.scale = (right - left) / first.width
+        self.left, self.top = left - self.scale * first.x, top - self.scale * first.y
+
+    def shows(self, colour: str, x: float, y: float) -> bool:
+        """Whether the point at these metres is of this colour."""
+        place = round((self.left + self.scale * x) * DENSITY), round((self.top + self.scale * y) * DENSITY)
+        return self.image.getpixel(place) == ImageColor.getrgb(colour)
+
+
+def words(drawing: Drawing) -> dict[str, Text]:
+    """What is written on a drawing."""
+    return {shape.text: shape for shape in flat(drawing.shapes) if isinstance(shape, Text)}
+
+
+def metre(drawing: Drawing, house: House) -> float:
+    """CSS pixels to a metre."""
+    left, _, right, _ = block(drawing, house.rooms[0].name).box
+    return (right - left) / house.rooms[0].width
+
+
+def many_rooms(sides: list[int]) -> House:
+    """A house with these rooms by the number of their side, each of the four types in turn."""
+    around: tuple[list[Sketch], ...] = ([], [], [], [])
+    for number, side in enumerate(sides):
+        sketch = sketches()[number % 4]
+        around[side].append(dataclasses.replace(sketch, shift=4.5 * len(around[side])))
+    length = 4.5 * max(map(len, around)) + 4
+    return built(length, length, tuple(map(tuple, around)))
+
+
+def middle(rect: Rect) -> tuple[float, float]:
+    return rect.x + rect.width / 2, rect.y + rect.height / 2
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_walls_are_drawn_with_a_gap_at_each_door(quarters: int) -> None:
+    house = turned_house(HOUSE, quarters, 3.0, -2.0)
+    picture = Picture(house)
+    for room in house.star.rooms:
+        x, y = middle(room.door)
+        assert picture.shows(INKS.paper, x, y)
+        beyond = 0.45 if room.door.width else 0.0, 0.45 if room.door.height else 0.0
+        assert picture.shows(INKS.wall, x - beyond[0], y - beyond[1])
+        assert picture.shows(INKS.wall, x + beyond[0], y + beyond[1])
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_shared_walls_are_drawn_once_open_at_doors_and_with_windows(name: str) -> None:
+    house, picture = PLANS[name], Picture(PLANS[name])
+    for door in house.doors:
+        west, north, east, south = opening(house, door)
+        x, y = (west + east) / 2, (north + south) / 2
+        beyond = door.width / 2 + 0.1 * (door.width > 0), door.height / 2 + 0.1 * (door.height > 0)
+        assert picture.shows(INKS.paper, x, y)
+        assert picture.shows(INKS.wall, x - beyond[0], y - beyond[1])
+        assert picture.shows(INKS.wall, x + beyond[0], y + beyond[1])
+    blocks = [shape for shape in flat(plan(house, 600).shapes) if isinstance(shape, Block)]
+    walls = [shape.box for shape in blocks if shape.fill == INKS.wall]
+    assert len(walls) == len(set(walls)) == len(house.rooms) + len([*wall_boxes(house)])
+
+
+def test_a_tip_points_in_at_an_entrance_and_the_legend_says_so() -> None:
+    drawing, house = plan(PLANS["chain"], 600), PLANS["chain"]
+    scale = metre(drawing, house)
+    tip, key = (
+        shape for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke == INKS.mark
+    )
+    (entrance,) = (door for door in house.doors if door.is_entrance)
+    (left_x, left_y), (x, y), (right_x, right_y) = tip.points
+    outside = block(drawing, "R0").box[1] - BEYOND * scale
+    assert left_y == right_y < y < outside  # south, into the hall
+    assert left_x < x < right_x
+    assert x == pytest.approx(block(drawing, "R0").box[0] + scale * (middle(entrance)[0] - house.rooms[0].x))
+    assert key.points[1][1] == words(drawing)["entrance"].at[1]
+    assert "entrance" not in words(plan(HOUSE, 600))
+
+
+@pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
+def test_all_walls_have_one_face_indoors_and_outer_ones_are_thicker_outside(house: House) -> None:
+    """So an outer wall that goes on as an inner one has no step where rooms meet."""
+    picture, half = Picture(house), INNER / 2
+    boxes = [room.box for room in house.rooms]
+    openings = [each.box for each in (*house.doors, *house.windows)]
+    tried = {True: 0, False: 0}
+    for axis, lines in enumerate(house.walls):
+        for at, low, high in lines:
+            along = low + 0.37 * (high - low)
+
+            def point(
+                across: float, at: float = at, along: float = along, axis: int = axis
+            ) -> tuple[float, float]:
+                return (at + across, along) if axis == 0 else (along, at + across)
+
+            def box(x: float, y: float) -> tuple[float, float, float, float]:
+                return x - 0.15, y - 0.15, x + 0.15, y + 0.15
+
+            if any(overlap(box(*point(0)), each) >= 0 for each in openings):
+                continue
+            sides = [
+                any(excess((*point(by), *point(by)), each) < 0 for each in boxes) for by in (-0.01, 0.01)
+            ]
+            inner = all(sides)
+            tried[inner] += 1
+            for side, indoors in zip((-1, 1), sides, strict=True):
+                reach = half if indoors else OUTER - half
+                near = [(by, True) for by in ([0.6 * reach] if reach else [])] + [(reach + 0.02, False)]
+                for by, is_wall in near:
+                    shown = picture.shows(INKS.wall, *point(side * by))
+                    assert shown == is_wall or any(
+                        overlap(box(*point(side * by)), piece.box) > 0
+                        for room in house.rooms
+                        for piece in room.pieces
+                    )
+    assert tried[True]
+    assert tried[False]
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_windows_and_entrances_are_as_wide_as_they_are_and_as_deep_as_the_outer_wall(name: str) -> None:
+    house, drawing = PLANS[name], plan(PLANS[name], 600)
+    scale = metre(drawing, house)
+    openings: list[tuple[str, Rect]] = [*windows_by_name(house).items()]
+    openings += [(name, door) for name, door in doors_by_name(house).items() if door.is_entrance]
+    assert openings
+    for part, segment in openings:
+        left, top, right, bottom = block(drawing, part).box
+        sides = sorted([(right - left) / scale, (bottom - top) / scale])
+        assert sides == pytest.approx(sorted([OUTER, segment.length]))
+
+
+@pytest.mark.parametrize(
+    "house", [HOUSE, *PLANS.values(), *(turned_house(HOUSE, quarters) for quarters in (1, 2, 3))]
+)
+def test_a_leaf_is_as_long_as_its_door_hangs_on_a_jamb_and_swings_into_a_room(house: House) -> None:
+    drawing = plan(house, 600)
+    scale, first = metre(drawing, house), block(drawing, house.rooms[0].name).box
+    leaves = door_leaves(house)
+    for leaf, (name, door) in zip(leaves, doors_by_name(house).items(), strict=True):
+        ends = {(door.x, door.y), (door.x + door.width, door.y + door.height)}
+        assert {leaf.hinge, leaf.jamb} == ends
+        assert math.dist(leaf.hinge, leaf.tip) == pytest.approx(door.length)
+        assert math.dist(leaf.tip, leaf.jamb) == pytest.approx(math.sqrt(2) * door.length)  # a right angle
+        assert leaf.room in door.between
+        assert excess(leaf.swing, house.room(leaf.room).box) <= 1e-6
+        for piece in house.room(leaf.room).pieces:
+            reach = distance((*leaf.hinge, *leaf.hinge), piece.box)
+            assert overlap(leaf.swing, piece.box) <= 1e-6 or reach >= door.length - 1e-6
+        (part,) = (each for each in drawing.shapes if isinstance(each, Part) and each.name == name)
+        lines = [each for each in part.shapes if isinstance(each, Line) and each.stroke == INKS.edge]
+        ((x0, y0), (x1, y1)) = lines[0].points
+        assert math.dist((x0, y0), (x1, y1)) == pytest.approx(scale * door.length)
+        assert (x1 - first[0]) / scale + house.rooms[0].x == pytest.approx(leaf.tip[0])
+        assert (y1 - first[1]) / scale + house.rooms[0].y == pytest.approx(leaf.tip[1])
+    for one, other in combinations(leaves, 2):
+        assert one.room != other.room or overlap(one.swing, other.swing) <= 1e-6
+
+
+def test_a_leaf_sweeps_over_furniture_only_where_each_other_way_would_too() -> None:
+    houses = load(Path(__file__).parents[3] / "benchmarks/houses/home-test-v1.jsonl.gz")[:60]
+    doors, blocked = 0, 0
+    for house in houses:
+        for leaf, door in zip(door_leaves(house), house.doors, strict=True):
+            doors += 1
+            if not sweeps_over_furniture(house, leaf):
+                continue
+            blocked += 1
+            into = [name for name in door.between if name != OUTSIDE]
+            for room in into:
+                for hinge, jamb in ((leaf.hinge, leaf.jamb), (leaf.jamb, leaf.hinge)):
+                    away = 1 if room == leaf.room else -1
+                    tip = tuple(
+                        h + away * (t - o) for h, t, o in zip(hinge, leaf.tip, leaf.hinge, strict=True)
+                    )
+                    other = Leaf(room, hinge, (tip[0], tip[1]), jamb)
+                    assert (
+                        sweeps_over_furniture(house, other) or excess(other.swing, house.room(room).box) > 0
+                    )
+    assert blocked < doors / 50
+
+
+def sweeps_over_furniture(house: House, leaf: Leaf) -> bool:
+    """Whether a point of the quarter of a circle, of many, lies on a piece."""
+    (x, y), (tip_x, tip_y), (jamb_x, jamb_y) = leaf.hinge, leaf.tip, leaf.jamb
+    boxes = [piece.box for piece in house.room(leaf.room).pieces]
+    for k, m in product(range(1, 20), range(31)):
+        u, v = k / 20 * math.cos(m * math.pi / 60), k / 20 * math.sin(m * math.pi / 60)
+        at = x + u * (tip_x - x) + v * (jamb_x - x), y + u * (tip_y - y) + v * (jamb_y - y)
+        if any(west < at[0] < east and north < at[1] < south for west, north, east, south in boxes):
+            return True
+    return False
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    kind=st.sampled_from(sorted(LOOKS.pieces)),
+    box=st.tuples(st.floats(0, 5), st.floats(0, 5), *[st.floats(0.3, 3)] * 2),
+)
+def test_every_symbol_s_front_faces_as_its_piece_does(
+    kind: str, box: tuple[float, float, float, float]
+) -> None:
+    """A piece turned by quarters, with its orientation, is drawn as the one before, turned by quarters."""
+    x, y, width, height = box
+    frame, look = Frame(40.0, 0.0, 0.0), style([HOUSE])
+    drawn = []
+    for quarters in range(4):
+        piece = turned(Piece(x, y, width, height, kind, "S"), quarters)
+        places = []
+        for shape in piece_shapes(piece, frame.box(piece), piece.orientation, frame.scale, look):
+            is_box = isinstance(shape, Block | Oval)
+            points = (shape.box[:2], shape.box[2:]) if is_box else getattr(shape, "points", ())
+            turned_back = [back(point, quarters) for point in points]
+            xs, ys = zip(*turned_back, strict=True)
+            places += [min(xs), min(ys), max(xs), max(ys)] if is_box else [*xs, *ys]
+        drawn.append(places)
+    for other in drawn[1:]:
+        assert other == pytest.approx(drawn[0], abs=1e-6)
+
+
+def back(point: tuple[float, float], quarters: int) -> tuple[float, float]:
+    """A point turned back by quarters, counter-clockwise about the origin."""
+    for _ in range(quarters):
+        point = point[1], -point[0]
+    return point
+
+
+def test_every_symbol_shows_its_front_but_those_of_pieces_that_have_none() -> None:
+    """What is the same seen from behind could not say where it faces."""
+
+    def seen(turned_round: bool, forms: tuple) -> list:
+        found = []
+        for name, numbers in forms:
+            us, vs = numbers[:2:2] if name == "ring" else numbers[::2], numbers[1::2]
+            vs = [round(1 - v if turned_round else v, 6) for v in vs]
+            apart = name in {"box", "oval"}  # by opposite corners, whichever
+            found.append((name, [sorted(us), sorted(vs)] if apart else sorted(zip(us, vs, strict=True))))
+        return sorted(found)
+
+    same = {name for name, forms in LOOKS.symbols.items() if seen(True, forms) == seen(False, forms)}
+    assert same == {"plant", "table", "stool"}
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_mark_shows_where_the_front_of_a_piece_without_a_symbol_faces(quarters: int) -> None:
+    house = turned_house(strange_pieces(HOUSE), quarters)
+    picture = Picture(house)
+    ways = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
+    for piece in (piece for room in house.star.rooms for piece in room.pieces if piece.orientation):
+        (x, y), (east, south) = middle(piece), ways[piece.orientation]
+        ahead, aside = east * piece.width / 2, south * piece.height / 2
+        assert picture.shows(INKS.mark, x + ahead, y + aside)
+        assert not picture.shows(INKS.mark, x - ahead, y - aside)
+    assert "front of furniture" in words(plan(house, 600))
+    assert "front of furniture" not in words(plan(HOUSE, 600))
+
+
+def strange_pieces(house: House) -> House:
+    """The house with pieces of a type that has no symbol."""
+
+    def strange(piece: Piece) -> Piece:
+        return replace(piece, type="piano", children=tuple(map(strange, piece.children)))
+
+    rooms = tuple(replace(room, children=tuple(map(strange, room.children))) for room in house.star.rooms)
+    return changed_star(house, rooms=rooms)
+
+
+def test_the_original_s_main_room_ends_where_a_room_begins() -> None:
+    """Its ``floor`` reaches under the rooms, and the words for its fronts are not to be trusted."""
+    floor = Rect(-3.1, -3.1, 6.2, 6.2)
+    house = House.of_star(replace(HOUSE.star, floor=floor), ORIGINAL)
+    picture = Picture(house)
+    assert picture.shows(INKS.wall, -3.2, 3.0)
+    assert picture.shows(LOOKS.rooms["bedroom"], 0.9, -3.1)
+    shapes = [*flat(plan(house, 300, 300).shapes)]
+    assert not [shape for shape in shapes if isinstance(shape, Line) and shape.stroke == INKS.mark]
+    assert "front of furniture" not in words(plan(house, 300, 300))
+
+
+def test_every_room_is_labelled_clear_of_its_furniture() -> None:
+    drawing = plan(HOUSE, 300, 300)
+    labels = words(drawing)
+    assert {"bedroom", "bathroom", "kitchen", "hall", "main room", "1 m"} <= set(labels)
+    furniture = [shape.box for shape in flat(drawing.shapes) if isinstance(shape, Block) and shape.radius]
+    floors = [shape for shape in flat(drawing.shapes) if isinstance(shape, Block) and not shape.radius][1:]
+    for text in ("bedroom", "bathroom", "kitchen", "hall", "main room"):
+        (x, y), size = labels[text].at, labels[text].size
+        half = text_width(text, size) / 2
+        assert size >= 7
+        assert text == "main room" or any(
+            excess((x - half, y - size / 2, x + half, y + size / 2), floor.box) < 0 for floor in floors
+        )
+        assert all(overlap((x - half, y - size / 2, x + half, y + size / 2), box) < 0 for box in furniture)
+
+
+@pytest.mark.parametrize("size", [200, 300, 720])
+def test_a_name_in_full_hides_no_furniture_and_the_key_has_the_abbreviations_that_are_used(size: int) -> None:
+    bank = Path(__file__).parents[3] / "benchmarks" / "houses"
+    houses = [*load(bank / "home-test-v1.jsonl.gz")[:48], *load(bank / "test-v1.jsonl.gz")[:16]]
+    seen = Counter[str]()
+    for house in houses:
+        drawing = plan(house, size, size)
+        short = abbreviations(room.type for room in house.counted)
+        inked = [shape for shape in flat(drawing.shapes) if isinstance(shape, Block | Text)]
+        furniture = [shape.box for shape in inked if isinstance(shape, Block) and shape.fill == INKS.wood]
+        named = [shape for shape in inked if isinstance(shape, Text) and shape.anchor == "middle"]
+        for word in named:
+            if word.text in short:
+                (x, y), half = word.at, text_width(word.text, word.size) / 2
+                box = x - half, y - word.size / 2, x + half, y + word.size / 2
+                assert all(overlap(box, piece) < 0 for piece in furniture), word
+                seen["in full"] += 1
+        key = {word.text for word in words(drawing).values() if word.anchor == "start" and word.text in short}
+        in_full = Counter(word.text for word in named if word.text in short)
+        rooms = Counter(room.type for room in house.counted)
+        assert key == {kind for kind in rooms if in_full[kind] < rooms[kind]}
+        seen["short"] += bool(key)
+    assert seen["in full"] > 200
+    assert seen["short"] or size == 720
+
+
+@pytest.mark.parametrize(("size", "metres"), [(300, 1), (240, 2), (160, 5)])
+def test_the_scale_bar_is_as_long_as_it_says_and_long_enough_to_be_seen(size: int, metres: int) -> None:
+    drawing = plan(HOUSE, size, size)
+    end, y = words(drawing)[f"{metres} m"].at
+    lines = [
+        shape.points
+        for shape in flat(drawing.shapes)
+        if isinstance(shape, Line) and shape.stroke != INKS.mark
+    ]
+    (bar,) = [(a, b) for a, b, *_ in lines if a[1] == b[1] == y]
+    assert bar[1][0] - bar[0][0] == pytest.approx(metres * metre(drawing, HOUSE))
+    assert 18 <= bar[1][0] - bar[0][0] < end
+
+
+def test_a_legend_says_what_the_marks_are() -> None:
+    drawing = plan(strange_pieces(HOUSE), 300, 300)
+    x, y = words(drawing)["front of furniture"].at
+    marks = [shape for shape in flat(drawing.shapes) if isinstance(shape, Line) and shape.stroke == INKS.mark]
+    assert marks[-1].points[0][1] == y
+    assert 0 < x - marks[-1].points[1][0] < 10
+
+
+SIDES = st.lists(st.integers(0, 3), min_size=1, max_size=128)
+
+
+@settings(max_examples=12, deadline=None)
+@given(sides=SIDES, cell=st.sampled_from([60, 150, 300, 720]))
+@example(sides=[0, 1, 2, 3] * 32, cell=300)
+@example(sides=[0, 1, 2, 3] * 12, cell=300)
+def test_houses_of_up_to_128_rooms_are_drawn_in_both_formats_with_every_name_between_its_walls(
+    sides: list[int], cell: int
+) -> None:
+    house = many_rooms(sides)
+    assert contact_sheet([house], cell=cell).size == (DENSITY * cell, DENSITY * cell)
+    ET.fromstring(contact_sheet_svg([house], cell=cell))
+    drawing = plan(house, cell, cell)
+    short = abbreviations(room.type for room in house.star.rooms)
+    floors = [
+        shape.box for shape in flat(drawing.shapes) if isinstance(shape, Block) and shape.fill in FLOORS
+    ]
+    for word in (shape for shape in flat(drawing.shapes) if isinstance(shape, Text)):
+        if word.text in {*short, *short.values()} and word.anchor == "middle":
+            half = text_width(word.text, word.size) / 2
+            box = word.at[0] - half, word.at[1] - word.size / 2, word.at[0] + half, word.at[1] + word.size / 2
+            assert word.size >= LEAST
+            assert any(excess(box, floor) <= 0 for floor in floors)
+    named = {word.text for word in flat(drawing.shapes) if isinstance(word, Text) and word.anchor == "middle"}
+    keyed = {
+        shape.text for shape in flat(drawing.shapes) if isinstance(shape, Text) and shape.anchor == "start"
+    }
+    assert {room.type for room in house.star.rooms} - named <= keyed
+
+
+@given(
+    box=st.tuples(*[st.floats(0, 12)] * 4),
+    width=st.floats(0.1, 4),
+    radius=st.floats(0, 6),
+)
+def test_a_rectangle_of_any_size_can_be_inked(box: tuple, width: float, radius: float) -> None:
+    """Pillow refuses round corners that leave less than a pixel of a straight side."""
+    x, y, across, down = box
+    block = Block((x, y, x + across, y + down), "#ffffff", "#000000", width, radius)
+    assert png([((0, 0), Drawing(30, 30, (block,)))], 30, 30).size == (60, 60)
+
+
+def test_abbreviations_differ_and_are_as_short_as_they_can_be() -> None:
+    assert abbreviations(["bedroom", "bathroom", "hall"]) == {"bathroom": "ba", "bedroom": "be", "hall": "h"}
+    assert abbreviations(["bath", "bathroom"]) == {"bath": "bath", "bathroom": "bathr"}
+
+
+def test_one_scale_makes_a_metre_as_long_in_all_plans(tmp_path: Path) -> None:
+    houses = [HOUSE, many_rooms([0, 1, 2, 3] * 4), many_rooms([0])]
+    for apart in (False, True):
+        root = ET.fromstring(contact_sheet_svg(houses, one_scale=apart))
+        metres = [
+            float(cell.findall(f"{NAMESPACE}g")[0][0].attrib["width"]) / house.star.floor.width
+            for cell, house in zip(root.findall(f"{NAMESPACE}g"), houses, strict=True)
+        ]
+        assert (max(metres) - min(metres) < 0.05) == apart
+    plans = [ET.parse(path).getroot() for path in draw(houses, tmp_path, one_scale=True)[:-1]]
+    widths = [float(root.findall(f"{NAMESPACE}g/{NAMESPACE}g")[0][0].attrib["width"]) for root in plans]
+    metres = [width / house.star.floor.width for width, house in zip(widths, houses, strict=True)]
+    assert max(metres) - min(metres) < 0.05
+
+
+def test_the_colour_of_a_new_type_is_the_same_in_each_process() -> None:
+    names = ["library", "greenhouse", "cellar", "foyer", "office"]
+    code = (
+        "from logic import House, Room; from logic.drawing.palettes import style; "
+        f"rooms = tuple(Room(4 * k, 0, 4, 4, f'R{{k}}', name) for k, name in enumerate({names!r})); "
+        f"print(*(style([House(rooms)]).fill(name).colour for name in {names!r}))"
+    )
+    printed = [
+        subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+        for _ in range(2)
+    ]
+    assert printed[0] == printed[1]
+    assert len(set(printed[0].split())) == len(names)
+
+
+def test_a_new_type_and_a_piece_without_a_symbol_show_their_names() -> None:
+    lamp = replace(HOUSE.star.rooms[3].children[0], type="piano", orientation="")
+    strange = changed_star(
+        HOUSE, rooms=(replace(HOUSE.star.rooms[3], type="<salon> & co", children=(lamp,)),)
+    )
+    texts = [element.text for element in ET.fromstring(plan_svg(strange)).iter(f"{NAMESPACE}text")]
+    assert {"<salon> & co", "piano"} <= set(texts)
+
+
+def test_svg_and_png_have_the_same_shapes_and_size() -> None:
+    root = ET.fromstring(plan_svg(HOUSE))
+    image = plan_png(HOUSE)
+    assert image.size == (int(root.attrib["width"]) * DENSITY, int(root.attrib["height"]) * DENSITY)
+    shapes = plan(HOUSE, 720, int(root.attrib["height"])).shapes
+    (drawn,) = root.findall(f"{NAMESPACE}g")
+    assert len(drawn) == len(shapes)
+
+
+@pytest.mark.parametrize("house", [HOUSE, *PLANS.values()])
+def test_each_part_of_an_svg_has_the_name_by_which_explain_takes_it(house: House) -> None:
+    named = [
+        each.attrib["data-part"]
+        for each in ET.fromstring(plan_svg(house)).iter()
+        if "data-part" in each.attrib
+    ]
+    assert len(named) == len(set(named))
+    pieces = sum(len(room.pieces) for room in house.rooms)
+    assert len(named) == len(house.rooms) + pieces + len(house.doors) + len(house.windows)
+    for name in named:
+        target_in(house, name)
+
+
+def test_the_title_says_where_the_house_comes_from_as_far_as_it_fits() -> None:
+    made = replace(HOUSE, provenance=Provenance("grammars/family", "", {}, 7, 12, {}))
+    words = "family · seed 7 · house 12 · 4 rooms · 66 m²"
+
+    def titles(width: int) -> set[str]:
+        return {shape.text for shape in flat(plan(made, width, 300).shapes) if isinstance(shape, Text)}
+
+    assert words in titles(300)
+    assert "house 12 · 4 rooms · 66 m²" in titles(200)
+
+
+@pytest.mark.parametrize(
+    ("count", "columns", "shape"), [(1, None, (1, 1)), (5, 2, (2, 3)), (24, None, (6, 4))]
+)
+def test_a_sheet_shows_every_house_row_by_row(
+    count: int, columns: int | None, shape: tuple[int, int]
+) -> None:
+    root = ET.fromstring(contact_sheet_svg([HOUSE] * count, columns, cell=100))
+    assert len(root.findall(f"{NAMESPACE}g")) == count
+    assert (int(root.attrib["width"]), int(root.attrib["height"])) == (100 * shape[0], 100 * shape[1])
+    if count < 6:
+        image = contact_sheet([HOUSE] * count, columns, cell=100)
+        assert image.size == (100 * DENSITY * shape[0], 100 * DENSITY * shape[1])
+
+
+@pytest.mark.parametrize("form", ["svg", "png"])
+def test_a_plan_of_each_house_and_a_sheet_are_written(tmp_path: Path, form: str) -> None:
+    paths = draw([HOUSE] * 11, tmp_path / "plans", form) if form == "svg" else draw([HOUSE], tmp_path, "png")
+    assert all(path.is_file() for path in paths)
+    assert paths[-1].name == f"contact-sheet.{form}"
+    assert sorted(paths[0].parent.iterdir()) == sorted(paths)
+    if form == "svg":
+        assert [path.name for path in paths[:2]] == ["house-00.svg", "house-01.svg"]
+        ET.parse(paths[0])
+    else:
+        assert Image.open(paths[0]).size == plan_png(HOUSE).size
+
+
+def test_what_cannot_be_drawn_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="svg, png or pdf, not 'gif'"):
+        draw([HOUSE], tmp_path, "gif")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ValueError, match="no house"):
+        draw([], tmp_path)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,65 @@
+"""A house in MuJoCo, by MuJoCo itself: range finders see what the simulator's rays see, walls stop bodies."""
+
+# mujoco has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
+from xml.etree.ElementTree import tostring
+
+import mujoco
+import numpy as np
+import pytest
+
+from agent.banks import benchmark
+from logic import House
+from logic.exports.mjcf import EYE, to_mjcf
+from logic.grammar import SHIPPED, shipped
+from logic.house.looks import folder_looks
+from sim import HouseVectorEnv
+from sim.config import DEFAULT
+from tests.sample_houses import RANDOM, example
+
+HOUSES = [*benchmark("home-test-v1")[3:5], RANDOM[0], example()]
+
+
+def loaded(house: House) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """A house as MuJoCo has it, its robot at the start."""
+    model = mujoco.MjModel.from_xml_string(tostring(to_mjcf(house)).decode())
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_range_finders_see_what_the_simulators_rays_see() -> None:
+    """To 1e-4 m, but for rays that end on the target, which MuJoCo's house has not."""
+    env = HouseVectorEnv(HOUSES, num_envs=64, targets="all")
+    observation, info = env.reset(seed=3)
+    for number, house in enumerate(HOUSES):
+        model, data = loaded(house)
+        start = model.body("robot").pos.copy()
+        for index in np.flatnonzero(info["house"] == number):
+            x, y, heading = info["pose"][index]
+            data.qpos[:] = x - start[0], -y - start[1], heading
+            mujoco.mj_forward(model, data)
+            seen = np.where(data.sensordata < 0, DEFAULT.range, np.minimum(data.sensordata, DEFAULT.range))
+            others = observation[index, :, 1] == 0
+            ours = observation[index, :, 0] * DEFAULT.range
+            np.testing.assert_allclose(seen[others], ours[others], atol=1e-4)
+
+
+@pytest.mark.parametrize("house", HOUSES, ids=["home", "home", "star", "original"])
+def test_the_robot_starts_free_drives_and_is_stopped_by_walls(house: House) -> None:
+    model, data = loaded(house)
+    assert data.ncon == 0
+    start = model.body("robot").pos[0]
+    for _ in range(2000):  # 10 s at 1 m/s
+        data.ctrl[:] = 1.0, 0.0, 0.0
+        mujoco.mj_step(model, data)
+    assert data.qpos[0] > 0.05
+    assert start + data.qpos[0] < max(other.box[2] for other in house.rooms)
+    assert np.isfinite(data.sensordata).all()
+    assert data.ncon > 0
+
+
+def test_range_finders_are_lower_than_all_furniture() -> None:
+    for grammar in shipped():
+        assert min(folder_looks(SHIPPED / grammar).heights.values()) > EYE

@@ -1,0 +1,264 @@
+"""Plans where rooms share walls: what their grammars promise, what is proved of them, who adds a topology."""
+
+import shutil
+from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clingo import Symbol
+
+from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
+from logic import GrammarError, RequestError, Unsatisfiable, check
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house.boxes import overlap
+from logic.house.house import House
+from logic.house.parts import OUTSIDE, Rect
+from logic.house.star import Star, StarRoom
+from logic.layout.program import Nogood
+from logic.layout.programs import Programs
+from logic.request.fixed_rooms import fixed_rooms
+from logic.request.request import Request
+
+INFERENCES = 10**8
+ROW = """%# Topology `row`: the rooms stand in a row, from west to east.
+#program house.
+% - derive ------------------------------------------------------------------
+edge(R,north,outline(north)) :- R = 0..rooms-1.
+edge(R,south,outline(south)) :- R = 0..rooms-1.
+edge(0,west,outline(west)).
+edge(R,east,joint(R))   :- R = 0..rooms-2.
+edge(R+1,west,joint(R)) :- R = 0..rooms-2.
+edge(rooms-1,east,outline(east)).
+face(R,R+1) :- R = 0..rooms-2.
+face(R+1,R) :- R = 0..rooms-2.
+"""
+
+
+def builder(grammar: str | Path) -> Builder:
+    Programs.rooms.cache_clear()
+    Programs.furniture.cache_clear()
+    return Builder(find(grammar))
+
+
+@pytest.fixture(scope="module")
+def home() -> Builder:
+    return builder("home")
+
+
+def layouts(made: Builder, rooms: int, seeds: range) -> Iterator[list[Symbol]]:
+    program, assumed = made.programs.rooms_for(Request(rooms))
+    for seed in seeds:
+        layout = program.sample(np.random.default_rng([seed, rooms]), assumed)
+        assert layout is not None
+        yield layout
+
+
+def copied(folder: Path, *changes: tuple[str, str, str], **files: str) -> Path:
+    """A copy of home, edited: in a file, one text for another; and files of its own."""
+    folder = shutil.copytree(SHIPPED / "home", folder / "mine")
+    for name, text, other in changes:
+        file = folder / name
+        assert text in file.read_text()
+        file.write_text(file.read_text().replace(text, other))
+    for name, text in files.items():
+        (folder / f"{name}.lp").write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize("rooms", [4, 7, 10, 12])
+def test_a_home_keeps_all_that_its_grammar_promises(home: Builder, rooms: int) -> None:
+    for index in range(4):
+        house = home.house(Request(rooms), 5, index, INFERENCES)
+        assert check(house) == []
+        assert len(house.rooms) == rooms
+        assert house.topology == "ring"
+        assert House.from_dict(house.to_dict()) == house
+
+
+def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_both_walls(
+    tmp_path: Path,
+) -> None:
+    made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
+    for seed in range(20):
+        plan, _, _ = made.planner.bare(Request(8), np.random.default_rng(seed), INFERENCES, [])
+        boxes = [(r["x"], r["y"], r["x"] + r["width"], r["y"] + r["height"]) for r in plan["rooms"]]
+        assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
+        whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
+        assert sum(r["width"] * r["height"] for r in plan["rooms"]) == pytest.approx(whole)
+        reached: set[int | str] = {OUTSIDE}
+        for door in plan["doors"]:
+            for room in (plan["rooms"][each] for each in door["between"] if each != OUTSIDE):
+                assert all(
+                    room[at] - 1e-6 <= door[at] <= door[at] + door[size] <= room[at] + room[size] + 1e-6
+                    for at, size in (("x", "width"), ("y", "height"))
+                )
+        ways = [{*door["between"]} for door in plan["doors"]]
+        for _ in plan["rooms"]:
+            reached.update(*(way for way in ways if reached & way))
+        assert len(reached) == 9
+
+
+def test_a_house_is_a_function_of_its_seed(home: Builder) -> None:
+    first = home.house(Request(6), 2, 3, INFERENCES)
+    home.house(Request(6), 9, 9, INFERENCES)
+    assert home.house(Request(6), 2, 3, INFERENCES) == first
+
+
+def test_hardly_two_plans_have_the_same_topology(home: Builder) -> None:
+    found = {tuple(map(str, layout)) for layout in layouts(home, 8, range(60))}
+    assert len(found) >= 59
+
+
+def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
+    """CLP(Q) agrees with HiGHS. CLP(R) may refute what has one, and accepts nothing else."""
+    for systems in (
+        wall_systems(home, 6, range(60)),
+        given_systems(home, 6, range(4)),
+        furniture_systems(home, range(30)),
+    ):
+        found = verdicts(systems)
+        assert {rational == highs for _, rational, highs in found} == {True}
+        assert not any(real and not highs for real, _, highs in found)
+        assert len(found) >= 2
+
+
+def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
+    nogoods: list[Nogood] = []
+    for seed in range(40):
+        _, layout, _ = home.planner.bare(Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
+        assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
+    assert nogoods
+
+
+@pytest.mark.parametrize(
+    ("rooms", "types", "reasons"),
+    [
+        (
+            8,
+            {"hall": 0, "corridor": 0},
+            [":- rooms > 4, not room(_,hall), not room(_,corridor).", "--type hall=0"],
+        ),
+        (4, {"living": 0}, [":- { room(R,living) } != 1.", "--type living=0"]),
+    ],
+)
+def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
+    home: Builder, rooms: int, types: dict[str, int], reasons: list[str]
+) -> None:
+    with pytest.raises(Unsatisfiable) as error:
+        home.house(Request.read({"rooms": rooms, "types": types}), 0, 0, INFERENCES)
+    assert [each for each in reasons if each not in str(error.value)] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "rule"),
+    [
+        ("(hall; corridor; living)).", "hall).", ":- room(R,hall), from(R,outside)."),
+        (
+            "kitchen; bedroom; study).",
+            "kitchen; bedroom; study; bathroom).",
+            ":- room(R,bathroom), window(R,_).",
+        ),
+    ],
+)
+def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
+    tmp_path: Path, text: str, other: str, rule: str
+) -> None:
+    folder = copied(tmp_path, ("rooms.lp", text, other), mine=f"#program house.\n{rule}\n")
+    with pytest.raises(Unsatisfiable) as error:
+        builder(folder).house(Request(5), 0, 0, INFERENCES)
+    assert other.rsplit(maxsplit=1)[-1] in str(error.value)
+    assert rule in str(error.value)
+
+
+def test_an_outline_may_lack_corners(home: Builder) -> None:
+    filled = []
+    for index in range(6):
+        house = home.house(Request(6), 0, index, INFERENCES)
+        assert check(house) == []
+        east, south = (max(room.box[side] for room in house.rooms) for side in (2, 3))
+        filled.append(sum(room.area for room in house.rooms) / (east * south))
+    assert min(filled) < 0.9
+    assert max(filled) > 0.999
+
+
+def test_another_topology_of_the_core_serves_the_same_rules(tmp_path: Path) -> None:
+    made = builder(copied(tmp_path, ("rooms.lp", "topology(ring).", "topology(cuts).")))
+    for index in range(3):
+        house = made.house(Request(5), 0, index, INFERENCES)
+        assert house.topology == "cuts"
+        assert check(house) == []
+
+
+def test_a_user_adds_a_topology_as_one_file(tmp_path: Path) -> None:
+    long = ("sizes.pl", "W =< 2.2*D", "W =< 4*D")
+    ring = ("rooms.lp", "topology(ring).", "topology(row).")
+    common = ("rooms.lp", ":- not common.", ":- not common, rooms > 4.")
+    folder = copied(tmp_path, ring, common, long, row=ROW)
+    made = builder(folder)
+    house = made.house(Request.read({"rooms": 4, "types": {"dining": 0}}), 0, 0, INFERENCES)
+    assert house.topology == "row"
+    assert len({room.y for room in house.rooms}) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (("rooms.lp", "topology(ring).", "topology(rign)."), "did you mean ring"),
+        (("rooms.lp", "topology(ring).", "topology(ring). topology(cuts)."), "one topology"),
+        (("rooms.lp", "topology(ring).", "topology(X) :- X = ring."), "rooms.lp:2:1: .* by a fact alone"),
+        (("rooms.lp", "topology(ring).", "topology(ring;cuts)."), "rooms.lp:2:1: .* by a fact alone"),
+        (("rooms.lp", "topology(ring).", 'mine("topology(ring).").'), "is no fact where it stands"),
+        (("rooms.lp", "opens(outside, (hall;", "opens(outside, (haal;"), "haal"),
+    ],
+)
+def test_a_topology_or_type_that_there_is_not_is_named(
+    tmp_path: Path, change: tuple[str, str, str], says: str
+) -> None:
+    with pytest.raises(GrammarError, match=says):
+        builder(copied(tmp_path, change))
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("topology( cuts ) .", "cuts"),
+        ("topology(\n  cuts\n).", "cuts"),
+        ("%*\ntopology(ring).\n*% topology(cuts).", "cuts"),
+        ("% topology(ring).", "star"),
+    ],
+)
+def test_a_topology_is_named_where_clingo_sees_it(tmp_path: Path, text: str, name: str) -> None:
+    assert find(copied(tmp_path, ("rooms.lp", "topology(ring).", text))).topology_name == name
+
+
+def test_more_rooms_than_the_topology_holds_are_refused(home: Builder) -> None:
+    with pytest.raises(RequestError, match="at most 14"):
+        home.house(Request(15), 0, 0, INFERENCES)
+
+
+def test_a_grammar_that_names_no_topology_is_a_star() -> None:
+    assert find("family").topology_name == "star"
+    assert not find("family").shares_walls
+    assert find("home").shares_walls
+
+
+def test_rooms_of_a_star_cannot_be_kept_in_a_plan(home: Builder) -> None:
+    room = StarRoom(0, 0, 4, 4, "bedroom", (), Rect(1, 4, 0.8, 0))
+    star = House.of_star(Star(Rect(0, 4, 8, 8), (room,)))
+    with pytest.raises(RequestError, match=r"keep: these are rooms of a star.*leave keep out"):
+        home.house(Request(6, fixed=tuple(fixed_rooms(star))), 0, 0, INFERENCES)
+
+
+def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible(home: Builder) -> None:
+    request = Request.read({"rooms": 6, "furniture": {"bedroom.bed": 2}})
+    house = home.house(request, 0, 0, INFERENCES)
+    beds = [
+        [piece.type for piece in room.pieces].count("bed") for room in house.rooms if room.type == "bedroom"
+    ]
+    assert set(beds) == {2}
+    with pytest.raises(Unsatisfiable) as error:
+        home.house(Request.read({"rooms": 6, "furniture": {"bedroom.bed": 9}}), 0, 0, INFERENCES)
+    assert "may(bedroom,bed,1,2)." in str(error.value)

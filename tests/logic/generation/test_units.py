@@ -1,0 +1,163 @@
+"""Houses of units: buildings of flats along a public corridor, and what is proved of them."""
+
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from logic import GrammarError, House, RequestError, Unsatisfiable, check
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
+from logic.house.parts import OUTSIDE
+from logic.layout.programs import Programs
+from logic.request.request import Request
+from logic.why.shared_walls import PlanWitness
+
+INFERENCES = 10**9
+PUBLIC = "commonCorridor"
+
+
+def builder(grammar: str | Path) -> Builder:
+    Programs.rooms.cache_clear()
+    Programs.furniture.cache_clear()
+    return Builder(find(grammar))
+
+
+@pytest.fixture(scope="module")
+def apartments() -> Builder:
+    return builder("apartments")
+
+
+def units(house: House) -> list[set[str]]:
+    """The names of rooms that doors join without a public room."""
+    found: list[set[str]] = []
+    for room in house.rooms:
+        if room.type == PUBLIC:
+            continue
+        beyond = {name for door in house.doors if room.name in door.between for name in door.between}
+        joined = [unit for unit in found if unit & beyond]
+        found = [unit for unit in found if unit not in joined] + [{room.name}.union(*joined)]
+    return found
+
+
+@pytest.mark.parametrize("rooms", [6, 8, 16, 32])
+def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, rooms: int) -> None:
+    for index in range(2):
+        house = apartments.house(Request(rooms), 3, index, INFERENCES)
+        assert check(house) == []
+        assert len(house.rooms) == rooms
+        assert (house.topology, house.hub, house.main.type) == ("building", "R0", PUBLIC)
+        assert House.from_dict(house.to_dict()) == house
+
+
+def test_each_flat_has_a_hall_a_living_room_and_a_kitchen_and_one_door_to_the_corridor(
+    apartments: Builder,
+) -> None:
+    house = apartments.house(Request(24), 4, 0, INFERENCES)
+    found = units(house)
+    assert sum(map(len, found)) == 23
+    for unit in found:
+        types = Counter(house.room(name).type for name in unit)
+        assert types["hall"] == types["living"] == types["kitchen"] == 1
+        assert 5 <= len(unit) <= 9
+        doors = [door for door in house.doors if unit & {*door.between} and house.hub in door.between]
+        assert [{house.room(name).type for name in door.between} for door in doors] == [{"hall", PUBLIC}]
+    entrances = [door for door in house.doors if door.is_entrance]
+    assert entrances
+    assert all({*door.between} == {OUTSIDE, house.hub} for door in entrances)
+
+
+def test_a_building_depends_on_the_rules_the_request_and_the_seed_alone(apartments: Builder) -> None:
+    alone = apartments.house(Request(11), 9, 5, INFERENCES)
+    apartments.house(Request(11, {"bedroom": (2, 2)}), 9, 0, INFERENCES)
+    assert builder("apartments").house(Request(11), 9, 5, INFERENCES) == alone
+    assert apartments.house(Request(11), 9, 5, INFERENCES) == alone
+    assert apartments.house(Request(11), 9, 6, INFERENCES) != alone
+
+
+def test_the_flats_of_a_building_share_the_rooms_that_are_asked_for(apartments: Builder) -> None:
+    for index in range(2):
+        asked = Request(21, {"bedroom": (6, 6), "study": (1, None), "dining": (0, 0)})
+        house = apartments.house(asked, 1, index, INFERENCES)
+        types = Counter(room.type for room in house.rooms)
+        assert (types["bedroom"], types["dining"]) == (6, 0)
+        assert types["study"] >= 1
+        assert check(house) == []
+
+
+@pytest.mark.parametrize(
+    ("request_", "text"),
+    [
+        (Request(4), "--rooms 4"),
+        (Request(11, {"hall": (3, 3)}), "{ room(R,hall) } != 1"),
+    ],
+)
+def test_what_no_building_has_is_proved_by_the_rules_of_its_flats(
+    apartments: Builder, request_: Request, text: str
+) -> None:
+    with pytest.raises(Unsatisfiable) as caught:
+        apartments.house(request_, 0, 0, INFERENCES)
+    assert any(text in str(reason) for reason in caught.value.reasons)
+
+
+def test_the_check_finds_a_flat_without_a_door_to_the_corridor_or_with_two(apartments: Builder) -> None:
+    house = apartments.house(Request(8), 2, 0, INFERENCES)
+    (way,) = [door for door in house.doors if house.hub in door.between and not door.is_entrance]
+    others = tuple(door for door in house.doors if door is not way)
+    shut = msgspec.structs.replace(house, doors=others)
+    assert any("its unit is entered by 0 doors" in line for line in check(shut))
+    twice = msgspec.structs.replace(house, doors=(*house.doors, way))
+    assert any("its unit is entered by 2 doors" in line for line in check(twice))
+
+
+def test_a_building_keeps_no_reasons_and_says_so(apartments: Builder) -> None:
+    with pytest.raises(RequestError, match="houses of units keep no reasons yet"):
+        PlanWitness(apartments, apartments.house(Request(6), 0, 0, INFERENCES), INFERENCES)
+
+
+def changed(folder: Path, *edits: tuple[str, str, str]) -> Path:
+    folder = shutil.copytree(SHIPPED / "apartments", folder / "mine")
+    for name, text, other in edits:
+        file = folder / name
+        assert text in file.read_text()
+        file.write_text(file.read_text().replace(text, other))
+    return folder
+
+
+def test_a_user_says_how_many_rooms_flats_have_and_how_deep_they_are(tmp_path: Path) -> None:
+    mine = changed(
+        tmp_path,
+        ("rooms.lp", "units(5,9)", "units(6,7)"),
+        ("rooms.lp", "#program house.", "#program units.\n:- not entrance(_,west).\n#program house."),
+        ("sizes.pl", "D >= 7.0, D =< 8.8", "D >= 8.0, D =< 8.2"),
+    )
+    house = builder(mine).house(Request(21), 0, 0, INFERENCES)
+    assert sorted(map(len, units(house))) == [6, 7, 7]
+    (west,) = [door.x for door in house.doors if door.is_entrance and door.x == house.main.x]
+    flats = [room for room in house.rooms if room.type != PUBLIC]
+    assert 8.0 - 1e-6 <= house.main.y - min(room.y for room in flats) <= 8.2 + 1e-6
+    assert west == 0
+
+
+@pytest.mark.parametrize(
+    ("edit", "says"),
+    [
+        (("rooms.lp", "units(5,9)", "units(9,5)"), "the lesser first"),
+        (("rooms.lp", "public(commonCorridor)", "public(lobby)"), "no room type has this name"),
+        (("sizes.pl", "unit_depth(D) :- { D >= 7.0, D =< 8.8 }.", ""), "unit_depth/1 has no clause"),
+        (("rooms.lp", "units(5,9).", ""), "See units/2"),
+        (("rooms.lp", "topology(building)", "topology(ring)"), "the topology ring has no units"),
+    ],
+)
+def test_a_wrong_statement_about_units_is_an_error_at_its_place(
+    tmp_path: Path, edit: tuple[str, str, str], says: str
+) -> None:
+    with pytest.raises(GrammarError, match=says):
+        builder(changed(tmp_path, edit))
+
+
+def test_a_building_lies_on_no_grid_and_says_so() -> None:
+    with pytest.raises(RequestError, match="units of a house lie on no grid yet"):
+        Builder(find("apartments"), cell=0.3)

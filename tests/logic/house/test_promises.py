@@ -1,0 +1,254 @@
+"""What houses promise travels with them, and ``check`` judges by it, or by others that are asked for."""
+
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from logic import House, RequestError, check, load, save
+from logic.checking.figures import figure, number, percent
+from logic.errors import HouseFileError
+from logic.grammar import SHIPPED
+from logic.house.parts import Piece, Room
+from logic.house.promises import PROMISES, Promises
+from logic.house.promises import given as stated
+from logic.workers.standards import promises_of, standard
+from tests.logic.workers import in_process
+from tests.plans import flat
+from vitruvius.commands.houses import Check
+
+ROOMS = {"home": 5, "family": 4, "clinic": 6}
+"""As few as show most of what a grammar states."""
+
+LENGTHS = {
+    "home": [("door_clearance(0.45)", "door_clearance(0.4)"), ("door_width(0.8)", "door_width(0.7)")],
+    "family": [
+        ("passage(0.42)", "passage(0.6)"),
+        ("bathroom, W, D) :- { W >= 2.4, W =< 3.7", "bathroom, W, D) :- { W >= 4.0, W =< 4.6"),
+    ],
+}
+"""Copies of these grammars have other lengths."""
+
+
+def copy(grammar: str, folder: Path) -> Path:
+    shutil.copytree(SHIPPED / grammar, folder / "mine")
+    text = (folder / "mine" / "sizes.pl").read_text()
+    for old, new in LENGTHS[grammar]:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    (folder / "mine" / "sizes.pl").write_text(text)
+    return folder / "mine"
+
+
+@pytest.fixture(scope="module")
+def shipped() -> dict[str, House]:
+    return {name: next(in_process.generate(rooms, grammar=name, seed=5)) for name, rooms in ROOMS.items()}
+
+
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, list[House]]]:
+    """The copies, and houses of each."""
+    folders = {name: copy(name, tmp_path_factory.mktemp(name)) for name in LENGTHS}
+    return {
+        name: (folder, list(in_process.generate(ROOMS[name], grammar=folder, seed=5, count=4)))
+        for name, folder in folders.items()
+    }
+
+
+@pytest.mark.parametrize("grammar", ROOMS)
+def test_what_the_rules_state_is_what_is_said_of_a_shipped_grammar_apart_from_them(
+    grammar: str, shipped: dict[str, House]
+) -> None:
+    house = shipped[grammar]
+    assert house.provenance
+    assert house.provenance.promises
+    found, said = stated(house.provenance.promises), stated(PROMISES[grammar])
+    for name in {"room_size", "room_area", "piece_size", "companions", "counts"} & found.keys() & said.keys():
+        for key, value in said[name].items():
+            assert found[name][key] == (pytest.approx(value) if isinstance(value, tuple) else value)
+    for name in {"lit", "hides", "empty", "at_wall", "turns", "clear_front"} & found.keys() & said.keys():
+        assert {*found[name]} == {*said[name]}, name
+    assert found["door_width"] == said["door_width"]
+    assert check(house) == check(house, house.provenance.promises) == []
+
+
+@pytest.mark.parametrize("grammar", LENGTHS)
+def test_houses_of_other_lengths_are_judged_by_these(
+    grammar: str, copied: dict[str, tuple[Path, list[House]]]
+) -> None:
+    _, houses = copied[grammar]
+    assert not [line for house in houses for line in check(house)]
+    assert all(check(house, PROMISES[grammar]) for house in houses)
+
+
+def nearer(house: House, away: float) -> tuple[House, str]:
+    """The house with the first piece that has a room's only door to one side of it moved to this distance."""
+    for room in house.rooms:
+        for piece, door in ((piece, door) for piece in room.children for door in house.doors_of(room.name)):
+            gaps = [_gap(piece, door, axis) for axis in (0, 1)]
+            if piece.children or sum(map(bool, gaps)) != 1:
+                continue
+            axis = 0 if gaps[0] else 1
+            move = gaps[axis] - (away if gaps[axis] > 0 else -away)
+            changed = replace(piece, **{"xy"[axis]: piece.box[axis] + move})
+            others = tuple(changed if each is piece else each for each in room.children)
+            rooms = tuple(replace(each, children=others) if each is room else each for each in house.rooms)
+            return replace(house, rooms=rooms), room.name
+    pytest.fail("no piece has a door to one side of it")
+
+
+def _gap(piece: Piece, door: Any, axis: int) -> float:
+    """How far, and which way, the door is from the piece along an axis; 0 where they meet in it."""
+    if door.box[axis] > piece.box[axis + 2]:
+        return door.box[axis] - piece.box[axis + 2]
+    return min(0.0, door.box[axis + 2] - piece.box[axis])
+
+
+@pytest.mark.parametrize("away", [0.31, 0.399, 0.3999, 0.39999])
+def test_furniture_moved_nearer_to_a_door_than_its_grammar_promises_is_found(
+    away: float, copied: dict[str, tuple[Path, list[House]]]
+) -> None:
+    house = copied["home"][1][0]
+    moved, room = nearer(house, away)
+    (line,) = {line for line in check(moved) if line.startswith(room) and "(at least 0.4)" in line}
+    found = re.search(r"stands ([\d.]+) m from", line)
+    assert found
+    assert float(found[1]) == pytest.approx(away, abs=1e-5)
+    assert float(found[1]) < 0.4
+
+
+def test_promises_survive_files_their_first_line_and_files_one_after_the_other(
+    tmp_path: Path, shipped: dict[str, House]
+) -> None:
+    houses = [*shipped.values(), flat()]
+    for name in ("a.jsonl", "b.jsonl"):
+        save(houses, tmp_path / name)
+    content = (tmp_path / "a.jsonl").read_bytes() + (tmp_path / "b.jsonl").read_bytes()
+    (tmp_path / "both.jsonl").write_bytes(content)
+    (tmp_path / "last.jsonl").write_bytes(content.splitlines()[-2] + b"\n")
+    assert load(tmp_path / "both.jsonl") == [*houses, *houses]
+    assert load(tmp_path / "last.jsonl") == [houses[-2]]
+    assert [House.from_dict(json.loads(json.dumps(house.to_dict()))) for house in houses] == houses
+    assert promises_of(houses[-1]) == Promises()
+
+
+def test_a_house_without_promises_is_judged_by_what_is_said_of_its_grammar(
+    shipped: dict[str, House],
+) -> None:
+    for grammar, house in shipped.items():
+        assert house.provenance
+        old = replace(house, provenance=replace(house.provenance, promises=None))
+        assert promises_of(old) == PROMISES[grammar]
+        assert "promises" not in old.to_dict()["provenance"]
+
+
+WHEELS = {"door_width": 0.9, "door_clearance": 0.9, "passage": 0.9}
+
+
+def test_a_stricter_standard_is_some_promises_in_a_mapping_or_a_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], shipped: dict[str, House]
+) -> None:
+    house = shipped["home"]
+    (tmp_path / "wheels.json").write_text(json.dumps(WHEELS))
+    found = check(house, WHEELS)
+    assert found == check(house, tmp_path / "wheels.json") == check(house, str(tmp_path / "wheels.json"))
+    assert all(
+        any(words in line for line in found) for words in ("wide (at least 0.9)", "door (at least 0.9)")
+    )
+    assert check(house, {}) == check(house) == []
+    save([house], tmp_path / "h.jsonl")
+    assert Check(tmp_path / "h.jsonl", promises=str(tmp_path / "wheels.json")).run() == 1
+    assert capsys.readouterr().out.splitlines() == [
+        f"{tmp_path / 'h.jsonl'}: house 0: {line}" for line in found
+    ]
+
+
+def test_a_wide_passage_is_asked_of_narrower_doors_too() -> None:
+    """A square as wide as the passage goes up to the door, though not through it."""
+    house = replace(flat(), provenance=None)
+    assert not [line for line in check(house, {"passage": 1.0}) if "R3" in line]
+
+
+def test_a_grammar_judges_the_houses_of_another(
+    shipped: dict[str, House], copied: dict[str, tuple[Path, list[House]]]
+) -> None:
+    folder, houses = copied["home"]
+    assert check(houses[0], folder) == []
+    found = check(replace(shipped["home"], doors=houses[0].doors[:0]), folder)
+    assert "house: has no door to the outside" in found
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ('{"door_clearence": 0.9}', "there is no promise door_clearence: did you mean door_clearance?"),
+        ('{"passage": "wide"}', "Expected `float`, got `str` - at `$.passage`"),
+        ('{"passage": -1}', "Expected `float` >= 0"),
+        ("[1]", "Expected `object`"),
+        ('{"passage"', "truncated"),
+    ],
+)
+def test_a_misspelt_or_impossible_promise_is_an_error_that_says_where(
+    content: str, words: str, tmp_path: Path
+) -> None:
+    (tmp_path / "standard.json").write_text(content)
+    with pytest.raises(HouseFileError, match=re.escape(words)) as error:
+        standard(tmp_path / "standard.json")
+    assert str(error.value).startswith(str(tmp_path / "standard.json"))
+    if content == '{"door_clearence": 0.9}':
+        with pytest.raises(RequestError, match=re.escape(words)):
+            check(flat(), json.loads(content))
+    with pytest.raises(HouseFileError, match="give a JSON file of promises, or a grammar: apartments"):
+        standard(tmp_path / "absent")
+
+
+lengths = st.floats(1e-5, 60.0)
+
+
+@given(lengths, lengths, st.integers(0, 3))
+def test_a_value_and_a_bound_that_it_violates_never_read_alike_nor_is_it_nothing(
+    value: float, bound: float, digits: int
+) -> None:
+    bound = round(bound, 4)
+    assume(abs(value - bound) > 1e-6)
+    shown, against = float(figure(value, bound, digits=digits)), float(number(bound))
+    assert shown > 0
+    assert (shown < against) == (value < bound)
+    assert (shown > against) == (value > bound)
+    assert float(percent(value / 100, bound / 100)[:-1]) == pytest.approx(value, abs=0.51)
+
+
+def texts(house: House, standards: Promises) -> Iterator[tuple[float, float]]:
+    """What was found, and the bound beside it, of each violation that has a least one."""
+    for line in check(house, standards):
+        found = re.search(r"([\d.]+) m[^(]*\(at least ([\d.]+)\)", line)
+        assert not re.search(r"\b0\.0+\b", line), line
+        if found:
+            yield float(found[1]), float(found[2])
+
+
+@settings(max_examples=15)
+@given(st.floats(1e-5, 0.6), st.floats(1e-5, 0.6))
+def test_no_violation_states_two_lengths_that_read_alike(by: float, less: float) -> None:
+    """Of a plan whose furniture is moved and whose standards are just above what it has."""
+    house = flat()
+    room = next(room for room in house.rooms if room.children)
+    moved = _moved(house, room, by)
+    strict = Promises(
+        door_width=0.9 + less, door_clearance=0.45 + less, passage=0.42 + less, narrowest={"hall": 1 + less}
+    )
+    assert all(found < bound for found, bound in texts(moved, strict))
+
+
+def _moved(house: House, room: Room, by: float) -> House:
+    pieces = tuple(replace(piece, x=piece.x + by) for piece in room.children)
+    return replace(
+        house, rooms=tuple(replace(each, children=pieces) if each is room else each for each in house.rooms)
+    )

@@ -1,0 +1,89 @@
+"""One mistake in a grammar is one error, which says what the mistake is and not what follows from it."""
+
+import shutil
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from logic.grammar import SHIPPED
+from tests.logic.language.test_mistakes import linted
+
+MISSPELT = [
+    ("rooms.lp", "type(hall;", "tpye(hall;", "did you mean type/1?"),
+    ("rooms.lp", "topology(ring)", "toplogy(ring)", "did you mean topology/1?"),
+    ("rooms.lp", "topology(ring).", "", "name a topology, as in topology(ring)."),
+    ("rooms.lp", "opens(dining,", "opnes(dining,", "did you mean opens/2?"),
+    ("rooms.lp", "kitchen; bedroom; bathroom", "kitchen; bedrom; bathroom", "did you mean bedroom?"),
+    (
+        "rooms.lp",
+        "kitchen; bedroom; bathroom",
+        "kitchen; bathroom",
+        "bedroom,bed,1,2): no room type has this name",
+    ),
+    ("rooms.lp", "oblong(corridor)", "oblong(coridor)", "did you mean corridor?"),
+    ("rooms.lp", ":- window(R,S)", ":- windw(R,S)", "did you mean window/2?"),
+    ("rooms.lp", "window(R,S), window(R,T)", "window(R)", "window/1 is known in #program room alone"),
+    ("rooms.lp", "#program house.", "#program hose.", "did you mean house?"),
+    ("arrangement.lp", "#program room.", "#program rom.", "did you mean room?"),
+    ("furniture.lp", "may(bedroom,bed,1,2)", "may(bedroom,bedd,1,2)", "did you mean bed?"),
+    ("furniture.lp", "may(bedroom,bed,1,2)", "mya(bedroom,bed,1,2)", "did you mean may/4?"),
+    ("furniture.lp", "stands(bed, ", "stands(bedd, ", "did you mean bed?"),
+    ("furniture.lp", "stands(bed, ", "stnads(bed, ", "did you mean stands/2?"),
+    ("furniture.lp", "turns(bed,(", "turns(bedd,(", "did you mean bed?"),
+    ("furniture.lp", "beside(bed,bedside", "beside(bde,bedside", "did you mean bed?"),
+    ("sizes.pl", "room_size(kitchen,", "room_size(kichen,", "Did you mean kitchen?"),
+    ("furniture.pl", "piece_size(bed, ", "piece_size(bde, ", "Did you mean bed?"),
+]
+
+GONE = {
+    "rooms.lp": "no .lp file states type/1: is a file gone?",
+    "furniture.lp": "no .lp file states may/4: is a file gone?",
+    "sizes.pl": "no .pl file states room_size/3, door_width/1, ",
+    "furniture.pl": "no .pl file states piece_size/4: is a file gone?",
+}
+
+
+def findings_of(folder: Path, solver: ProcessPoolExecutor) -> list[str]:
+    found, _ = solver.submit(linted, folder).result(timeout=60)
+    return [str(each) for each in found]
+
+
+@pytest.mark.parametrize(("file", "old", "new", "says"), MISSPELT)
+def test_a_misspelt_name_is_one_error(
+    file: str, old: str, new: str, says: str, solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "home", folder)
+    text = (folder / file).read_text()
+    start = ":- room(R,(kitchen;bedroom)), "
+    old, new = old.replace(":- window", f"{start}window"), new.replace(":- windw", f"{start}windw")
+    assert text.count(old) >= 1
+    (folder / file).write_text(text.replace(old, new, 1))
+    found = findings_of(folder, solver)
+    assert [says in each for each in found] == [True], found
+
+
+@pytest.mark.parametrize("file", GONE)
+@pytest.mark.parametrize("how", ["deleted", "emptied"])
+def test_a_file_that_is_gone_is_one_error(
+    file: str, how: str, solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "home", folder)
+    (folder / file).unlink()
+    if how == "emptied":
+        (folder / file).touch()
+    (found,) = findings_of(folder, solver)
+    assert GONE[file] in found
+
+
+def test_mistakes_of_several_causes_are_all_listed(solver: ProcessPoolExecutor, tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "home", folder)
+    with (folder / "furniture.lp").open("a") as rules:
+        rules.write("may(attic,bed,1,1).\nhides(soffa).\nturns(bedd,back).\nbeside(fridge,plant,2,1).\n")
+    found = findings_of(folder, solver)
+    assert len(found) == 4
+    for each in ("attic", "did you mean sofa?", "did you mean bed?", "the lesser first"):
+        assert sum(each in finding for finding in found) == 1

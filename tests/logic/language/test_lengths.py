@@ -1,0 +1,100 @@
+"""What lint lets through of a grammar's lengths holds in the houses that are made, by plain geometry."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from logic import House
+from logic.grammar import SHIPPED, find
+from logic.language.loaded import LoadedGrammar
+from tests.logic.workers.in_process import generate
+
+KITCHEN = "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }."
+AREA = "room_area(kitchen,   6.0, 16.0)."
+WINDOW = "window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }."
+
+
+def edited(folder: Path, edits: dict[str, str], grammar: str = "home") -> Path:
+    """A copy of a shipped grammar with other clauses in its sizes."""
+    shutil.copytree(SHIPPED / grammar, folder)
+    text = (folder / "sizes.pl").read_text()
+    for old, new in edits.items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    (folder / "sizes.pl").write_text(text)
+    return folder
+
+
+def sides(house: House, type_: str) -> list[tuple[float, float]]:
+    """The shorter and the longer side of each room of a type."""
+    return [
+        (min(room.width, room.height), max(room.width, room.height))
+        for room in house.rooms
+        if room.type == type_
+    ]
+
+
+def lengths(house: House, type_: str) -> list[tuple[float, float]]:
+    """The length of each window of a room of a type, and of the wall that it stands in."""
+    rooms = {room.name: room for room in house.rooms}
+    found = []
+    for window in house.windows:
+        room = rooms[window.room]
+        if room.type == type_:
+            found.append((max(window.width, window.height), room.width if window.width else room.height))
+    return found
+
+
+def area(least: float, most: float) -> Callable[[House], bool]:
+    return lambda house: all(least - 1e-6 <= a * b <= most + 1e-6 for a, b in sides(house, "kitchen"))
+
+
+HOLDS: dict[str, tuple[dict[str, str], Callable[[House], bool]]] = {
+    "near the most that the size allows": ({AREA: "room_area(kitchen, 16.5, 30.0)."}, area(16.5, 17.64)),
+    "near the least": (
+        {AREA: "room_area(kitchen, 0.5, 6.1).", KITCHEN: KITCHEN.replace("2.0", "2.3")},
+        area(5.29, 6.1),
+    ),
+    "a thin band": ({AREA: "room_area(kitchen, 9.0, 9.05)."}, area(9.0, 9.05)),
+    "one area": ({AREA: "room_area(kitchen, 9.0, 9.0)."}, area(9.0, 9.0)),
+    "square rooms": (
+        {
+            AREA: "room_area(kitchen, 8.0, 8.5).",
+            KITCHEN: "room_size(kitchen, W, D) :- { W >= 2.0, W =< 4.2, D = W }.",
+        },
+        lambda house: all(8 <= a * b <= 8.5 and abs(a - b) < 1e-6 for a, b in sides(house, "kitchen")),
+    ),
+    "one width": (
+        {
+            AREA: "room_area(kitchen, 8.0, 8.5).",
+            KITCHEN: "room_size(kitchen, W, D) :- { W = 2.5, D >= 2.0, D =< 6.0 }.",
+        },
+        lambda house: all(
+            8 - 1e-6 <= a * b <= 8.5 + 1e-6 and abs(a - 2.5) < 1e-6 for a, b in sides(house, "kitchen")
+        ),
+    ),
+    "an area by a rule for two types": (
+        {
+            AREA: "room_area(T, L, M) :- member(T-L-M, [kitchen-10.0-10.5]).",
+            "room_area(living,   15.0, 30.0).": "",
+        },
+        area(10.0, 10.5),
+    ),
+    "windows in walls of one length": (
+        {WINDOW: "window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, Wall =< 4.0 }."},
+        lambda house: all(
+            0.6 - 1e-6 <= a <= 0.6 * w + 1e-6 and w <= 4 + 1e-6 for a, w in lengths(house, "living")
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("title", HOLDS)
+def test_a_length_that_lint_lets_through_holds_in_what_is_made(title: str, tmp_path: Path) -> None:
+    edits, holds = HOLDS[title]
+    folder = edited(tmp_path / "mine", edits)
+    assert LoadedGrammar(find(folder)).errors == []
+    for house in generate(4, grammar=folder, count=2):
+        assert holds(house), [room.box for room in house.rooms]

@@ -1,0 +1,196 @@
+"""Mistaken topologies of users: none makes a house that the check refuses."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from logic import GrammarError, Unsatisfiable, check
+from logic.request.request import Request
+from tests.logic.generation.test_shared_walls import INFERENCES, builder
+from tests.logic.rules.plan_geometry import shared
+
+RULES = """topology(mine).
+type(a;b;c).  empty(a;b;c).  lit(b).  degree(b,1,3).
+opens(outside,(a;b;c)).  opens((a;b;c),(a;b;c)).
+"""
+SIZES = """door_width(0.8).  door_margin(0.1).  window_margin(0.2).
+door_clearance(0.3).  passage(0.42).  room_gap(0.0).
+room_size(_, W, D) :- { W >= 2.0, W =< 8.0, D >= 2.0, D =< 8.0 }.
+window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall, L =< 2.4 }.
+"""
+ROWS = """#program house.
+option(north,1..rooms-2,1).
+side(R,north) :- pick(north,N), R = 1..N.
+side(R,south) :- pick(north,N), R = N+1..rooms-1.
+next(R,R+1)   :- side(R,S), side(R+1,S).
+hub(0).
+edge(0,S,outline(S))  :- S = (west;east).
+edge(0,S,wall(S))     :- S = (north;south).
+edge(R,S,outline(S))  :- side(R,S).
+edge(R,T,wall(S))     :- side(R,S), opposite(S,T).
+edge(R,east,joint(R)) :- next(R,_).
+edge(R,east,outline(east)) :- side(R,_), not next(R,_).
+edge(R,west,joint(Q)) :- next(Q,R).
+edge(R,west,outline(west)) :- side(R,_), not next(_,R).
+face(R,0) :- side(R,_).
+face(0,R) :- side(R,_).
+face(R,Q) :- next(R,Q).
+face(Q,R) :- next(R,Q).
+"""
+COURTYARD = """#program house.
+% A row in the north, and a room at each of its ends southwards: between these is a courtyard.
+row(R,north) :- R = 0..rooms-3.  row(rooms-2,west).  row(rooms-1,east).
+next(R,R+1) :- row(R,north), row(R+1,north).
+edge(R,north,outline(north)) :- row(R,north).
+edge(R,south,yard(north)) :- row(R,north).
+edge(R,west,outline(west)) :- row(R,north), not next(_,R).
+edge(R,east,joint(R)) :- next(R,_).
+edge(R,west,joint(Q)) :- next(Q,R).
+edge(R,east,outline(east)) :- row(R,north), not next(R,_).
+edge(R,north,yard(north)) :- row(R,(west;east)).
+edge(R,south,outline(south)) :- row(R,(west;east)).
+edge(R,S,outline(S)) :- row(R,S), S != north.
+edge(R,T,yard(S)) :- row(R,S), S != north, opposite(S,T).
+outer(R,T) :- row(R,D), opposite(D,T).
+face(R,Q) :- next(R,Q).
+face(Q,R) :- next(R,Q).
+face(R,Q) :- row(R,north), row(Q,(west;east)).
+face(Q,R) :- row(R,north), row(Q,(west;east)).
+"""
+PINWHEEL = """#program house.
+% Four rooms around what is no room.
+:- rooms != 4.
+edge(R,S,outline(S)) :- (R,S) = ((0,north);(0,west);(1,north);(1,east);(2,south);(2,east);(3,south);(3,west)).
+edge(0,south,yard(north)).  edge(3,north,yard(north)).
+edge(0,east,yard(east)).    edge(1,west,yard(east)).
+edge(1,south,yard(south)).  edge(2,north,yard(south)).
+edge(2,west,yard(west)).    edge(3,east,yard(west)).
+outer(0,south).  outer(1,west).  outer(2,north).  outer(3,east).
+face(R,(R+1)\\4) :- R = 0..3.
+face((R+1)\\4,R) :- R = 0..3.
+"""
+COURTS = "court(yard(west),yard(east)).\n"
+PATIO = COURTS + "court(yard(north),yard(south)).\n"
+HOUSES = "houses"
+NO_PLAN = r"mine.lp:\d+:\d+: a house of \d rooms by this topology is no plan: .*"
+
+
+def without(text: str, part: str) -> str:
+    """A topology without the lines that begin so."""
+    return "".join(line for line in text.splitlines(keepends=True) if not line.startswith(part))
+
+
+TOPOLOGIES: dict[str, tuple[str, int, str]] = {
+    "two rows": (ROWS, 5, HOUSES),
+    "a courtyard": (COURTYARD + COURTS, 6, HOUSES),
+    "a courtyard without an order of its walls": (COURTYARD, 5, NO_PLAN + "overlaps"),
+    "a courtyard that rooms enclose": (PINWHEEL + PATIO, 4, NO_PLAN + "are no room's"),
+    "outer walls everywhere": (ROWS + "outer(R,S) :- R = 0..rooms-1, opposite(S,_).\n", 5, HOUSES),
+    "outer walls of no room": (ROWS + "outer(99,north).\nouter(0,wall(north)).\n", 5, "mine.lp"),
+    "outer walls between two rooms": (ROWS + "outer(0,(north;south)).\n", 5, HOUSES),
+    "rooms that face nothing": (without(ROWS, "face"), 5, "mine.lp"),
+    "rooms that face one way": (without(without(ROWS, "face(0"), "face(Q"), 5, HOUSES),
+    "rooms that face all others": (ROWS + "face(R,Q) :- R = 0..rooms-1, Q = 0..rooms-1.\n", 5, HOUSES),
+    "rooms that face what is none": (ROWS + "face(R,77) :- R = 0..rooms-1.\nface(77,0).\n", 5, "mine.lp"),
+    "doors anywhere": (ROWS + "may_open(R,Q) :- R = 0..rooms-1, Q = 0..rooms-1.\n", 5, HOUSES),
+    "doors nowhere": (ROWS + "selective.\n", 5, "mine.lp"),
+    "a hub that is no room": (ROWS.replace("hub(0)", "hub(99)"), 5, r"mine.lp:6:1: hub\(99\)\."),
+    "no walls": (without(ROWS, "edge"), 5, "mine.lp"),
+    "a wall too few": (without(ROWS, "edge(R,T,wall"), 5, "mine.lp"),
+    "a wall too many": (ROWS + "edge(0,north,wall(south)).\n", 5, r"mine.lp:19:1"),
+    "walls of no room": (ROWS + "edge(99,S,outline(S)) :- opposite(S,_).\n", 5, r"mine.lp:19:1"),
+    "walls on no side": (ROWS + "edge(R,wall(north),R) :- R = 0..rooms-1.\n", 5, r"mine.lp:19:1"),
+    "a wall that runs both ways": (
+        ROWS.replace("joint(Q)", "wall(S)").replace("next(Q,R)", "next(Q,R), side(Q,S)"),
+        5,
+        "mine.lp",
+    ),
+    "walls with no order": (
+        ROWS.replace("joint(R)", "joint(R,R)").replace("joint(Q)", "joint(R)"),
+        5,
+        NO_PLAN,
+    ),
+    "an outline that lacks a side": (
+        ROWS.replace("outline(east)", "wall(east)").replace("(west;east)", "west")
+        + "edge(0,east,wall(east)).\n",
+        5,
+        "mine.lp",
+    ),
+    "an outline turned round": (
+        ROWS.replace("edge(R,S,outline(S))", "edge(R,S,outline(T))").replace(
+            ":- side(R,S).\nedge(R,T", ":- side(R,S), opposite(S,T).\nedge(R,T"
+        ),
+        5,
+        "mine.lp",
+    ),
+    "walls in a circle": (ROWS + "court(wall(south),wall(north)).\n", 5, r"mine.lp:19:1"),
+    "inner walls alone": (ROWS + "inner(S) :- opposite(S,_).\n", 5, "mine.lp"),
+    "too few rooms": (
+        ROWS + "most_rooms(none).\n",
+        5,
+        r"mine.lp:19:1: most_rooms\(none\): a number of rooms",
+    ),
+    "turns that are no number": (
+        ROWS + "turn(north,late).\n",
+        5,
+        r"mine.lp:19:1: turn\(north,late\): a turn is",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", TOPOLOGIES)
+def test_a_topology_makes_houses_that_the_check_accepts_or_an_answer_that_names_its_line(
+    name: str, tmp_path: Path
+) -> None:
+    text, rooms, says = TOPOLOGIES[name]
+    for file, content in (("rooms.lp", RULES), ("sizes.pl", SIZES), ("mine.lp", text)):
+        (tmp_path / file).write_text(content)
+    answer = HOUSES
+    try:
+        made = builder(tmp_path)
+        for index in range(4):
+            assert check(made.house(Request(rooms), 1, index, INFERENCES)) == []
+    except (GrammarError, Unsatisfiable) as error:
+        answer = str(error)
+    assert re.search(says, answer), answer
+
+
+def test_a_window_at_a_courtyard_is_where_no_other_room_is_behind_the_wall(tmp_path: Path) -> None:
+    for file, content in (("rooms.lp", RULES), ("sizes.pl", SIZES), ("mine.lp", COURTYARD + COURTS)):
+        (tmp_path / file).write_text(content)
+    made = builder(tmp_path)
+    partly = 0
+    for index in range(8):
+        house = made.house(Request(5), 2, index, INFERENCES)
+        yard = max(room.y for room in house.rooms)
+        for window in house.windows:
+            room = house.room(window.room)
+            if window.y == pytest.approx(yard) and room.y < 1e-6:
+                partly += any(shared(room.box, other.box) > 0 for other in house.rooms if other.y > 1e-6)
+    assert partly
+
+
+@pytest.mark.parametrize(
+    ("file", "topology", "says"),
+    [
+        ("more.lp", "mine", r"more.lp:2:1: the topology states outer/2: move this to mine.lp"),
+        (
+            "more.lp",
+            "ring",
+            r"more.lp:2:1: the topology states outer/2, here ring: one of your own is a file",
+        ),
+    ],
+)
+def test_what_a_topology_states_stands_in_its_file_alone(
+    tmp_path: Path, file: str, topology: str, says: str
+) -> None:
+    for name, content in (
+        ("rooms.lp", RULES.replace("mine", topology)),
+        ("sizes.pl", SIZES),
+        ("mine.lp", ROWS if topology == "mine" else "% None.\n"),
+        (file, "#program house.\nouter(R,S) :- edge(R,S,_).\n"),
+    ):
+        (tmp_path / name).write_text(content)
+    with pytest.raises(GrammarError, match=says):
+        builder(tmp_path)

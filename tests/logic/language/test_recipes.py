@@ -1,0 +1,322 @@
+"""The recipes and examples of the reference pass lint; houses made with a recipe obey it, others do not."""
+
+import re
+import shutil
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor
+from itertools import combinations, pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from logic.checking.least_main_room import side_of
+from logic.errors import Finding
+from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, TOPOLOGIES, find
+from logic.house.boxes import BACK, TOLERANCE, WALLS, is_on_wall, walls_touched
+from logic.house.house import House
+from logic.house.parts import Piece
+from logic.house.star import StarRoom
+from logic.language.linter import all_warnings, errors
+from logic.language.loaded import LoadedGrammar
+from logic.language.reference import Recipe, asp_entries, prolog_entries, recipes
+from logic.request.request import Request
+
+SAMPLE = (2, 4, 4, 4, 9, 9, 9)
+"""Numbers of rooms of the houses in which a recipe is looked for."""
+
+
+def made(folder: Path, times: int = 1) -> tuple[list[Finding], list[House]]:
+    """What lint says of a grammar, and its houses, a number of times the sample."""
+    grammar = find(folder)
+    builder = Builder(grammar)
+    houses = [builder.house(Request(n), 0, index, 10**8) for index, n in enumerate(SAMPLE * times)]
+    loaded = builder.loaded
+    return errors(grammar, loaded) + all_warnings(grammar, loaded), houses
+
+
+@pytest.fixture(scope="module")
+def plain(solver: ProcessPoolExecutor) -> list[House]:
+    """The houses of the family grammar as it is."""
+    return solver.submit(made, SHIPPED / "family", 5).result()[1]
+
+
+# - what each recipe says, as plain geometry ---------------------------------------------------------
+
+
+class Standing(NamedTuple):
+    """A piece as seen from the door: its wall or the middle, metres along that wall and out from it."""
+
+    piece: Piece
+    room: StarRoom
+    wall: str
+    length: float
+    depth: float
+
+    def distance(self, wall: str) -> float:
+        """Metres from this wall of the room to the piece's side there."""
+        side = seen(self.room).index(wall)
+        return abs(self.piece.box[side] - self.room.box[side])
+
+
+def seen(room: StarRoom) -> list[str]:
+    """What the west, north, east and south wall are, seen from the door."""
+    door = next(wall for wall in range(4) if is_on_wall(room.door, room, wall))
+    return [("front", "left", "back", "right")[(wall - door) % 4] for wall in range(4)]
+
+
+def size(box: Piece | StarRoom, wall: int) -> tuple[float, float]:
+    """Metres along this wall of it, and away from it."""
+    return (box.width, box.height) if wall % 2 else (box.height, box.width)
+
+
+def width_and_depth(room: StarRoom) -> tuple[float, float]:
+    return size(room, seen(room).index("front"))
+
+
+def stands(piece: Piece, room: StarRoom) -> Standing:
+    back = BACK[piece.orientation] if piece.orientation else seen(room).index("front")
+    wall = seen(room)[back] if back in walls_touched(piece, room) else "middle"
+    return Standing(piece, room, wall, *size(piece, back))
+
+
+def sides(house: House) -> list[tuple[str, str | None]]:
+    return [(room.type, side_of(house.star, room)) for room in house.star.rooms]
+
+
+def count(house: House, type_: str) -> int:
+    return sum(room.type == type_ for room in house.star.rooms)
+
+
+CLAIMS: dict[str, tuple[Callable, Callable]] = {}
+"""Of each recipe: what it binds in houses, and what it says of each of these."""
+
+
+def claim(of: Callable[[list[House]], Iterable[Any]]) -> Callable[[Callable], Callable]:
+    """The claim of the recipe that has the function's name."""
+
+    def add(says: Callable) -> Callable:
+        CLAIMS[says.__name__] = of, says
+        return says
+
+    return add
+
+
+def rooms(*types: str) -> Callable:
+    return lambda houses: [room for house in houses for room in house.star.rooms if room.type in types]
+
+
+def pieces(*types: str) -> Callable:
+    return lambda houses: [
+        stands(piece, room)
+        for house in houses
+        for room in house.star.rooms
+        for piece in room.children
+        if piece.type in types
+    ]
+
+
+@claim(list)
+def across(house: House) -> bool:
+    opposite = {(WALLS[wall], WALLS[(wall + 2) % 4]) for wall in range(4)}
+    return not any(
+        {a, b} == {"kitchen", "bathroom"} and (s, t) in opposite
+        for (a, s), (b, t) in combinations(sides(house), 2)
+    )
+
+
+@claim(list)
+def at_most_two_in_a_row(house: House) -> bool:
+    types = [room.type for room in house.star.rooms]
+    return not any(a == b == c for a, b, c in zip(types, types[1:], types[2:], strict=False))
+
+
+@claim(lambda houses: [house for house in houses if len(house.star.rooms) < 5])
+def from_five_rooms_on(house: House) -> bool:
+    return count(house, "hall") == 0
+
+
+@claim(list)
+def next_to(house: House) -> bool:
+    near = [a if b[0] == "bedroom" else b for a, b in pairwise(sides(house)) if a[1] == b[1]]
+    return all(room in near for room in sides(house) if room[0] == "bathroom")
+
+
+@claim(list)
+def no_more_than(house: House) -> bool:
+    return count(house, "bathroom") <= count(house, "bedroom")
+
+
+@claim(list)
+def on_one_side(house: House) -> bool:
+    return len({side for type_, side in sides(house) if type_ == "bathroom"}) == 1
+
+
+@claim(list)
+def one_for_three(house: House) -> bool:
+    return count(house, "bathroom") == -(-len(house.star.rooms) // 3)
+
+
+@claim(lambda houses: [houses])
+def weight_by_rooms(houses: list[House]) -> bool:
+    return sum(count(house, "hall") for house in houses) > sum(len(house.star.rooms) for house in houses) / 3
+
+
+@claim(rooms("bathroom"))
+def different_walls(room: StarRoom) -> bool:
+    walls = [stands(piece, room).wall for piece in room.children if piece.type in {"toilet", "shower"}]
+    return len(walls) == len(set(walls))
+
+
+@claim(rooms("hall"))
+def either_or(room: StarRoom) -> bool:
+    return len({piece.type for piece in room.children} & {"sofa", "hallTable"}) == 1
+
+
+@claim(lambda houses: [sofa for sofa in pieces("sofa")(houses) if sofa.wall == "middle"])
+def facing_the_door(sofa: Standing) -> bool:
+    return seen(sofa.room)[BACK[sofa.piece.orientation]] == "back"
+
+
+@claim(pieces("shower"))
+def in_a_corner(shower: Standing) -> bool:
+    return len(walls_touched(shower.piece, shower.room)) == 2
+
+
+@claim(pieces("wardrobe"))
+def not_left_of_the_door(wardrobe: Standing) -> bool:
+    beside_it = wardrobe.wall == "front" and wardrobe.distance("left") < wardrobe.distance("right")
+    return wardrobe.wall != "left" and not beside_it
+
+
+@claim(pieces("toilet"))
+def not_opposite_the_door(toilet: Standing) -> bool:
+    return toilet.wall != "back"
+
+
+@claim(rooms("hall"))
+def not_side_by_side(room: StarRoom) -> bool:
+    """At the left, back and right wall: the front wall is parted by the door."""
+    for wall, end in (("left", "front"), ("back", "left"), ("right", "front")):
+        there = [each for piece in room.children if (each := stands(piece, room)).wall == wall]
+        there.sort(key=lambda each: each.distance(end))
+        if any(a.piece.type == b.piece.type == "cupboard" for a, b in pairwise(there)):
+            return False
+    return True
+
+
+@claim(pieces("shelf", "cabinet"))
+def by_the_wall(piece: Standing) -> bool:
+    width, depth = width_and_depth(piece.room)
+    if piece.piece.type == "cabinet":
+        return piece.wall == "back" and 2 - TOLERANCE <= width - piece.length <= 3 + TOLERANCE
+    return piece.wall in {"left", "right"} and depth / 3 - TOLERANCE <= piece.length <= depth / 2 + TOLERANCE
+
+
+@claim(lambda houses: [sofa for sofa in pieces("sofa")(houses) if sofa.wall != "middle"])
+def companions(sofa: Standing) -> bool:
+    return [child.type for child in sofa.piece.children] == ["plant"]
+
+
+@claim(lambda houses: [house for house in houses if count(house, "suite")])
+def largest_bedroom(house: House) -> bool:
+    largest = max(house.secondary, key=lambda room: room.area * (room.type in {"bedroom", "suite"}))
+    with_armchair = [
+        room for room in house.secondary if "armchair" in {piece.type for piece in room.children}
+    ]
+    return with_armchair == [largest]
+
+
+@claim(rooms("study"))
+def new_room(room: StarRoom) -> bool:
+    width, depth = width_and_depth(room)
+    lecterns = [stands(piece, room).wall for piece in room.children if piece.type == "lectern"]
+    return 2.5 <= depth <= width <= 4 and len(lecterns) == 1 and lecterns[0] in {"back", "left"}
+
+
+@claim(rooms("gallery"))
+def proportions(room: StarRoom) -> bool:
+    width, depth = width_and_depth(room)
+    benches = [stands(piece, room) for piece in room.children]
+    return 2 * depth <= width + TOLERANCE <= 3 * depth + 2 * TOLERANCE and all(
+        abs(bench.length - 3 * bench.depth) < TOLERANCE for bench in benches
+    )
+
+
+@claim(rooms("cell", "chapel"))
+def square_rooms(room: StarRoom) -> bool:
+    return abs(room.width - room.height) < TOLERANCE
+
+
+def obeyed(name: str, houses: list[House]) -> bool:
+    """Whether the recipe binds something there, and all of that as it says."""
+    of, says = CLAIMS[name]
+    bound = list(of(houses))
+    return bool(bound) and all(map(says, bound))
+
+
+@pytest.mark.parametrize("recipe", recipes(), ids=lambda recipe: recipe.name)
+def test_a_recipe_does_what_its_title_says(
+    recipe: Recipe, solver: ProcessPoolExecutor, plain: list[House], tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "family", folder)
+    for file in recipe.files:
+        shutil.copy(file, folder)
+    findings, houses = solver.submit(made, folder).result()
+    assert findings == []
+    assert obeyed(recipe.name, houses)
+    assert not obeyed(recipe.name, plain), "the family grammar obeys it without the recipe"
+
+
+def with_examples(folder: Path, grammar: str, topology: str, clauses: set[str]) -> Path:
+    """A copy of a shipped grammar with all examples of the page that are for its topology."""
+    shutil.copytree(SHIPPED / grammar, folder)
+    entries = {
+        part: [entry.example for entry in found if entry.name != "topology"]
+        for part, found in asp_entries(topology).items()
+    }
+    # Those of furniture speak of family's pieces.
+    furniture = entries.pop("room") + entries.pop("pick")
+    stated = entries.pop("topology")
+    if topology == "cuts":  # As a topology of the user's own, which alone may state more of it.
+        text = (TOPOLOGIES / "cuts.lp").read_text()
+        (folder / "cuts.lp").write_text("\n".join([text, *stated, ""]))
+    if topology == "star":
+        entries["room"] = furniture
+    for part, examples in entries.items():
+        if not examples:  # Few topologies have units.
+            continue
+        (folder / f"examples_{part}.lp").write_text("\n".join([f"#program {part}.", *examples, ""]))
+    # A clause for every type does not stand beside the page's, which is of one.
+    stated = (folder / "sizes.pl").read_text().replace("window_size(_,", "window_size(kitchen,")
+    (folder / "sizes.pl").write_text(stated)
+    sizes = [entry.example for entry in prolog_entries() if entry.name in clauses]
+    (folder / "more.pl").write_text("\n".join(example for example in sizes if example not in stated))
+    return folder
+
+
+def test_all_examples_of_the_page_together_are_a_grammar(solver: ProcessPoolExecutor, tmp_path: Path) -> None:
+    """They are added to a copy of family, which states the named lengths already. Its rooms have one door."""
+    folder = with_examples(tmp_path / "mine", "family", "star", {"room_size", "piece_size"})
+    findings, houses = solver.submit(made, folder).result()
+    assert [each for each in findings if not re.search(r"binds: .*(between|doorway)\(", each.text)] == []
+    assert {"rack", "keg"} <= {
+        piece.type for house in houses for room in house.star.rooms for piece in room.pieces
+    }
+
+
+@pytest.mark.parametrize(
+    ("grammar", "topology"),
+    [("home", "ring"), ("home", "corridor"), ("home", "cuts"), ("apartments", "building")],
+)
+def test_all_examples_of_the_page_for_plans_together_are_a_grammar(
+    grammar: str, topology: str, tmp_path: Path
+) -> None:
+    clauses = {"room_size", "piece_size", "room_area", "window_size"}
+    folder = with_examples(tmp_path / "mine", grammar, topology, clauses)
+    rooms = folder / "rooms.lp"
+    rooms.write_text(rooms.read_text().replace("topology(ring).", f"topology({topology})."))
+    mine = find(folder)
+    assert errors(mine, LoadedGrammar(mine)) == []

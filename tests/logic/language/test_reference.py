@@ -1,0 +1,35 @@
+"""The reference page is what the rules' comments say, and complete. Its examples: test_recipes.py."""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from logic.grammar import RULES, find, shipped
+from logic.language.reference import asp_entries, page, prolog_entries, recipes
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_the_page_is_what_the_rule_files_say() -> None:
+    assert (ROOT / "docs" / "rules.md").read_text() == page(), "./run rules > docs/rules.md"
+
+
+def test_the_readme_names_the_page() -> None:
+    assert "(docs/rules.md)" in (ROOT / "README.md").read_text()
+
+
+def predicates(files: Iterable[Path]) -> set[str]:
+    """Names before a parenthesis, comments left out."""
+    code = "\n".join(re.sub("%.*", "", file.read_text()) for file in files)
+    return set(re.findall(r"\b([a-z]\w*)\(", code))
+
+
+def test_what_grammars_and_recipes_use_of_the_core_is_on_the_page() -> None:
+    documented = {entry.name for entries in asp_entries().values() for entry in entries}
+    for files in [*(find(name).own for name in shipped()), *(recipe.files[:1] for recipe in recipes())]:
+        assert predicates(files) & predicates(RULES.rglob("*.lp")) <= documented, files
+
+
+def test_every_predicate_has_an_example_that_uses_it() -> None:
+    for entry in [*(entry for entries in asp_entries().values() for entry in entries), *prolog_entries()]:
+        assert entry.name in entry.example, entry.name

@@ -1,0 +1,126 @@
+"""Rooms that share a wall: what rules say of them is what geometry says, in all topologies."""
+
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from logic import check
+from logic.grammar import SHIPPED
+from logic.house.house import House
+from logic.language.linter import all_warnings, errors
+from logic.request.given_plan import read_plan
+from logic.request.request import Request
+from tests.docs.reader import ROOT, blocks
+from tests.logic.generation.test_shared_walls import builder
+from tests.logic.generation.test_units import PUBLIC, units
+from tests.logic.rules.plan_geometry import box_of, neighbours, shared
+
+INFERENCES = 10**8
+NAMED = "#program house.\n:- adjacent(R,R).\n"
+"""What binds nothing."""
+APART = "#program house.\n:- adjacent(R,Q), room(R,bathroom), room(Q,kitchen).\n"
+BESIDE = """#program house.
+:- { room(_,bedroom) } != 2.
+:- not room(_,dining).
+:- room(R,(bedroom;dining)), not adjacent(R,Q) : room(Q,living).
+"""
+
+
+def copied(folder: Path, rules: str, base: str = "home", topology: str = "") -> Path:
+    """A grammar with rules added, and perhaps of another topology."""
+    made = shutil.copytree(SHIPPED / base, folder / "mine")
+    (made / "mine.lp").write_text(rules)
+    page = (ROOT / "docs" / "tutorials" / "topology.md").read_text()
+    text = next(block.text for block in blocks(page) if block.file == Path("mine/rows.lp"))
+    file = made / "rooms.lp"
+    wide = file.read_text().replace("notches(2)", "notches(4)")
+    if topology:
+        wide = wide.replace("topology(ring).", f"topology({topology}).")
+        if topology == "rows":
+            (made / "rows.lp").write_text(text)
+    file.write_text(wide)
+    return made
+
+
+def pairs(atoms: Iterable, name: str) -> set[tuple[int, int]]:
+    """The rooms of which atoms of this name hold."""
+    return {tuple(end.number for end in atom.arguments) for atom in atoms if atom.match(name, 2)}
+
+
+@pytest.mark.parametrize(
+    ("base", "topology", "sizes"),
+    [
+        ("home", "", (4, 7, 11)),
+        ("home", "cuts", (4, 5)),
+        ("home", "rows", (6, 8)),
+        ("clinic", "", (3, 16)),
+    ],
+)
+def test_adjacent_holds_of_the_rooms_that_share_a_wall_and_of_no_others_and_face_of_all_of_them(
+    tmp_path: Path, base: str, topology: str, sizes: tuple[int, ...]
+) -> None:
+    made = builder(copied(tmp_path, NAMED, base, topology))
+    for size in sizes:
+        program, _ = made.programs.rooms_for(Request(size))
+        program.models = []
+        for seed in range(5):
+            rng = np.random.default_rng([size, seed])
+            plan, layout, _ = made.planner.bare(Request(size), rng, INFERENCES, [])
+            last, atoms = program.models[-1]
+            assert last == layout
+            found = neighbours([box_of(room) for room in plan["rooms"]])
+            assert pairs(atoms, "adjacent") == set(found)
+            assert pairs(atoms, "face") >= set(found)
+            assert min(found.values(), default=1) >= 0.1 - 1e-6
+
+
+def test_rooms_that_a_rule_keeps_apart_share_no_wall(tmp_path: Path) -> None:
+    made = builder(copied(tmp_path, APART))
+    assert not [*errors(made.grammar, made.loaded), *all_warnings(made.grammar, made.loaded)]
+    assert not any(
+        meeting(made.house(Request(size), 1, index, INFERENCES)) for size in (6, 11) for index in range(3)
+    )
+
+
+def test_rooms_that_must_be_next_to_each_other_share_a_wall(tmp_path: Path) -> None:
+    made = builder(copied(tmp_path, BESIDE))
+    for index in range(4):
+        house = made.house(Request(8), 1, index, INFERENCES)
+        assert check(house) == []
+        (living,) = [room for room in house.rooms if room.type == "living"]
+        beside = [room for room in house.rooms if room.type in ("bedroom", "dining")]
+        assert len(beside) >= 3
+        assert all(shared(room.box, living.box) >= 0.1 - 1e-6 for room in beside)
+
+
+def test_in_a_house_of_units_adjacent_is_said_of_rooms_of_one_unit(tmp_path: Path) -> None:
+    made = builder(copied(tmp_path, APART, "apartments"))
+    for index in range(2):
+        house = made.house(Request(13), 1, index, INFERENCES)
+        assert not any(meeting(house.only(*unit)) for unit in units(house))
+        assert any(room.type == PUBLIC for room in house.rooms)
+
+
+def test_in_a_plan_of_the_users_adjacent_is_what_the_plan_says(tmp_path: Path) -> None:
+    made = builder(copied(tmp_path, APART))
+    for index in range(3):
+        first = made.house(Request(7), 6, index, INFERENCES)
+        bare = tuple(msgspec.structs.replace(room, type="", children=()) for room in first.rooms)
+        plan = read_plan(House(bare, (), ()))
+        planner = made.planner_of(Request(7, plan=plan))
+        program = planner._program(Request(7, plan=plan))[0]
+        program.models = []
+        house = made.house(Request(7, plan=plan), 0, index, INFERENCES)
+        assert not meeting(house)
+        found = set(neighbours([room.box for room in house.rooms]))
+        assert all(pairs(atoms, "adjacent") == pairs(atoms, "face") == found for _, atoms in program.models)
+
+
+def meeting(house: House, one: str = "bathroom", other: str = "kitchen") -> int:
+    """How many rooms of these types share a wall."""
+    ones, others = ([room for room in house.rooms if room.type == each] for each in (one, other))
+    return sum(shared(a.box, b.box) > 0 for a in ones for b in others)

@@ -1,0 +1,107 @@
+"""An answer why comes in parts: the derivation at once, then what could be instead while there is time."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic
+
+import pytest
+from clingo import ast
+
+from logic.errors import Reason
+from logic.generation.builder import Builder
+from logic.grammar import RULES, SHIPPED
+from logic.house.part_names import doors_by_name, part_names, windows_by_name
+from logic.request.request import Request
+from logic.why.answer import Why, as_text
+from logic.why.shared_walls import PlanWitness
+from logic.why.support import _remark
+from tests.logic.generation.test_shared_walls import builder
+
+INFERENCES = 10**8
+
+
+@pytest.fixture(scope="module")
+def home() -> Builder:
+    return builder("home")
+
+
+@pytest.fixture(scope="module")
+def witness(home: Builder) -> PlanWitness:
+    return PlanWitness(home, home.house(Request(4), 0, 0, INFERENCES), INFERENCES)
+
+
+def targets(witness: PlanWitness) -> Iterator[str]:
+    house = witness._house
+    yield from (*doors_by_name(house), *windows_by_name(house))
+    for room in house.rooms:
+        yield from (
+            room.name,
+            *(f"{room.name}.{name}" for name in part_names([each.type for each in room.pieces])),
+        )
+
+
+def test_every_part_of_a_home_is_derived_first_and_in_no_time(witness: PlanWitness) -> None:
+    asked = list(targets(witness))
+    assert len(asked) > 15
+    for target in asked:
+        first = next(witness.parts(target, monotonic()))
+        assert first.derivations, target
+        assert not first.choices
+        assert next(as_text([first])).startswith(f"{target}: ")
+
+
+def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
+    """Of a bed 14 values would take minutes, and nothing is found of any that are tried too late."""
+    target = next(each for each in targets(witness) if each.endswith(".bed"))
+    for seconds in (0.0, 3.0):
+        begun = monotonic()
+        whole = witness.why(target, begun + seconds)
+        assert monotonic() - begun < 20
+        assert whole.derivations
+        assert whole.lengths
+        assert whole.others >= 10
+        assert whole.tried == (whole.others if seconds else 0)
+    every = [each for choice in whole.choices for each in choice.instead]
+    assert any(each.known for each in every)
+    assert all(each.possible or each.because or not each.known for each in every)
+    assert str(whole) == "\n".join(as_text([whole]))
+
+
+def test_the_parts_of_an_answer_are_the_answer(witness: PlanWitness) -> None:
+    parts = list(witness.parts("entrance"))
+    whole = parts[0]
+    for part in parts[1:]:
+        whole = whole.joined(part)
+    assert whole.tried == whole.others > 0
+    assert list(as_text(parts)) == str(whole).split("\n")
+
+
+def options() -> Iterator[Reason]:
+    """The rules of all choices in all files that we ship."""
+    for file in (*RULES.rglob("*.lp"), *SHIPPED.rglob("*.lp")):
+        found: list[ast.AST] = []
+        ast.parse_files([str(file)], found.append)
+        for statement in found:
+            if statement.ast_type == ast.ASTType.Rule and str(statement.head).startswith("option("):
+                begin = statement.location.begin
+                yield Reason(str(statement), str(file), begin.line, begin.column)
+
+
+def test_a_comment_that_is_quoted_is_whole_sentences() -> None:
+    quoted = {comment for option in options() if (comment := _remark(option))}
+    assert len(quoted) >= 4
+    for comment in quoted:
+        assert not comment[0].islower(), comment
+        assert comment[-1] in ".:", comment
+    assert any(comment.endswith(" a court behind them.") and len(comment) > 60 for comment in quoted)
+
+
+def test_a_comment_belongs_to_the_rule_right_below_it(tmp_path: Path) -> None:
+    file = tmp_path / "rules.lp"
+    file.write_text(
+        "% Of another.\n\n% - choose ---\n% Beds stand where\n% one wakes well.\n"
+        "option(a,1,1).\noption(b,1,1).\n"
+    )
+    assert _remark(Reason("", str(file), 6, 1)) == "Beds stand where one wakes well."
+    assert not _remark(Reason("", str(file), 7, 1))
+    assert Why("R0", "a").joined(Why("R0", "", limit="60 s")).limit == "60 s"

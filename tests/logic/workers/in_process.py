@@ -1,0 +1,38 @@
+"""Houses made in the process of the tests: a solver process takes longer to start than most houses to make.
+
+For claims about rules. Those about processes, limits and answers between them are of ``logic.generate``.
+"""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from logic.generation.builder import Builder
+from logic.grammar import Grammar, find
+from logic.house.house import House
+from logic.layout.programs import Programs
+from logic.request.request import Request
+
+
+def generate(
+    rooms: int,
+    *,
+    grammar: str | Path = "family",
+    cell: float = 0.0,
+    seed: int = 0,
+    count: int = 1,
+    **counts: Any,
+) -> Iterator[House]:
+    """What ``generate`` makes of these arguments."""
+    request = Request.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
+    rules = find(grammar)
+    for index in range(count):
+        yield _builder(rules, cell).house(request, seed, index, inferences=100_000_000)
+
+
+@lru_cache(maxsize=1)  # SWI-Prolog holds one grammar at a time
+def _builder(grammar: Grammar, cell: float) -> Builder:
+    Programs.rooms.cache_clear()
+    Programs.furniture.cache_clear()
+    return Builder(grammar, cell)

@@ -1,0 +1,233 @@
+"""Tasks: where their targets lie, when they end, which targets come next; covering a house, by hand."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from logic import House, save
+from sim import DEFAULT, Cover, HouseVectorEnv, Oracle, Points, Reach
+from sim.baselines.searcher import Searcher
+from sim.tasks.tasks import Box
+from tests import sample_houses
+
+ONE = sample_houses.drawn(sample_houses.ONE_ROOM)
+HOUSES = [ONE, *sample_houses.RANDOM]
+COUNT = 40
+
+
+@dataclass(frozen=True)
+class Largest:
+    """Targets in the largest room, or in one of the first rooms."""
+
+    first: int = 0
+    ends_on_pick_up: ClassVar[bool] = False
+
+    def spaces(self, house: House) -> list[Box]:
+        if self.first:
+            return [room.box for room in house.star.rooms[: self.first]]
+        return [max(house.star.rooms, key=lambda room: room.width * room.height).box]
+
+
+def lie_in(targets: np.ndarray, boxes: list[Box]) -> np.ndarray:
+    """Which of the targets (n, 2) lie wholly in one of the boxes: (n,) bool."""
+    half, found = DEFAULT.target / 2 - 1e-5, np.zeros(len(targets), bool)
+    for west, north, east, south in boxes:
+        low, high = np.array([west, north]) + half, np.array([east, south]) - half
+        found |= ((low <= targets) & (targets <= high)).all(axis=1)
+    return found
+
+
+@pytest.mark.parametrize(
+    "targets",
+    [
+        "main",
+        "secondary",
+        "mixed",
+        {"task": "reach", "room": "hall"},
+        Largest(),
+        "tests.sim.tasks.test_tasks:Largest",
+    ],
+    ids=str,
+)
+def test_targets_lie_in_the_tasks_spaces(targets):
+    houses = sample_houses.RANDOM
+    envs = HouseVectorEnv(houses, num_envs=len(houses), targets=targets)
+    envs.reset(seed=0, options={"house": np.arange(len(houses))})
+    for house, coming in zip(houses, envs.targets(30), strict=True):
+        rooms = [room.box for room in house.star.rooms]
+        spaces = {"main": [house.star.floor.box], "secondary": rooms, "mixed": [house.star.floor.box, *rooms]}
+        if isinstance(targets, dict):
+            spaces = [room.box for room in house.star.rooms if room.type == "hall"]
+        else:
+            spaces = spaces[targets] if targets in spaces else Largest().spaces(house)
+        assert lie_in(coming, spaces).all()
+        if targets == "main" and house.format == "vitruvius-1":
+            assert not lie_in(coming, rooms).any()
+
+
+def test_the_targets_that_peek_shows_come_whatever_the_agent_does():
+    envs = HouseVectorEnv(HOUSES, num_envs=COUNT, targets="mixed", max_episode_steps=400)
+    envs.reset(seed=5)
+    coming, found = envs.targets(20), []
+    oracle = Oracle(envs)
+    for player in ("oracle", "random"):
+        _, info = envs.reset(seed=5)
+        at = np.zeros(COUNT, int)
+        for step in range(300):
+            chance = np.random.default_rng(step).choice(3, p=[0.1, 0.1, 0.8], size=COUNT)
+            _, reward, _, _, info = envs.step(oracle.act() if player == "oracle" else chance)
+            at += reward.astype(int)
+            np.testing.assert_array_equal(info["target"], coming[np.arange(COUNT), at])
+        found.append(at.sum())
+    assert found[0] > 2 * COUNT > found[1]
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+def test_a_room_is_reached_once_and_that_ends_the_episode(mode):
+    task, houses = {"task": "reach", "room": "hall"}, sample_houses.RANDOM
+    envs = HouseVectorEnv(houses, num_envs=len(houses), targets=task, autoreset_mode=mode)
+    envs.reset(seed=1)
+    oracle = Oracle(envs)
+    at, terminated, info = envs.targets(1)[:, 0], np.zeros(len(houses), bool), {}
+    while not terminated.any():
+        at = envs.targets(1)[:, 0]
+        _, reward, terminated, truncated, info = envs.step(oracle.act())
+        np.testing.assert_array_equal(terminated, reward == 1)
+        assert not truncated.any()
+    last = info["final_info"] if mode is AutoresetMode.SAME_STEP else info
+    reached = np.abs(last["pose"][terminated, :2] - at[terminated]).max(axis=1)
+    assert (reached < DEFAULT.target / 2 + max(DEFAULT.body)).all()
+
+
+POINTS = {"points": [[6.75, 0.45], [4.05, 0.9], [5.0, 2.55], [0.5, 0.5]], "start": [5.85, 1.35, np.pi / 4]}
+"""In the house ``ONE``: three in the main room and one in room a; the start is in the middle of a cell."""
+
+
+@pytest.mark.parametrize("backend", ["continuous", "grid"])
+def test_targets_at_given_points_are_met_from_the_given_start(backend):
+    envs = HouseVectorEnv([ONE], num_envs=64, backend=backend, targets=POINTS, max_episode_steps=300)
+    _, info = envs.reset(seed=0)
+    np.testing.assert_allclose(info["pose"], np.tile(POINTS["start"], (64, 1)), atol=1e-5)
+    coming = envs.targets(200)
+    away = np.abs(coming[:, :, None] - np.array(POINTS["points"])).max(axis=3)
+    assert away.min(axis=2).max() < 1e-5
+    which = away.argmin(axis=2)
+    assert (which[:, 1:] != which[:, :-1]).all()
+    shares = np.bincount(which.ravel(), minlength=4) / which.size
+    np.testing.assert_allclose(shares, 0.25, atol=0.02)
+    for policy in (Oracle(envs), Searcher(envs)):
+        envs.reset(seed=0)
+        picked = np.sum([envs.step(policy.act())[1] for _ in range(299)], axis=0)
+        assert (picked >= 3).all()
+
+
+def test_a_task_in_a_file_goes_through_the_spec_and_is_filmed(tmp_path):
+    (tmp_path / "mine.json").write_text(json.dumps(POINTS))
+    save([ONE], tmp_path / "house.jsonl")
+    made: Any = gymnasium.make_vec(
+        "sim:Vitruvius/House-v0",
+        houses=str(tmp_path / "house.jsonl"),
+        targets=str(tmp_path / "mine.json"),
+        render_mode="rgb_array",
+    )
+    assert made.unwrapped.world.task == Points(POINTS["points"], POINTS["start"])
+    made.reset(seed=0)
+    frame = made.render()[0]
+    made.step(np.array([0]))
+    assert (frame != made.render()[0]).any()
+
+
+def test_a_house_without_such_a_room_is_refused():
+    with pytest.raises(
+        ValueError,
+        match=r"house 0 of 7: it has no room for the targets of Reach\(room='sauna'\): there are bedroom",
+    ):
+        HouseVectorEnv(HOUSES, targets=Reach("sauna"))
+
+
+def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
+    given = {"task": "tests.sim.tasks.test_tasks:Largest", "first": 1}
+    save([ONE], tmp_path / "house.jsonl")
+    houses = str(tmp_path / "house.jsonl")
+    made: Any = gymnasium.make_vec("sim:Vitruvius/House-v0", num_envs=3, houses=houses, targets=given)
+    assert made.unwrapped.world.task == Largest(1)
+    assert json.loads(made.spec.to_json())["kwargs"]["targets"] == given
+
+
+@pytest.mark.parametrize(
+    ("targets", "message"),
+    [
+        ("attic.json", "attic.json cannot be read"),
+        ("[1]", "there is no task"),
+        ({"points": []}, r"points: a list of \[x, y\], not \[\]"),
+        ({"points": [[1.0, float("nan")]]}, "points: a list"),
+        ({"points": [[1.0, 2.0]], "start": [1.0, 2.0]}, r"start: \[x, y, heading\]"),
+        ({"points": [[1.0, 2.0]], "unit": "ft"}, "unit ft: there are m, px"),
+        ({"points": [[99.0, 2.0]]}, r"house 0 of 1: the body cannot pick up a target at \(99.000, 2.000\) m"),
+        ({"points": [[6.0, 1.0]], "start": [-1.0, 1.0, 0.0]}, "the body cannot be at"),
+        ({"points": [[6.0, 1.0]], "start": [6.0, 1.0, 0.3]}, "heading a multiple of pi/4"),
+        ("attic", "there is no task attic: there are main, secondary, mixed"),
+        ({"task": "fly"}, "there is no task fly: there are collect, habit, object, points, reach"),
+        ({"task": "reach"}, "cannot be had: .*room"),
+        ({"task": "reach", "room": "hall", "door": 1}, "cannot be had: .*door"),
+        ("tests.sim.tasks.test_tasks:Smallest", "cannot be had: .*Smallest"),
+        ("tests.nowhere:Task", "cannot be had: No module"),
+        (5, "5 is no task"),
+    ],
+)
+def test_an_object_that_is_no_task_is_refused(targets, message):
+    with pytest.raises(ValueError, match=message):
+        HouseVectorEnv([ONE], targets=targets)
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+def test_each_new_square_of_floor_is_covered_once(mode):
+    cell = 0.4
+    bare = HouseVectorEnv(HOUSES, num_envs=COUNT, max_episode_steps=23, autoreset_mode=mode)
+    envs, rng = Cover(bare, cell), np.random.default_rng(0)
+    corners = np.array([shape.bounds[:2] for shape in bare.world.bank.geometries])
+
+    def squares(info: dict[str, Any]) -> list[tuple[float, ...]]:
+        return [
+            tuple(row) for row in np.floor((info["pose"][:, :2] - corners[info["house"]]) / cell).tolist()
+        ]
+
+    _, info = envs.reset(seed=3)
+    been, over = [{square} for square in squares(info)], np.zeros(COUNT, bool)
+    total = 0
+    for _ in range(80):
+        if mode is AutoresetMode.DISABLED and over.any():
+            _, info = envs.reset(options={"reset_mask": over})
+            for e in np.flatnonzero(over):
+                been[e] = {squares(info)[e]}
+            over[:] = False
+        _, reward, terminated, truncated, info = envs.step(rng.choice(3, p=[0.1, 0.1, 0.8], size=COUNT))
+        ended = terminated | truncated
+        last = squares(info["final_info"]) if "final_info" in info else squares(info)
+        now = squares(info)
+        for e in range(COUNT):
+            if mode is AutoresetMode.NEXT_STEP and over[e]:
+                been[e], expected = {now[e]}, 0
+            else:
+                at = last[e] if ended[e] else now[e]
+                expected = int(at not in been[e])
+                been[e].add(at)
+            if mode is AutoresetMode.SAME_STEP and ended[e]:
+                assert info["final_info"]["covered"][e] == len(been[e])
+                been[e] = {now[e]}
+            assert reward[e] == expected
+            assert info["covered"][e] == len(been[e])
+            total += expected
+        over = ended
+    assert total > 5 * COUNT
+
+
+def test_cover_refuses_a_square_without_a_size():
+    with pytest.raises(ValueError, match="cell is 0"):
+        Cover(HouseVectorEnv([ONE]), 0)

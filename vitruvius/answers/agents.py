@@ -1,0 +1,84 @@
+"""What the commands print with ``--json``, by name, and ``vitruvius schema``: see ``vitruvius.answers.houses``."""
+
+import json
+import pkgutil
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from vitruvius.answers.houses import FORMAT, Failure
+
+ANSWERS = {
+    "generate": "vitruvius.answers.houses:Generated",
+    "check": "vitruvius.answers.houses:Checked",
+    "draw": "vitruvius.answers.houses:Drawn",
+    "convert": "vitruvius.answers.houses:Written",
+    "lint": "vitruvius.answers.houses:Linted",
+    "explain": "vitruvius.answers.houses:Explained",
+    "info": "vitruvius.commands.info:About",
+    "train": "vitruvius.answers.agents:Trained",
+    "evaluate": "agent.evaluation.scores:ScoreFile",
+    "record": "vitruvius.answers.houses:Written",
+    "export": "vitruvius.answers.houses:Written",
+    "import-keras": "vitruvius.answers.houses:Written",
+}
+"""Where the type of a command's answer is, ``module:Class``."""
+
+
+class Trained(msgspec.Struct, frozen=True):
+    """Of ``train``: the checkpoint, and the last report of the run (``agent.learning.learner.Progress``)."""
+
+    agent: str
+    steps: int
+    seconds: float
+    targets: float
+    """Picked up per 1500 steps while learning."""
+    simulator: float
+    """Steps a second of the simulator alone; ``learner`` of all else."""
+    learner: float
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of what any command prints with ``--json``: for each an object with its answer's type,
+    or with an error.
+    """
+    kinds = {name: pkgutil.resolve_name(place) for name, place in ANSWERS.items()}
+    pattern = "#/$defs/{name}"
+    references, parts = msgspec.json.schema_components([*kinds.values(), Failure], ref_template=pattern)
+    *answers, failure = references
+    common = {"format": {"const": FORMAT}, "exit_code": {"type": "integer"}}
+    keys = ["format", "command", "exit_code", "answer", "error"]
+    found = [
+        {
+            "properties": {**common, "command": {"const": name}, "answer": answer, "error": {"type": "null"}},
+            "required": keys,
+            "additionalProperties": False,
+        }
+        for name, answer in zip(kinds, answers, strict=True)
+    ]
+    failed = {"command": {"type": "string"}, "answer": {"type": "null"}, "error": failure}
+    found.append({"properties": common | failed, "required": keys, "additionalProperties": False})
+    schema = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "What vitruvius prints with --json",
+        "type": "object",
+        "oneOf": found,
+        "$defs": parts,
+    }
+    return json.loads(json.dumps(schema))
+
+
+@dataclass(frozen=True)
+class Schema:
+    """Print the JSON Schema of a house, docs/house.schema.json, or of what commands print with --json."""
+
+    answers: bool = False
+    """Of what commands print with --json: docs/answers.schema.json."""
+
+    def run(self) -> int:
+        """Print it, indented."""
+        from logic.house.records import schema as of_house
+
+        print(json.dumps(schema() if self.answers else of_house(), indent=2))
+        return 0

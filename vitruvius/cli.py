@@ -1,0 +1,269 @@
+"""The ``vitruvius`` command gathers those of ``logic`` and ``agent``, and the studies of ``benchmarks``.
+
+A command is a dataclass whose fields are its options, with a ``run``. It is imported when it is asked for:
+making a house needs no simulator, and help comes at once.
+"""
+
+import contextlib
+import io
+import os
+import pkgutil
+import re
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import Any
+
+from benchmarks import STUDIES
+from vitruvius import help
+
+COMMANDS = {
+    "generate": ("vitruvius.commands.generate:Generate", "Make houses from rules."),
+    "check": (
+        "vitruvius.commands.houses:Check",
+        "Check houses by plain geometry, apart from the rules that made them.",
+    ),
+    "draw": ("vitruvius.commands.houses:Draw", "Draw plans of houses and a contact sheet."),
+    "convert": (
+        "vitruvius.commands.houses:Convert",
+        "Write houses as a file of today's format, or for another tool.",
+    ),
+    "info": (
+        "vitruvius.commands.info:Info",
+        "Say what a file or folder is: houses, a grammar, an agent, a run.",
+    ),
+    "explain": (
+        "vitruvius.commands.rules:Explain",
+        "Why no house satisfies a request, or why a house is as it is.",
+    ),
+    "lint": (
+        "vitruvius.commands.rules:Lint",
+        "Find the mistakes in rule files that clingo and Prolog pass over.",
+    ),
+    "rules": ("logic.language.reference:Rules", "Print the reference of the rule language, with recipes."),
+    "watch": ("vitruvius.commands.watch:Watch", "Draw what a grammar makes in a browser, at each save."),
+    "playground": ("vitruvius.commands.playground:Playground", "A page that makes houses in the browser."),
+    "train": ("vitruvius.commands.train:Train", "Train an agent in houses."),
+    "evaluate": ("vitruvius.commands.evaluate:Evaluate", "Measure agents in houses that they have not seen."),
+    "export": ("vitruvius.commands.train:Export", "Write an agent's network as an ONNX file."),
+    "import-keras": (
+        "vitruvius.commands.train:ImportKeras",
+        "Take the weights of the paper's original program.",
+    ),
+    "play": ("vitruvius.commands.play:Play", "Drive the robot by the keyboard, and race an agent."),
+    "record": ("vitruvius.commands.evaluate:Record", "Film an agent in a house, with its rays and trail."),
+    "report": ("vitruvius.commands.report:Report", "Write a run as one HTML file, with episodes to play."),
+    "demo": (
+        "vitruvius.commands.evaluate:Demo",
+        "Houses, an agent that learns in them, a report: in minutes.",
+    ),
+    "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),
+    "schema": (
+        "vitruvius.answers.agents:Schema",
+        "Print the JSON Schema of a house, or of what --json prints.",
+    ),
+    "completion": ("vitruvius.completion:Completion", "Print what makes your shell complete these commands."),
+}
+"""By name: where the command is, ``module:Class``, and what it does. Groups begin at those of ``GROUPS``."""
+
+GROUPS = {
+    "generate": "Houses",
+    "explain": "Rules",
+    "train": "Learning",
+    "play": "Seeing",
+    "demo": "Studies",
+    "schema": "For programs and shells",
+}
+"""Titles of the groups in help, by the first command of each."""
+
+STUDY_GROUPS = {"generator": "Houses", "simulator": "Simulator", "agents": "Agents", "explorers": "Planner"}
+"""The same for studies."""
+
+EXTRAS = {
+    "bench": ("cpuinfo", "pytest", "pytest_benchmark", "scipy"),
+    "sim": ("gymnasium", "taichi"),
+    "agent": ("safetensors", "scipy", "tensorboard", "tomli_w", "torch"),
+    "keras": ("h5py",),
+    "export": ("pxr", "trimesh"),
+    "play": ("pygame",),
+    "web": ("starlette", "uvicorn", "watchfiles"),
+    "film": ("imageio_ffmpeg",),
+}
+"""Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
+
+ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
+
+ENDINGS = """\
+Exit codes: 0 done; 1 a check, lint or measurement says no; 2 wrong usage;
+3 proved unsatisfiable; 4 a limit was reached; 5 a file is absent or wrong;
+69 a program or library is missing; 70 a fault of ours; 130 Ctrl-C; 143 SIGTERM.
+With --json a command prints one JSON object, errors included.
+docs/command-line.md has all of it."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
+    _open_streams()
+    sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
+
+
+def _open_streams() -> None:
+    """Let nothing be read or written where a standard stream was closed, as by services: else the next file
+    that is opened takes its place.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as we run
+
+
+def top(width: int | None = None) -> str:
+    """The help of ``vitruvius``, as wide as the terminal or as given."""
+    return help.of_table("vitruvius", ABOUT, COMMANDS, GROUPS, ENDINGS, width)
+
+
+def studies(width: int | None = None) -> str:
+    """The help of ``vitruvius bench``."""
+    return help.of_table("vitruvius bench", COMMANDS["bench"][1], STUDIES, STUDY_GROUPS, width=width)
+
+
+def command_help(words: Sequence[str], arguments: Sequence[str] = (), width: int | None = None) -> str:
+    """The help of a command, ``["generate"]`` or ``["bench", "generator"]``, with these arguments."""
+    from vitruvius.options import options_of
+
+    table = STUDIES if words[0] == "bench" else COMMANDS
+    kind = pkgutil.resolve_name(table[words[-1]][0])
+    options = options_of(kind.like(arguments) if words[0] == "train" else kind)
+    return help.of_command(f"vitruvius {' '.join(words)}", kind.__doc__, options, width)
+
+
+def parse(arguments: list[str]) -> Any:
+    """The command that the arguments ask for, or the end of the process by their help.
+
+    Raises ``RequestError`` for what is wrong in them.
+    """
+    from logic.errors import RequestError
+    from logic.spelling import unknown
+    from vitruvius.options import options_of, require
+
+    prog, table, words = "vitruvius", COMMANDS, list[str]()
+    if arguments[0] == "bench":
+        prog, table, words, arguments = "vitruvius bench", STUDIES, ["bench"], arguments[1:]
+    name, *rest = arguments
+    if name not in table:
+        raise RequestError(f"{prog}: {unknown('study' if words else 'command', name, table)}")
+    if "-h" in rest or "--help" in rest:
+        _print_and_end(command_help([*words, name], rest))
+    kind, prog = pkgutil.resolve_name(table[name][0]), f"{prog} {name}"
+    like = kind.like(rest) if name == "train" else None  # its defaults are a preset's, or a file's
+    require(prog, rest, options_of(like or kind))
+    return _parsed(kind[type(like.learning)] if like else kind, like, prog, rest)
+
+
+def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
+    """What tyro makes of the arguments. Raises ``RequestError`` with the words of its box."""
+    import tyro
+
+    from logic.errors import RequestError
+
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return tyro.cli(kind, prog=prog, args=arguments, **({"default": like} if like else {}))
+    except SystemExit:
+        words = re.sub(r"[╭╮╰╯│─]+", " ", said.getvalue().partition("─\n│ ──")[0].partition("For full")[0])
+        words = " ".join(words.split()).removeprefix("Parsing error ")
+        raise RequestError(f"{prog}: {words}: see {prog} --help") from None
+
+
+def _print_and_end(text: str) -> None:
+    print(text)
+    sys.exit()
+
+
+def _run(arguments: list[str]) -> int:
+    """Run the command. Raises ``MissingProgram`` where it lacks a module that an extra installs."""
+    from logic.errors import MissingProgram
+
+    try:
+        return parse(arguments).run() or 0
+    except ModuleNotFoundError as error:
+        study, module = arguments[0] == "bench", (error.name or "").partition(".")[0]
+        extras = [extra for extra, modules in EXTRAS.items() if module in modules]
+        if not extras:
+            raise
+        words = " ".join(arguments[: 1 + study])
+        # The agent's brings the simulator.
+        extra = extras[0] if study or extras[0] in {"keras", "export", "play", "web", "film"} else "agent"
+        raise MissingProgram(f"vitruvius {words} needs {module}: pip install vitruvius[{extra}]") from error
+
+
+def _quick(arguments: list[str]) -> str | None:
+    """What needs no command's module: help that lists commands, and the version."""
+    if arguments in ([], ["-h"], ["--help"], ["help"]):
+        return top()
+    if arguments in (["bench"], ["bench", "-h"], ["bench", "--help"], ["help", "bench"]):
+        return studies()
+    if arguments == ["--version"]:
+        from importlib.metadata import version
+
+        from logic.workers import confinement
+
+        return f"vitruvius {version('vitruvius')}: {confinement.summary()}"
+    return None
+
+
+def _exit_code(arguments: list[str]) -> int:
+    if text := _quick(arguments):
+        try:
+            print(text, flush=True)
+        except OSError as error:
+            return _unwritten(error)
+        return 0
+    if arguments[0] == "help":
+        arguments = [*arguments[1:], "--help"]
+    from logic.errors import VitruviusError
+    from logic.stopping import at_sigterm, terminate
+    from logic.terminal import say
+
+    def failed(error: BaseException, code: int, words: str) -> int:
+        """Say it, and with --json answer it."""
+        say(words)
+        if "--json" in arguments:
+            from vitruvius.answers.houses import encoded, failure
+
+            named = arguments[: 1 + (arguments[0] == "bench")]
+            print(encoded(" ".join(named), code, error=failure(error)))
+        return code
+
+    try:
+        with at_sigterm(terminate):
+            code = _run(arguments)
+    except VitruviusError as error:
+        fault = error.exit_code == VitruviusError.exit_code
+        what = "error, a fault of ours, please report it" if fault else "error"
+        code = failed(error, error.exit_code, f"{what}: {error}")
+    except KeyboardInterrupt as end:
+        code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
+    except OSError as error:
+        if error.filename is None:
+            return _unwritten(error)
+        code = failed(error, 5, f"error: {error.filename}: {error.strerror}")
+    except Exception as error:
+        traceback.print_exc()
+        code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
+    return code
+
+
+def _unwritten(error: OSError) -> int:
+    """What follows where the output cannot be written. No more is, not even as Python ends."""
+    sys.stdout = None
+    if isinstance(error, BrokenPipeError):  # Its reader is gone, as in `vitruvius generate ... | head`.
+        return 0
+    from logic.terminal import say
+
+    say(f"error: the standard output: {error.strerror}")
+    return 5
+
+
+if __name__ == "__main__":
+    main()

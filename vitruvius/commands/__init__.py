@@ -1,0 +1,1 @@
+"""The commands: a dataclass each, whose fields are its options."""

@@ -1,0 +1,306 @@
+"""``vitruvius evaluate``, ``record`` and ``demo``: their options, and what they do.
+
+Cheap to import: torch, Taichi and all that needs them are imported when a command runs.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import tyro
+
+from agent import banks
+from agent.learning.config import differences
+from agent.runs.released import located
+from logic.errors import RequestError
+from logic.terminal import say
+from vitruvius.commands.common import print_answer
+
+if TYPE_CHECKING:
+    from agent.runs.checkpoint import Checkpoint
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Measure agents in houses that they have not seen, beside the paper's agent, by its authors' weights and
+    trained again, and the baselines: random + avoidance, a script, the explorer (the planner alone), a
+    searcher that knows the house, and the shortest-path oracle. All meet the same starts and targets.
+    """
+
+    groups: ClassVar = {"houses": "What they play", "scores": "Beside others", "out": "Output"}
+
+    agents: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Checkpoints, or names of agents that come with the project (pqn, map-completion, paper,
+    paper-original).
+    Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
+
+    houses: Path = Path(banks.NAME)
+    """Houses to measure in: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to 10
+    rooms), large-test-v1 or home-large-test-v1 (8 to 12), the paper's house, paper-house, or a house file.
+    An object goal is played in those that have the piece, and free floor beside it."""
+
+    targets: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Where targets lie: main, secondary, mixed (or all), habit, or another task as for train; in the
+    paper's house paper-main, paper-secondary and paper-mixed too. By default main, secondary and mixed, one
+    after the other."""
+
+    seed: int = 0
+    """Seeds starts and targets, the same for every policy."""
+
+    backend: str = "continuous"
+    """What simulates the houses: continuous, grid (for houses made with --cell), or module:Class."""
+
+    world: Literal["default", "long", "noisy", "paper"] = "default"
+    """Preset of the simulator that all play in, each with its own rays. long: 3000 steps an episode; noisy:
+    2 cm of noise, 2 % of the rays lost and 1 % of the actions without effect, but for searcher and oracle;
+    paper: a collision ends the episode."""
+
+    episodes: int = 1
+    """Episodes in each house."""
+
+    scores: tyro.conf.UseAppendAction[tuple[Path, ...]] = ()
+    """Scores of external agents in the same houses, seed and targets, to show in the tables: the
+    evaluation.json of --out, or what an example's --out writes."""
+
+    beside: Path | None = None
+    """Games that people played in these houses (vitruvius play), to show beside agents and baselines that
+    play the same episodes."""
+
+    out: Path | None = None
+    """Folder for evaluation.json, evaluation.md, evaluation.png and report.html."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): all figures, and each house's."""
+
+    def run(self) -> int:
+        """Print the tables, or the JSON."""
+        from agent.learning.simulator import require_task
+
+        for path in self.agents:
+            located(path)
+        for targets in self.targets:
+            require_task(targets)
+            banks.require_places(targets, self.houses)
+        if self.episodes < 1:
+            raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
+        import torch
+        from rich.console import Console
+
+        from agent.evaluation.baselines import PAPERS
+        from agent.evaluation.plots import ratio_plot
+        from agent.evaluation.protocol import measure, tasks_of
+        from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
+        from agent.evaluation.tables import NOTE, tables
+        from agent.progress import progress
+        from agent.report.folder import write_report
+        from agent.runs import checkpoint
+        from logic.house.files import require_folder, write_whole
+
+        require_folder(self.out)
+        torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
+        agents = by_name(self.agents)
+        for name in PAPERS:
+            agents.setdefault(name, [checkpoint.load(name)])
+        houses = banks.named(self.houses)
+        modes = self.targets or tasks_of(agents)
+        conditions = self.seed, self.backend, self.world, self.episodes
+        others = {path: external(path, houses, modes, *conditions) for path in self.scores}
+        with progress("measuring") as report:
+            how = {"backend": self.backend, "world": self.world, "episodes": self.episodes}
+            results = list(measure(agents, houses, modes, self.seed, report, **how))
+        for path, policies in others.items():
+            results = [joined(result, policies.get(result.mode, {}), path) for result in results]
+
+        bank = Bank(banks.bank_hash(houses), str(self.houses), len(houses))
+        content = ScoreFile(
+            bank,
+            self.seed,
+            modes_of(results),
+            self.backend,
+            self.world,
+            self.episodes,
+            agents=[str(path) for path in self.agents],
+            scores=[str(path) for path in self.scores],
+        )
+        shown, notes = [table for result in results for table in tables(result)], [NOTE]
+        if self.beside:
+            from agent.play.beside import BESIDE_NOTE, people_tables
+
+            shown += people_tables(self.beside, houses, agents)
+            notes.append(BESIDE_NOTE)
+        note = "\n\n".join(notes)
+        title = f"{bank.file}, hash {bank.hash[:12]}, seed {self.seed}"
+        if self.json:
+            print_answer("evaluate", content)
+        else:
+            Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
+        if self.out:
+            page = [f"# Evaluation\n\n{title}", "![Ratios to the oracle](evaluation.png)"]
+            page += [table.markdown() for table in shown]
+            write_whole(self.out / "evaluation.json", content.json())
+            write_whole(self.out / "evaluation.png", ratio_plot(results))
+            write_whole(self.out / "evaluation.md", "\n\n".join([*page, note, ""]).encode())
+            write_report(self.out)
+            say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
+        return 0
+
+
+def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
+    """The checkpoints of each agent: runs of one agent differ in nothing but their training seeds. An agent
+    whose name is taken by another config is named for its folder too.
+
+    Raises ``CheckpointError`` for a file that is none, ``RequestError`` where that name is taken as well.
+    """
+    from agent.runs import checkpoint
+
+    agents: dict[str, list[Checkpoint]] = {}
+    for path in paths:
+        found = checkpoint.load(path)
+        for runs in agents.values():
+            if runs[0].name == found.name and set(differences(runs[0].config, found.config)) <= {"seed"}:
+                runs.append(found)
+                break
+        else:
+            name = found.name if found.name not in agents else f"{found.name} ({path.parent.name})"
+            if name in agents:
+                raise RequestError(f"{path}: another config than {name}'s, by the same name")
+            agents[name] = [found]
+    return agents
+
+
+MOST_CELLS = 64
+"""Environments in a mosaic at most."""
+
+WIDTH = 480
+"""Pixels of the longer side of a house in a film of one."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one. Or write a
+    trace of its episode, which the page of vitruvius report plays.
+    """
+
+    groups: ClassVar = {"house": "The episode", "out": "The film"}
+
+    agent: tyro.conf.Positional[Path]
+    """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
+
+    houses: tyro.conf.Positional[Path]
+    """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
+
+    house: int = 0
+    """Which house of the file, from 0."""
+
+    targets: str = "main"
+    """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
+
+    seed: int = 0
+    """Seeds the start and the targets."""
+
+    steps: int = 1500
+    """How many steps of the episode to film."""
+
+    out: Path = Path("episode.gif")
+    """The film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
+
+    mosaic: str | None = None
+    """Film many environments side by side, as in 4x3: columns and rows. The first is in the house of
+    --house, the others in those after it, from the file's first again where there are fewer; without maps."""
+
+    stride: int = 4
+    """Steps between frames."""
+
+    width: int | None = None
+    """Pixels of the house's longer side, and of the map's: 480; in a mosaic, of each house: 960 by its
+    columns, at least 120."""
+
+    json: bool = False
+    """Print one answer as JSON: the film's name."""
+
+    def run(self) -> int:
+        """Write the film."""
+        from agent.learning.simulator import require_task
+
+        located(self.agent)
+        require_task(self.targets)
+        banks.require_places(self.targets, self.houses)
+        from agent.progress import progress
+        from agent.recording import trace
+        from agent.recording.film import record, record_mosaic, watch
+        from agent.recording.recorder import Recorder
+        from agent.runs import checkpoint
+        from logic.house.files import require_file
+        from sim.film import require_film
+        from vitruvius.answers.houses import Written
+
+        shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
+        if shape and is_trace:
+            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment")
+        try:
+            if not is_trace:
+                require_film(self.out)
+        except ValueError as error:
+            raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
+        require_file(self.out, [self.out.suffix])
+        agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
+        if not 0 <= self.house < len(houses):
+            raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
+        width = self.width if self.width is not None else max(120, 960 // shape[0]) if shape else WIDTH
+        for name, value, least in (
+            ("steps", self.steps, 1),
+            ("stride", self.stride, 1),
+            ("width", width, 100),
+        ):
+            if value < least:
+                raise RequestError(f"--{name} must be {least} or more, not {value}")
+        house, stride = houses[self.house], self.stride
+        how: dict[str, Any] = {"targets": self.targets, "seed": self.seed, "steps": self.steps}
+        with progress("filming") as report:
+            if is_trace:
+                recorder = Recorder(agent.name, self.targets, self.seed)
+                watch(agent, house, [recorder], report=report, **how)
+                trace.save(recorder.trace, self.out)
+            elif shape:
+                rest = [*houses[self.house :], *houses[: self.house]]
+                record_mosaic(agent, rest, self.out, *shape, stride=stride, width=width, report=report, **how)
+            else:
+                record(agent, house, self.out, stride=stride, width=width, report=report, **how)
+        if self.json:
+            print_answer("record", Written([str(self.out)]))
+        else:
+            print(self.out)
+        return 0
+
+    def _mosaic(self) -> tuple[int, int] | None:
+        """Columns and rows of a mosaic, if one is asked for."""
+        if self.mosaic is None:
+            return None
+        found = re.fullmatch(r"(\d{1,2})x(\d{1,2})", self.mosaic.strip())
+        columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
+        if not 1 <= columns * rows <= MOST_CELLS:
+            raise RequestError(
+                f"--mosaic {self.mosaic}: write columns and rows as 4x3, of {MOST_CELLS} environments at most"
+            )
+        return columns, rows
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Rules to houses to a trained agent and its report, in a few minutes."""
+
+    out: Path = Path("runs/demo")
+    """Folder for the report and all that it shows."""
+
+    seed: int = 0
+    """Seeds the houses, those to learn in and those to be measured in, and the training."""
+
+    def run(self) -> int:
+        """Do it all; 1 if the agent does not clearly beat the random walk and the paper's human's ratio."""
+        from logic.house.files import require_folder
+        from vitruvius.demo import demo
+
+        require_folder(self.out)
+        return demo(self.out, self.seed)

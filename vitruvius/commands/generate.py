@@ -1,0 +1,264 @@
+"""``vitruvius generate``: its options, and what it writes."""
+
+import errno
+import json
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import tyro
+from rich.progress import TextColumn
+
+from logic.errors import RequestError, VitruviusError
+from logic.house.house import House
+from logic.terminal import progress, progress_bar, say
+from vitruvius.commands.common import Repeated, counts, print_answer, say_warnings
+
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+"""Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Make houses from rules."""
+
+    groups: ClassVar = {
+        "rooms": "What the houses have",
+        "plan": "Rooms that are given",
+        "grammar": "Which houses, of all that there are",
+        "workers": "Work",
+        "out": "Output",
+    }
+
+    rooms: int | None = None
+    """Number of rooms, 1 to 128, not counted a main room as in family; with a plan, as many as it has."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
+
+    plan: Path | None = None
+    """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
+
+    plan_unit: str = "m"
+    """Of GeoJSON: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02."""
+
+    snap: float = 0.01
+    """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
+
+    keep: Path | None = None
+    """House file: a house of it keeps its rooms, and the rest is generated around them. Where rooms share
+    walls, all walls, doors and windows stay; types and furniture of the other rooms are generated."""
+
+    keep_house: int = 0
+    """Which house of that file, from 0."""
+
+    keep_rooms: tuple[str, ...] = ()
+    """Which of its rooms, as in --keep-rooms R0 R2; without it, all."""
+
+    grammar: str = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seed: int = 0
+    """With the index of a house, all that its random choices depend on."""
+
+    count: int = 1
+    """How many houses."""
+
+    start: int = 0
+    """Index of the first house: any slice of a series can be made by itself."""
+
+    workers: int = 1
+    """Solver processes. They change the time, never the houses."""
+
+    inferences: int = 100_000_000
+    """Most Prolog inferences for a house."""
+
+    seconds: float = 60.0
+    """Most seconds for a house, or for all counts; those to start and to load the rules, a few, are not among
+    them."""
+
+    count_layouts: bool = False
+    """Make no houses, but count the layouts from which they are sampled."""
+
+    out: Path | None = None
+    """House file (.jsonl, .jsonl.gz, or .json for one house); without it, or with -, to the standard
+    output."""
+
+    replace: bool = False
+    """Lose the other houses that the house file holds, if any."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): what was made."""
+
+    def run(self) -> int:
+        """Write the houses; where a limit, Ctrl-C or SIGTERM ends the work, those made so far, and why."""
+        from logic import generate
+        from logic.house.files import STANDARD
+        from logic.house.replacing import require_same_series
+
+        say_warnings()
+        if self.count_layouts:
+            return self._count()
+        out = None if self.out == STANDARD else self.out
+        _require_writable(out, self.count)
+        houses: list[House] = []
+        held = 0
+        began = time.monotonic()
+        request = generate(
+            rooms=self.rooms,
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            cell=self.cell,
+            plan=self.plan or self._plan_kept(),
+            plan_unit=self.plan_unit,
+            snap=self.snap,
+            keep=self._kept(),
+            grammar=self.grammar,
+            seed=self.seed,
+            count=self.count,
+            start=self.start,
+            workers=self.workers,
+            inferences=self.inferences,
+            seconds=self.seconds,
+        )
+        try:
+            for house in progress(request, self.count, "houses"):
+                if out and not houses and not self.replace:
+                    held = require_same_series(out, house, self.start + self.count - 1)
+                houses.append(house)
+                if out is None and not self.json:
+                    print(json.dumps(house.to_dict()), flush=True)
+        except (VitruviusError, KeyboardInterrupt) as end:
+            if out and len(houses) > held:
+                self._save(houses, out, str(end) or "interrupted")
+            raise
+        if out:
+            self._save(houses, out)
+            say(f"{out}: {len(houses)} made. Next: vitruvius draw {out}")
+        if self.json:
+            shown = [] if out else [house.to_dict() for house in houses]
+            self._answer(time.monotonic() - began, made=len(houses), houses=shown)
+        return 0
+
+    def _answer(self, seconds: float, made: int = 0, **found: Any) -> None:
+        """Print what was made or counted as JSON."""
+        from logic.house.files import STANDARD
+        from vitruvius.answers.houses import Generated
+
+        out = str(self.out) if self.out and self.out != STANDARD else None
+        of = Generated(out, made, round(seconds, 3), self.grammar, self.seed, self.start, **found)
+        print_answer("generate", of, 0 if all(each.exact for each in of.counted) else 4)
+
+    def _save(self, houses: list[House], out: Path, stopped: str = "") -> None:
+        """Write the houses and why there are no more; where the disk is full, as many as it takes."""
+        from logic import save
+
+        kept, full = len(houses), None
+        while True:
+            try:
+                save(houses[:kept], out, stopped and f"at house {self.start + kept}: {stopped}")
+                break
+            except OSError as error:
+                kept = kept * 9 // 10
+                if error.errno not in FULL or not kept:
+                    raise full or error from None
+                full = full or error
+                stopped = os.strerror(error.errno)
+        if stopped:
+            say(f"{out}: holds the first {kept} of {len(houses)} made")
+        if full:
+            raise full
+
+    def _kept(self) -> House | None:
+        """The rooms that are kept. Raises ``RequestError`` for one that is not there."""
+        house = self._house_kept()
+        try:
+            return house.only(*self.keep_rooms) if house and self.keep_rooms else house
+        except ValueError as error:
+            raise RequestError(f"--keep-rooms: {error}") from None
+
+    def _plan_kept(self) -> House | None:
+        """A house that is no star, as the plan in which rooms of it are kept: others may have any type."""
+        from msgspec.structs import replace
+
+        house = self._house_kept()
+        if house is None or house.is_star:
+            return None
+        names = self.keep_rooms or [room.name for room in house.rooms]
+        rooms = (room if room.name in names else replace(room, type="") for room in house.rooms)
+        return replace(house, rooms=tuple(rooms))
+
+    def _house_kept(self) -> House | None:
+        """The house of which rooms are kept. Raises ``RequestError`` where there is none."""
+        from logic import load
+
+        if self.keep is None:
+            if self.keep_house or self.keep_rooms:
+                raise RequestError(
+                    "--keep-house and --keep-rooms are of a house file: give it by --keep FILE"
+                )
+            return None
+        houses = load(self.keep)
+        if not 0 <= self.keep_house < len(houses):
+            raise RequestError(
+                f"--keep-house {self.keep_house}: {self.keep} has houses 0 to {len(houses) - 1}"
+            )
+        return houses[self.keep_house]
+
+    def _count(self) -> int:
+        """Print the number of layouts of the rooms and of each type's furniture; 4 if some are too many."""
+        from logic import count_layouts
+        from vitruvius.answers.houses import Layouts
+
+        for option, given in (("--keep", self.keep), ("--plan", self.plan)):
+            if given:
+                raise RequestError(f"--count-layouts counts those of whole houses: leave out {option}")
+        if self.rooms is None:
+            raise RequestError("--count-layouts counts those of some rooms: say how many, as in --rooms 6")
+        if self.out:
+            raise RequestError("--count-layouts makes no houses: leave out --out")
+        first = begun = time.monotonic()
+        counted = list[Layouts]()
+        with progress_bar(TextColumn("{task.description}")) as bar:
+            task = bar.add_task("")
+
+            def report(name: str, number: int) -> None:
+                passed = time.monotonic() - begun
+                bar.update(task, description=f"{name}: {number:,} layouts after {passed:.0f} s")
+
+            for name, number, whole in count_layouts(
+                self.rooms,
+                types=counts("--type", self.type),
+                furniture=counts("--piece", self.piece),
+                grammar=self.grammar,
+                seconds=self.seconds,
+                report=report,
+            ):
+                counted.append(Layouts(name, number, whole))
+                more = "" if whole else f"in {self.seconds:g} s, more than "
+                if not self.json:
+                    print(f"{name}: {more}{number:,}", flush=True)
+                begun = time.monotonic()
+                bar.update(task, description="")
+        if self.json:
+            self._answer(time.monotonic() - first, counted=counted)
+        return 0 if all(each.exact for each in counted) else 4
+
+
+def _require_writable(out: Path | None, count: int) -> None:
+    """Say before the work, not after it, that its place cannot take it."""
+    from logic.house.files import HOUSE_FILES, require_file
+
+    if out is None:
+        return
+    require_file(out, HOUSE_FILES)
+    if out.name.removesuffix(".gz").endswith(".json") and count != 1:
+        raise RequestError(f"--out {out}: a .json file holds one house, not {count}: use .jsonl")

@@ -1,0 +1,258 @@
+"""``vitruvius check``, ``draw`` and ``convert``: what is done with files of houses."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+
+import tyro
+
+from logic.spelling import printable
+from logic.terminal import progress, say
+from vitruvius.commands.common import Repeated, print_answer
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logic.house.house import House
+    from vitruvius.answers.houses import Differences
+
+
+@dataclass(frozen=True)
+class Check:
+    """Check houses by plain geometry, apart from the rules that made them. Houses count from 0."""
+
+    file: tyro.conf.Positional[Path]
+    """House file, or - for the standard input."""
+
+    promises: Annotated[str | None, tyro.conf.arg(metavar="FILE|GRAMMAR")] = None
+    """Judge by other promises than the houses' own: a JSON file that replaces some of them, as
+    {"door_clearance": 0.9, "passage": 0.9}, or a grammar, by its name or folder (docs/house-file.md)."""
+
+    clear_front: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="PIECE")] = ()
+    """A piece type that is used from its front: 0.42 m must be free there."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): each house and its violations."""
+
+    def run(self) -> int:
+        """Print a line for each violation; 1 if there is any."""
+        from msgspec.structs import replace
+
+        from logic import check, load
+        from logic.spelling import unknown
+        from logic.workers.standards import promises_of, standard
+        from vitruvius.answers.houses import Checked, Violations
+
+        houses = load(self.file)
+        pieces = sorted({each.type for house in houses for room in house.rooms for each in room.pieces})
+        for name in self.clear_front:
+            if name not in pieces:
+                say(f"--clear-front {name}: {unknown('piece', name, pieces)}")
+        judged_by = promises_of if self.promises is None else standard(self.promises)
+        checked = list[Violations]()
+        for index, house in enumerate(progress(houses, len(houses), "houses")):
+            promises = judged_by(house)
+            clear = (*promises.clear_front, *self.clear_front)
+            violations = check(house, replace(promises, clear_front=clear))
+            checked.append(Violations(index, violations))
+            for violation in [] if self.json else violations:
+                print(printable(f"{self.file}: house {index}: {violation}"))
+        nonconforming = sum(bool(each.violations) for each in checked)
+        if self.json:
+            print_answer("check", Checked(str(self.file), nonconforming, checked), int(nonconforming > 0))
+        say(f"{self.file}: {len(houses)} checked, {nonconforming or 'none'} with violations")
+        return 1 if nonconforming else 0
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Draw plans of houses and a contact sheet; to a scale on paper (--scale), or what differs between two
+    files of houses (--diff).
+    """
+
+    groups: ClassVar = {
+        "out": "Pictures",
+        "palette": "Looks",
+        "scale": "Pages to scale",
+        "diff": "Differences",
+        "json": "For programs",
+    }
+
+    file: tyro.conf.Positional[Path]
+    """House file, or - for the standard input."""
+
+    out: Path = Path("plans")
+    """Folder for the pictures."""
+
+    format: Literal["svg", "png", "pdf"] = "svg"
+    """What the plans are written as; a PDF is one file, with a page for each."""
+
+    one_scale: bool = False
+    """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
+
+    palette: Literal["colour", "distinct", "grey"] = "colour"
+    """colour: each room type has its own; distinct: colours that the colour-blind tell
+    apart; grey: for print, types differ in their grey or their pattern."""
+
+    grammar: str | None = None
+    """A shipped grammar's name, or a directory of rules: its looks.json says which colours and symbols types
+    have. By default the houses' own, where it is a shipped one."""
+
+    scale: str | None = None
+    """Draw each house on a page of true millimetres, to this scale, as in 1:50."""
+
+    paper: Literal["A4", "A3", "A2", "A1", "A0"] | None = None
+    """With --scale: the size of the pages; by default for each house the smallest that holds it."""
+
+    diff: Path | None = None
+    """Another house file: draw what came, went and moved from each house of the first to the one at its place
+    in this one."""
+
+    json: bool = False
+    """Print one answer as JSON: the names of the files, and with --diff what changed."""
+
+    def run(self) -> int:
+        """Write a picture of each house, numbered from 0 as in the file, and one of all."""
+        from logic import load
+        from logic.drawing.draw import draw
+        from logic.house.files import require_folder
+
+        self._require()
+        require_folder(self.out)
+        if self.diff is not None:
+            return self._changes(self.diff)
+        houses = load(self.file)
+        if self.scale is not None:
+            return self._pages(houses, self.scale)
+        pictures = draw(houses, self.out, self.format, self.one_scale, self.palette, self.grammar)
+        beside = (
+            f" and {len(pictures) - 1} plans beside it" if len(pictures) > 1 else f": {len(houses)} plans"
+        )
+        self._answer(pictures)
+        say(f"{pictures[-1]}{beside}")
+        return 0
+
+    def _answer(self, files: "Sequence[Path]", differences: "Sequence[Differences]" = ()) -> None:
+        """Remove what an earlier run drew beside it, and print what was drawn, if it is asked for."""
+        from vitruvius.answers.houses import Drawn
+
+        _remove_others(self.out, files)
+        if self.json:
+            print_answer("draw", Drawn([str(file) for file in files], list(differences)))
+
+    def _require(self) -> None:
+        """Refuse options that say nothing together."""
+        from logic.errors import RequestError
+
+        if self.paper and not self.scale:
+            raise RequestError(f"--paper {self.paper}: say by --scale how large, as --scale 1:50")
+        if self.scale and (self.one_scale or self.diff):
+            other = "--one-scale" if self.one_scale else "--diff"
+            raise RequestError(f"--scale and {other}: leave out one of them")
+        if self.diff and (self.format == "pdf" or self.one_scale):
+            other = "--format pdf" if self.format == "pdf" else "--one-scale"
+            raise RequestError(f"--diff and {other}: leave out one of them")
+
+    def _pages(self, houses: "list[House]", scale: str) -> int:
+        """Write a page for each house."""
+        from logic.drawing.draw import write_pages
+        from logic.drawing.pages import page, scale_of
+        from logic.drawing.palettes import style
+
+        ratio, look = scale_of(scale), style(houses, self.palette, self.grammar)
+        pages = [page(house, look, ratio, self.paper, f"house {n}") for n, house in enumerate(houses)]
+        written = write_pages(pages, self.out, self.format, unit="mm")
+        names = f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}"
+        self._answer(written)
+        say(f"{names}: {len(pages)} pages at 1:{ratio}")
+        return 0
+
+    def _changes(self, after: Path) -> int:
+        """Write a picture of what changed for each pair of houses, and print the changes."""
+        from logic import load
+        from logic.drawing.difference import diff_drawing
+        from logic.drawing.draw import encoded
+        from logic.errors import RequestError
+        from logic.house.diff import changes
+        from logic.house.files import write_whole
+        from vitruvius.answers.houses import Differences
+
+        pairs = load(self.file), load(after)
+        if len(pairs[0]) != len(pairs[1]):
+            counts = f"{self.file} has {len(pairs[0])} houses, {after} {len(pairs[1])}"
+            raise RequestError(
+                f"--diff: {counts}: each is compared with the one at its place, so give as many"
+            )
+        digits, files, differences = len(str(len(pairs[0]) - 1)), [], []
+        for index, (old, new) in enumerate(zip(*pairs, strict=True)):
+            found = changes(old, new)
+            drawing = diff_drawing(old, new, found)
+            page = [((0.0, 0.0), drawing)], drawing.width, drawing.height
+            path = self.out / f"diff-{index:0{digits}}.{self.format}"
+            write_whole(path, encoded(page, "png" if self.format == "png" else "svg"))
+            files.append(path)
+            differences.append(Differences(index, found))
+            for change in found if not self.json else ():
+                print(printable(f"house {index}: {change}"))
+            say(f"{path}: {len(found) or 'no'} changes")
+        self._answer(files, differences)
+        return 0
+
+
+@dataclass(frozen=True)
+class Convert:
+    """Write houses of any format as a house file of today, or in the format of another tool."""
+
+    file: tyro.conf.Positional[Path]
+    """House file, or - for the standard input."""
+
+    out: Path
+    """The new house file (.jsonl, .jsonl.gz, or .json for one house); for other formats a folder."""
+
+    to: Annotated[
+        Literal["vitruvius-2", "geojson", "gltf", "mjcf", "ros", "usd"], tyro.conf.arg(metavar="FORMAT")
+    ] = "vitruvius-2"
+    """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house.
+    geojson: in metres; gltf, usd: walls 2.5 m high; mjcf: MuJoCo's XML, with a robot and its range finders;
+    ros: an occupancy map for map_server."""
+
+    replace: bool = False
+    """Lose the other houses that the new house file holds, if any."""
+
+    json: bool = False
+    """Print one answer as JSON: the names of the files."""
+
+    def run(self) -> int:
+        """Read the houses and write them."""
+        from logic import load, save
+        from logic.exports import FORMATS, export
+        from logic.house.files import HOUSE_FILES, require_ending, require_folder
+        from logic.house.replacing import require_same_houses
+        from vitruvius.answers.houses import Written
+
+        if self.to == "vitruvius-2":
+            require_ending(self.out, HOUSE_FILES)
+            houses = [house.converted() for house in load(self.file)]
+            if not self.replace:
+                require_same_houses(self.out, houses)
+            save(houses, self.out)
+            if self.json:
+                print_answer("convert", Written([str(self.out)]))
+            say(f"{self.out}: {len(houses)} converted")
+            return 0
+        require_folder(self.out)
+        written = export(load(self.file), self.out, self.to)
+        endings = FORMATS[self.to].endings
+        _remove_others(self.out, [path.with_suffix(ending) for path in written for ending in endings])
+        if self.json:
+            print_answer("convert", Written([str(each) for each in written]))
+        say(f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}: {len(written)} converted")
+        return 0
+
+
+def _remove_others(folder: Path, written: "Sequence[Path]") -> None:
+    """Remove the pictures or files of an earlier run with more houses, and say so."""
+    from logic.house.replacing import remove_others
+
+    if number := remove_others(folder, written):
+        say(f"{folder}: {number} of an earlier run removed")

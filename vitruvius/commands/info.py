@@ -1,0 +1,104 @@
+"""``vitruvius info``: what a file, a folder or a name is."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import msgspec
+import tyro
+
+from logic.spelling import printable
+from vitruvius.commands.common import print_answer
+from vitruvius.help import columns, entry
+from vitruvius.info.kinds import Kind
+from vitruvius.info.recognise import recognised
+
+TITLES = {
+    "houses": "houses",
+    "plan": "plan in GeoJSON, for vitruvius generate --plan",
+    "agent": "agent, for vitruvius evaluate",
+    "run": "training run, for vitruvius train --resume",
+    "games": "games that people played, for vitruvius play --replay",
+    "scores": "scores, for vitruvius evaluate --scores",
+    "trace": "trace of an episode",
+    "grammar": "grammar, for vitruvius generate --grammar",
+    "keras": "weights of Keras, for vitruvius import-keras",
+    "settings": "settings, for vitruvius train --preset or --config",
+}
+"""What each kind is called."""
+
+HIDDEN = {"kind", "name", "config"}
+"""Fields that are for programs."""
+
+ALIKE = {"formats", "topologies", "grammars"}
+"""Counts of houses, which say nothing where all are alike."""
+
+LARGE = {"houses", "parameters", "steps", "of_steps", "games", "length"}
+"""Numbers that are grouped by thousands."""
+
+
+class About(msgspec.Struct, frozen=True):
+    """Of ``info``: all that the name is; a path is one thing, and a name may be several."""
+
+    found: list[Kind]
+
+
+@dataclass(frozen=True)
+class Info:
+    """Say what a file or folder is, or a name that comes with Vitruvius: houses, a grammar, an agent, a run.
+
+    It reads house files of every format, GeoJSON plans, checkpoints, folders of train, games, scores, traces,
+    folders of rules, TOML settings and weights of Keras, and runs nothing of them.
+    """
+
+    thing: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="FILE")]]
+    """A path, the name of a bank, a grammar, an agent or a preset, or - for the standard input."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md)."""
+
+    def run(self) -> int:
+        """Print what it is."""
+        found: list[Any] = recognised(self.thing)
+        if self.json:
+            print_answer("info", About(found))
+            return 0
+        print("\n\n".join(_text(msgspec.to_builtins(each)) for each in found))
+        return 0
+
+
+def _text(record: dict[str, Any]) -> str:
+    """What is known of a thing, a row for each of its fields."""
+    rows = [(key.replace("_", " "), _words(key, value)) for key, value in record.items() if key not in HIDDEN]
+    rows = [(key, printable(words)) for key, words in rows if words]
+    longest = max(len(key) for key, _ in rows)
+    title = f"{printable(record['name'])}: {TITLES[record['kind']]}"
+    return "\n".join([title, *(line for row in rows for line in entry(*row, longest, columns()))])
+
+
+def _words(key: str, value: Any) -> str:
+    """A value as people read it; empty where there is nothing to say."""
+    match value:
+        case bool():
+            words = "yes" if value else "no"
+        case (least, most) if key == "rooms":
+            words = f"{least} to {most}" if least < most else str(least)
+        case int() if key in LARGE:
+            words = f"{value:,}"
+        case float():
+            words = f"{value:,.2f}"
+        case dict() if len(value) == 1 and key in ALIKE:
+            words = next(iter(value))
+        case dict():
+            words = ", ".join(f"{name} {_inner(each)}" for name, each in value.items())
+        case tuple() | list():
+            words = ", ".join(map(_inner, value))
+        case _:
+            words = "" if value is None else str(value)
+    return words
+
+
+def _inner(value: Any) -> str:
+    """A value within another."""
+    if isinstance(value, dict):
+        return f"({_words('', value)})"
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,158 @@
+"""``vitruvius play``: its options, and what it does. Cheap to import, as the other commands are."""
+
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import tyro
+
+from agent import banks
+from agent.runs.released import located
+from logic import House
+from logic.errors import MissingProgram, RequestError
+from logic.terminal import say
+
+if TYPE_CHECKING:
+    from agent.play.window import Window
+
+
+@dataclass(frozen=True)
+class Play:
+    """Drive the robot through houses by the keyboard, and race an agent to the targets.
+
+    Arrow keys or W, A, D; the first key starts the clock. Enter: the next house. Esc: the end.
+    """
+
+    groups: ClassVar = {"house": "The game", "player": "Results"}
+
+    houses: tyro.conf.Positional[Path] = Path(banks.NAME)
+    """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
+
+    house: int | None = None
+    """Which house of the file, from 0; by default all, one after the other."""
+
+    targets: str = "main"
+    """Where targets lie: main, secondary, mixed, or another task, as for evaluate; paper-main and so on in
+    the paper's house."""
+
+    seed: int = 0
+    """House i is played with the start and the targets of seed + i, as evaluate plays it."""
+
+    view: Literal["plan", "seen"] = "plan"
+    """What you see: the whole plan with the target, or only what the robot's rays have reached."""
+
+    race: Path | None = None
+    """An agent to race, beside you in the same house to the same targets: a checkpoint or a released one."""
+
+    seconds: float = 15.0
+    """How long a game lasts. Its 1500 steps are spread over it: 100 a second in the paper's 15 seconds."""
+
+    player: str = ""
+    """Your name in the results."""
+
+    out: Path = Path("games.jsonl")
+    """File of results, to which each game is added when it is over."""
+
+    replay: Path | None = None
+    """Show the games of a file of results instead of playing."""
+
+    def run(self) -> int:
+        """Play the houses, or show games."""
+        from agent.learning.simulator import require_task
+        from agent.play.results import ENDINGS, load
+        from logic.house.files import require_file
+
+        if not 1 <= self.seconds <= 3600:
+            raise RequestError(f"--seconds {self.seconds:g}: a game lasts from 1 to 3600 seconds")
+        if not 0 <= self.seed < 2**62:
+            raise RequestError(f"--seed {self.seed}: a whole number from 0 to 2**62 - 1")
+        if self.race:
+            located(self.race)
+        require_task(self.targets)
+        banks.require_places(self.targets, self.houses)
+        require_file(self.out, ENDINGS)
+        games = load(self.replay) if self.replay else []
+        houses = banks.named(self.houses)
+        if self.house is not None and not 0 <= self.house < len(houses):
+            raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
+        window = opened()
+        try:
+            if not games:
+                return self._play(window, houses)
+            for number, game in enumerate(games, start=1):
+                if not window.replay(game, houses, f"{self.replay}:{number}"):
+                    break
+            return 0
+        finally:
+            window.close()
+
+    def _play(self, window: "Window", houses: list[House]) -> int:
+        from datetime import UTC, datetime
+        from importlib.metadata import version
+
+        import torch
+
+        from agent.play.game import Game, agents_scenes
+        from agent.play.results import PlayedGame, append, nobody
+        from agent.runs import checkpoint
+
+        torch.set_num_threads(1)
+        agent = checkpoint.load(self.race) if self.race else None
+        player = self.player or nobody()
+        for index in range(len(houses)) if self.house is None else [self.house]:
+            house, seed = houses[index], self.seed + index
+            game = Game(house, self.targets, seed)
+            race = (agent.name, agents_scenes(agent, house, self.targets, seed)) if agent else None
+            if not window.play(game, self.seconds, self.view, race):
+                break
+            raced = {race[0]: race[1][-1].found} if race else {}
+            played = PlayedGame(
+                player=player,
+                house=banks.geometry_hash(house),
+                index=index,
+                targets=self.targets,
+                seed=seed,
+                view=self.view,
+                seconds=self.seconds,
+                actions="".join(game.actions),
+                score=game.score,
+                raced=raced,
+                taken=datetime.now(UTC).isoformat(timespec="seconds"),
+                versions={"vitruvius": version("vitruvius")},
+            )
+            append(self.out, [played])
+            theirs = "".join(f", {name} {score}" for name, score in raced.items())
+            say(f"house {index}: {player} {game.score}{theirs}: {self.out}")
+            more = self.house is None and index + 1 < len(houses)
+            keys = "Enter: the next house   Esc: the end" if more else "Enter or Esc: the end"
+            if not window.show([f"you {game.score}{theirs}", keys]) or not more:
+                break
+        return 0
+
+
+DISPLAYS = {"x11": "DISPLAY", "wayland": "WAYLAND_DISPLAY"}
+"""SDL's drivers on Linux, and the variables that say where their displays are."""
+
+
+def opened() -> "Window":
+    """The window. Raises ``MissingProgram`` where there is no display."""
+    import pygame
+
+    from agent.play.window import Window
+
+    if sys.platform == "linux" and not os.environ.get("SDL_VIDEODRIVER"):
+        # Left to itself SDL takes a driver that draws where nobody sees it, and the game waits for ever.
+        drivers = [driver for driver, variable in DISPLAYS.items() if os.environ.get(variable)]
+        if not drivers:
+            raise _no_display(f"neither {' nor '.join(DISPLAYS.values())} is set")
+        os.environ["SDL_VIDEODRIVER"] = ",".join(drivers)
+    try:
+        return Window()
+    except pygame.error as error:
+        raise _no_display(str(error)) from None
+
+
+def _no_display(reason: str) -> MissingProgram:
+    return MissingProgram(f"play needs a display: {reason}. On a machine without one: xvfb-run, or ssh -X")

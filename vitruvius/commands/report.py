@@ -1,0 +1,32 @@
+"""``vitruvius report``: its options, and what it does. Cheap to import."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Report:
+    """A run as one HTML file: plans to filter, learning curves, figures with intervals, episodes to play.
+
+    It needs no network and no other file. demo, train, evaluate --out and bench write one too.
+    """
+
+    folder: tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="RUN")]]
+    """Folder of a run: what demo, train, evaluate --out or bench wrote; also one of house files, or of traces
+    (vitruvius record --out RUN/NAME.trace.json)."""
+
+    out: Path | None = None
+    """The file; by default report.html in the folder."""
+
+    def run(self) -> int:
+        """Write the file."""
+        from agent.report.folder import write_report
+        from logic.house.files import require_file
+
+        if self.out:
+            require_file(self.out, [".html"])
+        print(write_report(self.folder, self.out))
+        return 0

@@ -1,0 +1,167 @@
+"""``vitruvius lint`` and ``explain``: what is wrong with rules, and what they say of a request or a house."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import reduce
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+import tyro
+
+from logic.errors import RequestError
+from logic.spelling import printable
+from logic.terminal import say
+from vitruvius.commands.common import Repeated, counts, print_answer, say_warnings
+
+
+@dataclass(frozen=True)
+class Explain:
+    """Say why no house satisfies a request (--rooms), or why a house is as it is (HOUSES --why R3.bed)."""
+
+    groups: ClassVar = {"why": "A part of a house", "rooms": "A request", "grammar": "Rules, limits, answer"}
+
+    file: tyro.conf.Positional[Annotated[Path | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
+    """House file: explain a part of a house in it."""
+
+    why: str | None = None
+    """The part: a room (R3) or a piece (R3.bed, R3.bed2 for the second); of a star a door (R3.door) or main;
+    of a plan a door (R1-R3), the entrance, or a window (R3.window)."""
+
+    house: int = 0
+    """Index of the house in the file, counted from 0."""
+
+    rooms: int | None = None
+    """Number of rooms, 1 to 128, not counted a main room as in family."""
+
+    type: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="TYPE=COUNT")] = ()
+    """Number of rooms of a type: bedroom=2, bedroom=1..3 or bedroom=2.. ."""
+
+    piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
+    """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
+
+    plan: Path | None = None
+    """A house file of one house, or GeoJSON, with all rooms in their places."""
+
+    plan_unit: str = "m"
+    """Of GeoJSON: m, dm, cm, mm, ft, in, or metres to a unit, as in 0.02."""
+
+    snap: float = 0.01
+    """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
+
+    cell: float = 0.0
+    """Side of a grid's cell in metres; 0 for none."""
+
+    grammar: str | None = None
+    """A shipped grammar's name, or a directory of rules; family, or the house's own."""
+
+    seconds: float = 60.0
+    """Most seconds."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): the reasons."""
+
+    def run(self) -> int:
+        """Print the reasons; 1 where a request has a house after all."""
+        from logic import Unsatisfiable, generate
+        from vitruvius.answers.houses import Explained
+
+        say_warnings()
+        if self.file is not None:
+            return self._house(self.file)
+        if (self.rooms is None and self.plan is None) or self.why is not None:
+            raise RequestError(
+                "explain a request, as in explain --rooms 3 --type bathroom=9, or a part of a house, as in "
+                "explain houses.jsonl --why R3"
+            )
+        houses = generate(
+            rooms=self.rooms,
+            types=counts("--type", self.type),
+            furniture=counts("--piece", self.piece),
+            plan=self.plan,
+            plan_unit=self.plan_unit,
+            snap=self.snap,
+            cell=self.cell,
+            grammar=self.grammar or "family",
+            seconds=self.seconds,
+        )
+        try:
+            next(houses)
+        except Unsatisfiable as proof:
+            if self.json:
+                conflict = (proof.reasons, proof.advice, proof.unfurnishable)
+                print_answer("explain", Explained(False, proof.grammar, proof.request, *conflict))
+            else:
+                print(printable(str(proof), "\n"))
+            return 0
+        if self.json:
+            print_answer("explain", Explained(True, self.grammar or "family"), 1)
+        else:
+            print("There are such houses: vitruvius generate")
+        return 1
+
+    def _house(self, file: Path) -> int:
+        """Print why a part of a house is as it is."""
+        from logic import load
+        from logic.why.answer import Why, as_text
+        from logic.workers.explain import explained
+        from vitruvius.answers.houses import Explained
+
+        asked = {"--rooms": self.rooms, "--type": self.type, "--piece": self.piece, "--cell": self.cell}
+        asked["--plan"] = self.plan
+        if given := [option for option, value in asked.items() if value]:
+            raise RequestError(f"{' and '.join(given)}: asks about a request: leave out that, or {file}")
+        if self.why is None:
+            raise RequestError(
+                f"explain {file}: say what with --why, as in --why R0 or --why R0.bed; of a star --why main, "
+                "--why R0.door; of a plan --why entrance, --why R0-R1, --why R0.window"
+            )
+        houses = load(file)
+        if not 0 <= self.house < len(houses):
+            raise RequestError(f"--house {self.house}: {file} has houses 0 to {len(houses) - 1}")
+        parts = explained(houses[self.house], self.why, grammar=self.grammar, seconds=self.seconds)
+        kept = list[Why]()
+
+        def shown() -> "Iterator[Why]":
+            for part in parts:
+                kept.append(part)
+                yield part
+
+        for line in as_text(shown()):
+            if not self.json:
+                print(printable(line), flush=True)
+        answer = reduce(Why.joined, kept)
+        code = 4 if answer.limit else 0
+        if self.json:
+            print_answer("explain", Explained(file=str(file), house=self.house, why=answer), code)
+        if answer.limit:
+            say(answer.limit)
+        return code
+
+
+@dataclass(frozen=True)
+class Lint:
+    """Find the mistakes in rule files that clingo and Prolog pass over."""
+
+    grammar: tyro.conf.Positional[str] = "family"
+    """A shipped grammar's name, or a directory of rules."""
+
+    seconds: float = 60.0
+    """Most seconds."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): all findings."""
+
+    def run(self) -> int:
+        """Print a line for each finding; 1 if any is an error."""
+        from logic import lint
+        from vitruvius.answers.houses import Linted
+
+        found = list(lint(self.grammar, self.seconds))
+        errors = sum(finding.severity == "error" for finding in found)
+        if self.json:
+            answer = Linted(self.grammar, errors, len(found) - errors, found)
+            print_answer("lint", answer, int(errors > 0))
+        for finding in [] if self.json else found:
+            print(printable(str(finding)))
+        say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
+        return 1 if errors else 0

@@ -1,0 +1,204 @@
+"""``vitruvius train``, ``export`` and ``import-keras``: their options, and what they do.
+
+Cheap to import: torch, taichi and all that needs them are imported when a command runs.
+"""
+
+import os
+import shlex
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
+
+import tyro
+
+from agent.algorithms.presets import LEARNT_IN, PRESETS
+from agent.learning.config import PQNConfig, TrainConfig
+from logic.errors import RequestError
+from logic.spelling import unknown
+from vitruvius.commands.common import print_answer
+from vitruvius.options import options_of
+from vitruvius.settings import read, written
+
+Preset = Literal["pqn", "map-completion", "viewpoints", "pqn-recurrent", "dqn", "paper"]
+Kind = TypeVar("Kind", bound=TrainConfig)
+
+
+@dataclass(frozen=True)
+class Train(Generic[Kind]):
+    """Train an agent in houses. Its checkpoint, learning curve and metrics lie in one folder.
+
+    Several processes learn as one: python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
+    """
+
+    groups: ClassVar = {"out": "The run", "preset": "Settings"}
+
+    houses: tyro.conf.Positional[Path | None] = None
+    """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius,
+    for preset paper the paper's house, paper-house."""
+
+    out: Path = Path("runs/train")
+    """Folder for agent.safetensors, config.json, metrics.jsonl, report.html, learning-curve.png and
+    tensorboard/."""
+
+    resume: bool = False
+    """Go on with the run in the folder, if there is one: bit for bit on the CPU, or with more --steps."""
+
+    json: bool = False
+    """Print one answer as JSON (docs/command-line.md): the last report of the run."""
+
+    preset: Preset = "pqn"
+    """Where all settings that are not given come from: train --preset NAME --help shows its values."""
+
+    config: Path | None = None
+    """TOML file of settings, as --print-config prints it; what is given on the command line wins over it."""
+
+    print_config: bool = False
+    """Train nothing, but print all settings as TOML: for --config, which trains the same."""
+
+    name: str | None = None
+    """What to call the agent in tables; by default the preset's name."""
+
+    learning: Annotated[Kind, tyro.conf.arg(name="")] = field(default_factory=PQNConfig)  # pyright: ignore
+    """How to learn."""
+
+    @staticmethod
+    def like(arguments: Sequence[str]) -> "Train[TrainConfig]":
+        """The command with the defaults of the preset and of the file of settings that the arguments name."""
+        asked: Any = next(iter(_given(arguments, "--preset")[-1:]), None)
+        if asked is not None and asked not in PRESETS:
+            raise RequestError(f"--preset {asked}: {unknown('preset', asked, PRESETS)}")
+        files = _given(arguments, "--config")
+        if not files:
+            preset = asked or "pqn"
+            return Train(preset=preset, learning=PRESETS[preset])
+        preset, learning, beside = read(Path(files[-1]), asked)
+        # The command line adds fields of the simulator to these, and wins.
+        ours = {text.partition("=")[0] for text in _given(arguments, "--sim")}
+        kept = tuple(text for text in learning.sim if text.partition("=")[0] not in ours)
+        houses = Path(beside["houses"]) if "houses" in beside else None
+        return Train(houses, preset=preset, name=beside.get("name"), learning=replace(learning, sim=kept))
+
+    def run(self) -> int:
+        """Train to the end; the run is saved every half minute on the way."""
+        if self.print_config:
+            houses = str(self.houses) if self.houses else None
+            beside = {"preset": self.preset, "name": self.name, "houses": houses}
+            print(written(self.learning, options_of(self), **beside), end="")
+            return 0
+        from agent.learning.simulator import require_task, simulator
+
+        simulator(self.learning)
+        require_task(self.learning.targets)
+        from agent.banks import require_training
+        from agent.evaluation.plots import learning_curve
+        from agent.report.folder import write_report
+        from agent.runs.runs import run
+        from logic.house.files import require_folder, write_whole
+        from sim.environment.arguments import BANK, house_list
+        from vitruvius.answers.agents import Trained
+
+        require_folder(self.out)
+        file = self.houses or LEARNT_IN.get(self.preset, BANK)
+        houses = house_list(file)
+        require_training(houses, file)
+        command = shlex.join(["vitruvius", *sys.argv[1:]])
+        made, history = run(
+            houses,
+            self.learning,
+            self.out,
+            name=self.name or self.preset,
+            command=command,
+            resume=self.resume,
+        )
+        if int(os.environ.get("RANK", "0")):  # the first rank alone reports
+            return 0
+        agent, last = self.out / "agent.safetensors", history[-1]
+        write_whole(self.out / "learning-curve.png", learning_curve(history))
+        write_report(self.out)
+        if self.json:
+            speeds = last.simulator, last.learner
+            print_answer("train", Trained(str(agent), made.steps, last.seconds, last.targets, *speeds))
+        _say(
+            f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
+            f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
+            f"{last.targets:.1f} targets per 1500 steps while learning. Next: vitruvius evaluate {agent}"
+        )
+        return 0
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write an agent's network as an ONNX file, its memory an input and an output: see agent/runs/export.py."""
+
+    agent: tyro.conf.Positional[Path]
+    """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
+
+    out: Path = Path("agent.onnx")
+    """The file."""
+
+    json: bool = False
+    """Print one answer as JSON: the file's name."""
+
+    def run(self) -> int:
+        """Write the file."""
+        from agent.runs import checkpoint
+        from agent.runs.export import export
+        from logic.house.files import require_file
+        from vitruvius.answers.houses import Written
+
+        require_file(self.out, [".onnx"])
+        export(checkpoint.load(self.agent).network, self.out)
+        if self.json:
+            print_answer("export", Written([str(self.out)]))
+        _say(f"{self.out}")
+        return 0
+
+
+@dataclass(frozen=True)
+class ImportKeras:
+    """Take weights that the paper's original program trained, from the HDF5 file that Keras wrote."""
+
+    file: tyro.conf.Positional[Path]
+    """The HDF5 file, with the layers of the paper's network."""
+
+    out: Path = Path("original.safetensors")
+    """The checkpoint: vitruvius evaluate and record take it."""
+
+    name: str = "original weights"
+    """What to call the agent in tables."""
+
+    json: bool = False
+    """Print one answer as JSON: the checkpoint's name."""
+
+    def run(self) -> int:
+        """Read the weights, write the checkpoint."""
+        from agent.runs import checkpoint
+        from agent.runs.keras import import_keras
+        from logic.house.files import require_file
+        from vitruvius.answers.houses import Written
+
+        require_file(self.out, [".safetensors"])
+        made = import_keras(self.file, self.name, shlex.join(["vitruvius", *sys.argv[1:]]))
+        checkpoint.save(made, self.out)
+        if self.json:
+            print_answer("import-keras", Written([str(self.out)]))
+        _say(f"{self.out}. Next: vitruvius evaluate {self.out}")
+        return 0
+
+
+def _given(arguments: Sequence[str], flag: str) -> list[str]:
+    """The values that arguments give an option."""
+    found = list[str]()
+    for argument, following in pairwise([*arguments, "--"]):
+        if argument == flag and not following.startswith("--"):
+            found.append(following)
+        elif argument.startswith(f"{flag}="):
+            found.append(argument.partition("=")[2])
+    return found
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,347 @@
+"""The whole path in one command: houses from rules, an agent that learns in them, a measurement, a report."""
+
+import io
+import json
+import shutil
+import sys
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+from rich.markdown import Markdown
+
+from agent.algorithms.presets import PRESETS
+from agent.banks import bank_hash, geometry_hash
+from agent.evaluation.plots import learning_curve
+from agent.evaluation.protocol import measure
+from agent.evaluation.result import HUMAN_RATIO, Result
+from agent.evaluation.scores import Bank, ScoreFile, modes_of
+from agent.evaluation.statistics import paired_difference
+from agent.evaluation.tables import SCORE_NOTE, score_table
+from agent.learning.environments import playable
+from agent.learning.learner import Progress
+from agent.progress import Report, progress
+from agent.recording import trace
+from agent.recording.film import record
+from agent.recording.recorder import Recorder
+from agent.report.folder import describe, write_report
+from agent.runs.checkpoint import Checkpoint
+from agent.runs.runs import run
+from logic import House, RequestError, VitruviusError, check, generate, save
+from logic.drawing.draw import contact_sheet
+from logic.house.files import write_whole
+from sim.tasks.furniture import pieces_in
+from sim.tasks.words import in_words
+
+SEARCH = "home"
+"""The grammar of the houses in which a piece is sought: flats and small houses."""
+
+STAR = "family"
+"""The grammar of the houses in which targets lie in the main room: the paper's."""
+
+ROOMS = {SEARCH: (4, 5, 6, 7), STAR: (2, 3, 4, 5)}
+"""Rooms of the houses, in equal shares."""
+
+TRAINING, HELD_OUT = {SEARCH: 256, STAR: 512}, {SEARCH: 64, STAR: 64}
+"""Houses to learn in, and houses to be measured in."""
+
+STEPS, SECONDS = 2_000_000, 60.0
+"""Length of the training; where the machine is slow, the clock binds and compresses the schedules."""
+
+COMPLETION_SECONDS = 80.0
+"""Length of the training of map completion, on two cores."""
+
+EPISODES = 4
+"""In each held-out house, for the difference that map completion makes: with one it is lost in noise."""
+
+GOAL = 0.49
+"""The ratio to the oracle that the agent must exceed: just above ``HUMAN_RATIO``."""
+
+LINES = 5.0
+"""Seconds between the lines of progress in a pipe."""
+
+SHOWN = 12
+"""Plans on the contact sheet."""
+
+AGENT, FORESIGHT = "agent", "foresight"
+"""The agents of this run: for the main room, and the explorer with map completion that seeks a piece."""
+
+BASELINES = ("random + avoidance", "script", "explorer", "oracle")
+"""What is measured with them."""
+
+FILES = (
+    "homes.jsonl",
+    "homes-held-out.jsonl",
+    "stars.jsonl",
+    "stars-held-out.jsonl",
+    "homes.png",
+    "learning-curve.png",
+    "episode.gif",
+    "episode-object.gif",
+    "episode.trace.json",
+    "episode-object.trace.json",
+    "about.json",
+    "report.html",
+    "report.md",
+)
+"""What the demo writes, beside the folders of its ``RUNS``, in which are also the scores of their agents."""
+
+RUNS = "training", "foresight"
+"""Folders of the two trainings: see ``agent.runs.runs``."""
+
+TITLE = "# An agent in houses that it has never seen"
+"""How the report begins."""
+
+MAIN_ROOM = (
+    "**Main room: learning.** In the paper's houses, rooms around a main room, the network of "
+    f"`{AGENT}` began this run with random weights. It has learnt to go to targets that its rays show; it "
+    "keeps no map. The script and the explorer are written by hand and learn nothing."
+)
+
+
+def object_goal(piece: str) -> str:
+    """What the second part shows, in words, for the kind of piece that is sought."""
+    return (
+        f"**Find a {piece} in homes: a planner, and a network that foresees.** `explorer` is a "
+        "next-best-view planner over an occupancy map, written by hand; it learns nothing. `foresight` is "
+        "the same planner with a map completion network that began this run with random weights. It has "
+        "learnt from houses what lies "
+        f"where the map shows nothing yet, and where a {piece} stands, by the kinds of pieces that its rays "
+        "have met. What it adds is the paired difference."
+    )
+
+
+def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
+    """Do it all and write FILES into ``out``; 0 if the agent beats GOAL and random + avoidance, else 1.
+
+    Raises ``RequestError`` for a folder that holds something else than an older demo, ``VitruviusError`` if a
+    house fails the check or two houses are the same.
+    """
+    start = perf_counter()
+    _clear(out)
+    with progress("houses", LINES) as report:
+        made = banks(seed, report)
+    (homes, homes_held_out), (stars, stars_held_out) = made[SEARCH], made[STAR]
+    for name, houses in zip(FILES, (homes, homes_held_out, stars, stars_held_out), strict=False):
+        save(houses, out / name)
+    write_whole(out / "homes.png", _plans(homes_held_out))
+
+    config = replace(PRESETS["pqn"], steps=STEPS, seconds=SECONDS, seed=seed)
+    agent, history = run(stars, config, out / "training", name="pqn", every=LINES)
+
+    piece, kinds = sought(homes)
+    goal = json.dumps({"task": "object", "piece": piece})
+    config = replace(
+        PRESETS["map-completion"],
+        targets=goal,
+        sim=(f"kinds={json.dumps(kinds)}",),
+        seconds=COMPLETION_SECONDS,
+        seed=seed,
+    )
+    foresight, learnt = run(playable(homes, goal), config, out / "foresight", name=FORESIGHT, every=LINES)
+
+    main = _measured("main", AGENT, agent, stars_held_out, out / "episode.gif", seed)
+    film = out / "episode-object.gif"
+    found = _measured(goal, FORESIGHT, foresight, playable(homes_held_out, goal), film, seed, EPISODES)
+    for part, folder, name in ((main, "training", "stars"), (found, "foresight", "homes")):
+        bank = Bank(bank_hash(part.houses), f"{name}-held-out.jsonl", len(part.houses))
+        measured = ScoreFile(bank, seed, modes_of([part.result]), episodes=part.result.episodes)
+        write_whole(out / folder / "evaluation.json", measured.json())
+    write_whole(out / "learning-curve.png", learning_curve(history, main.result))
+    last = history[-1], learnt[-1]
+    words, added = object_goal(piece), f"{gain(found.result)}."
+    page = _page(main, found, words, last, seed=seed, seconds=perf_counter() - start)
+    write_whole(out / "report.md", page.encode())
+    describe(
+        out,
+        TITLE.removeprefix("# "),
+        words,
+        added,
+        MAIN_ROOM,
+        _made(*last),
+        f"Made by `vitruvius demo --seed {seed}`.",
+    )
+    write_report(out)
+
+    console = Console()
+    for part, what in ((found, words), (main, MAIN_ROOM)):
+        console.print("", Markdown(what), score_table(part.result).terminal())
+    console.print("", gain(found.result), "", SCORE_NOTE, "", sep="\n")
+    print(*(out / name for name in (*FILES, *RUNS)), sep="\n")
+    return _verdict(main.result)
+
+
+def _clear(out: Path) -> None:
+    """Remove an older demo: the folder never shows two. The report says from now on whose folder it is."""
+    report = out / "report.md"
+    if out.exists() and any(out.iterdir()) and not (report.exists() and report.read_text().startswith(TITLE)):
+        raise RequestError(f"--out {out}: holds something else than a demo: give another folder")
+    for name in FILES:
+        (out / name).unlink(missing_ok=True)
+    for name in RUNS:
+        shutil.rmtree(out / name, ignore_errors=True)
+    write_whole(report, f"{TITLE}\n\nThe demo is at work: this page is written at its end.\n".encode())
+
+
+def banks(seed: int, report: Report) -> dict[str, tuple[list[House], list[House]]]:
+    """Of each grammar houses to learn in and houses to be measured in, by different seeds, checked, no two
+    the same.
+    """
+    whole, made = sum(TRAINING.values()) + sum(HELD_OUT.values()), list[House]()
+    found: dict[str, tuple[list[House], list[House]]] = {}
+    for grammar, sizes in ROOMS.items():
+        halves: tuple[list[House], list[House]] = [], []
+        for half, number in enumerate((TRAINING[grammar], HELD_OUT[grammar])):
+            for rooms in sizes:
+                request = {"grammar": grammar, "seed": 2 * seed + half, "count": number // len(sizes)}
+                for house in generate(rooms, **request, workers=2):
+                    if faults := check(house):
+                        raise VitruviusError(f"a house of {grammar}, {rooms} rooms, {request}: {faults[0]}")
+                    halves[half].append(house)
+                    made.append(house)
+                    report(len(made) / whole, f"{len(made)} made and checked")
+        found[grammar] = halves
+    if len({geometry_hash(house) for house in made}) < len(made):
+        raise VitruviusError(f"seed {seed} gave the same house twice. Try another --seed")
+    return found
+
+
+def sought(houses: list[House]) -> tuple[str, list[str]]:
+    """The kind of piece that most of the houses have, and all kinds."""
+    having = Counter(kind for house in houses for kind in pieces_in(house))
+    return max(sorted(having), key=lambda kind: having[kind]), sorted(having)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What an agent and the baselines did where targets lay in one kind of room."""
+
+    result: Result
+    houses: list[House]
+    agent: str
+    filmed: int
+    """The house of the film."""
+
+    def film(self) -> str:
+        """What the film shows, in words."""
+        result, house = self.result, self.filmed % (len(self.result.rooms) // self.result.episodes)
+        [agent], [oracle] = (result.policies[name] for name in (self.agent, "oracle"))
+        shown = f"The film shows `{self.agent}` in held-out house {house}"
+        if result.ends_on_pick_up:
+            return (
+                f"{shown}, where its SPL is the median of the houses with the most rooms. It finds the piece "
+                f"after {agent.first[self.filmed]:.0f} steps, the shortest way is "
+                f"{result.shortest[self.filmed]:.0f}."
+            )
+        return (
+            f"{shown}, where its ratio is the median of the houses with the most rooms. It picks up "
+            f"{agent.targets[self.filmed]:.0f} targets, the oracle {oracle.targets[self.filmed]:.0f}. "
+            "Orange rays see the target."
+        )
+
+
+def gain(result: Result) -> str:
+    """What map completion adds to the planner, in one line."""
+    own, base = (result.spl(name) for name in (FORESIGHT, "explorer"))
+    gain = paired_difference(own, base).signed(3)
+    return f"SPL of {FORESIGHT} less explorer, paired by house, {result.episodes} episodes in each: {gain}"
+
+
+def _measured(
+    mode: str,
+    name: str,
+    agent: Checkpoint,
+    houses: list[House],
+    film: Path,
+    seed: int,
+    episodes: int = 1,
+) -> Part:
+    """Measure an agent beside the baselines, and film a typical episode; its trace lies beside the film."""
+    with progress(f"measuring, {in_words(mode)}", LINES) as report:
+        how = {"baselines": BASELINES, "episodes": episodes}
+        [result] = measure({name: [agent]}, houses, [mode], seed, report, **how)
+    filmed = _typical(result, name)
+    recorder = Recorder(name, mode, seed + filmed)
+    with progress(f"filming, {in_words(mode)}", LINES) as report:
+        how = {"targets": mode, "seed": seed + filmed, "watchers": [recorder]}
+        record(agent, houses[filmed % len(houses)], film, report=report, **how)
+    trace.save(recorder.trace, film.with_suffix(trace.ENDING))
+    return Part(result, houses, name, filmed)
+
+
+def _typical(result: Result, agent: str) -> int:
+    """Of the episodes in houses with the most rooms, the one where the agent's ratio, or its SPL where it
+    found what it sought, is the median.
+    """
+    [scores] = result.policies[agent]
+    ratios = result.spl(agent)[0] if result.ends_on_pick_up else scores.targets / result.oracle.clip(1)
+    found = scores.targets >= min(result.ends_on_pick_up, scores.targets.max())
+    most = result.rooms == result.rooms[found].max()
+    large = sorted(np.flatnonzero(most & found), key=lambda house: ratios[house])
+    return int(large[len(large) // 2])
+
+
+def _plans(houses: list[House]) -> bytes:
+    """A contact sheet of some of the houses, as a PNG."""
+    shown = [houses[len(houses) * place // SHOWN] for place in range(SHOWN)]
+    picture = io.BytesIO()
+    contact_sheet(shown, columns=4).save(picture, "PNG")
+    return picture.getvalue()
+
+
+def _verdict(result: Result) -> int:
+    """0 if the agent clearly exceeds GOAL and the random walk, else 1, said on stderr."""
+    agent, walk = result.ratio(AGENT), result.ratio("random + avoidance")
+    if agent.low > max(GOAL, walk.high):
+        return 0
+    print(
+        f"the agent's ratio {agent.text()} does not clearly exceed {GOAL}, which is just above the paper's "
+        f"human in another house ({HUMAN_RATIO}), and that of random + avoidance, {walk.text()}",
+        file=sys.stderr,
+    )
+    return 1
+
+
+def _made(last: Progress, learnt: Progress) -> str:
+    """From what the agent learnt, in words."""
+    return (
+        f"From rules, {TRAINING[SEARCH]} homes (grammar `{SEARCH}`) and {TRAINING[STAR]} of the paper's "
+        f"houses (`{STAR}`) were made to learn in, and {HELD_OUT[SEARCH]} and {HELD_OUT[STAR]} by another "
+        "seed to be measured in. "
+        "All passed the independent check; no two are the same. "
+        f"The agent learnt from {last.steps / 1e6:.1f} million steps in {last.seconds:.0f} s: "
+        f"{last.simulator:,.0f} steps a second in the simulator, {last.learner:,.0f} in the learner. "
+        f"Map completion learnt from the maps of {learnt.steps / 1e6:.1f} million steps of explorers in "
+        f"{learnt.seconds:.0f} s."
+    )
+
+
+def _page(
+    main: Part, found: Part, words: str, last: tuple[Progress, Progress], *, seed: int, seconds: float
+) -> str:
+    """The report, in Markdown."""
+    paragraphs = (
+        TITLE,
+        "Some of the homes that no agent learnt in:",
+        "![Plans of homes](homes.png)",
+        words,
+        f"{gain(found.result)}.",
+        score_table(found.result).markdown(),
+        found.film(),
+        "Right: what it has seen, and how likely it thinks the target to lie where; red: how the house is.",
+        "![An episode of the search](episode-object.gif)",
+        MAIN_ROOM,
+        score_table(main.result).markdown(),
+        "![Learning curve](learning-curve.png)",
+        main.film(),
+        "![An episode](episode.gif)",
+        f"{_made(*last)} All of it took {seconds:.0f} s.",
+        SCORE_NOTE,
+        "Files: [homes](homes.jsonl), [held-out homes](homes-held-out.jsonl), [the paper's "
+        "houses](stars.jsonl), [held-out ones](stars-held-out.jsonl), [agent](training/agent.safetensors), "
+        f"[foresight](foresight/agent.safetensors). Made by `vitruvius demo --seed {seed}`.",
+    )
+    return "\n\n".join(paragraphs) + "\n"

@@ -1,0 +1,263 @@
+"""What is in a file that ``recognise`` knows, as one of ``kinds``. Nothing of it runs."""
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from math import prod
+from os import SEEK_END
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from agent.algorithms.presets import PRESETS
+from agent.banks import BANKS, bank_hash
+from agent.learning.config import TrainConfig, differences
+from agent.play.results import load as load_games
+from agent.runs.released import FORMAT, MOST_HEADER, require_sizes
+from logic import House, RequestError
+from logic.errors import VitruviusError
+from logic.grammar import find, shipped
+from logic.request.geojson import from_geojson
+from logic.request.given_plan import SNAP
+from vitruvius.info.kinds import Agent, Games, Grammar, Houses, Keras, Plan, Run, Scores, Settings, Trace
+
+MOST_TEXT = 1 << 20
+"""What is read of a run's ``config.json``, and of the end of its reports."""
+
+
+class UnknownFileError(VitruviusError):
+    """A file or folder is absent, or is nothing that we know."""
+
+    exit_code = 5
+
+
+def stopped(content: bytes) -> str | None:
+    """Why a series of houses ended early: see ``logic.house.files.save``."""
+    last = content.rstrip().rpartition(b"\n")[2]
+    return json.loads(last)["stopped"] if last.startswith(b'{"stopped":') else None
+
+
+def _counted(words: Iterable[str]) -> dict[str, int]:
+    """How many there are of each, most first."""
+    return dict(Counter(words).most_common())
+
+
+def read_houses(name: str, houses: Sequence[House], stopped: str | None = None) -> Houses:
+    """Houses of a file or a bank; ``stopped`` is why the series ended early."""
+    checksum = bank_hash(houses)
+    origins = [house.provenance for house in houses if house.provenance]
+    numbers = [len(house.counted) for house in houses]
+    rooms = [room for house in houses for room in house.counted]
+    return Houses(
+        name=name,
+        houses=len(houses),
+        formats=_counted(house.format for house in houses),
+        topologies=_counted(house.topology or "not named" for house in houses),
+        rooms=(min(numbers), max(numbers)),
+        types=_counted(room.type for room in rooms),
+        pieces=_counted(piece.type for room in rooms for piece in room.pieces),
+        grammars=_counted(f"{each.grammar} ({each.grammar_hash[:12]})" for each in origins),
+        seeds=tuple(sorted({each.seed for each in origins})),
+        versions=origins[0].versions if origins else {},
+        checksum=checksum,
+        bank=next((bank for bank, known in BANKS.items() if known.hash == checksum), None),
+        stopped=stopped,
+    )
+
+
+def read_plan(name: str, record: dict[str, Any]) -> Plan:
+    """A plan of GeoJSON. Raises ``UnknownFileError`` for other GeoJSON."""
+    try:
+        rooms = from_geojson(record, snap=SNAP)[0]
+    except RequestError as error:
+        raise UnknownFileError(f"{name}: GeoJSON, but no plan: {error}") from None
+    size = max(room.box[2] for room in rooms), max(room.box[3] for room in rooms)
+    return Plan(name=name, rooms=len(rooms), types=_counted(room.type or "any" for room in rooms), size=size)
+
+
+def read_agent(name: str, path: Path) -> Agent:
+    """A checkpoint by its header alone."""
+    try:
+        require_sizes(path)
+        with path.open("rb") as file:
+            length = int.from_bytes(file.read(8), "little")
+            header = json.loads(file.read(min(length, MOST_HEADER)))
+        record, tensors = header.pop("__metadata__"), header
+        shapes = [each["shape"] for each in tensors.values()]
+        config = json.loads(record.get("config", "{}"))
+        return Agent(
+            name=name,
+            agent=record["name"],
+            format=record["format"],
+            readable=record["format"] == FORMAT,
+            algorithm=record["algorithm"],
+            steps=int(record["steps"]),
+            parameters=sum(map(prod, shapes)),
+            targets=str(config.get("targets", "")),
+            houses_checksum=record["houses"],
+            command=record["command"],
+            config=config,
+        )
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
+        raise UnknownFileError(f"{name}: no checkpoint of ours. Make one with: vitruvius train") from None
+
+
+def read_run(name: str, path: Path) -> Run:
+    """A folder of ``train``. Raises ``UnknownFileError`` for another ``config.json``."""
+    try:
+        with (path / "config.json").open("rb") as file:
+            record = msgspec.json.decode(file.read(MOST_TEXT))
+        config, houses = record["config"], record["houses"]
+        last = _last_report(path / "metrics.jsonl")
+        return Run(
+            name=name,
+            preset=record["preset"],
+            algorithm=record["algorithm"],
+            steps=last.get("steps", 0),
+            of_steps=config["steps"],
+            finished=last.get("fraction", 0) >= 1,
+            seconds=last.get("seconds", 0.0),
+            targets=last.get("targets"),
+            houses=houses["number"],
+            houses_checksum=houses["hash"],
+            command=record["command"],
+            versions={key: record[key] for key in ("python", "torch")},
+            files=sorted(each.name for each in path.iterdir() if not each.name.startswith(".")),
+        )
+    except (OSError, KeyError, TypeError, ValueError, AttributeError, msgspec.DecodeError, RecursionError):
+        raise UnknownFileError(
+            f"{name}: its config.json is none of a run. Train one: vitruvius train --out {name}"
+        ) from None
+
+
+def _last_report(path: Path) -> dict[str, Any]:
+    """The last whole line of a run's reports; empty before the first."""
+    if not path.is_file():
+        return {}
+    with path.open("rb") as file:
+        file.seek(-min(path.stat().st_size, MOST_TEXT), SEEK_END)
+        lines = file.read().splitlines()
+    for line in reversed(lines):
+        try:
+            return msgspec.json.decode(line, type=dict)
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+            continue  # a kill may tear the last line
+    return {}
+
+
+def read_games(name: str, path: Path) -> Games:
+    """Results of ``play``. Raises ``ResultsError`` where they are damaged."""
+    games = load_games(path)
+    taken = sorted(game.taken for game in games)
+    return Games(
+        name=name,
+        games=len(games),
+        players=_counted(game.player for game in games),
+        targets=_counted(game.targets for game in games),
+        views=_counted(game.view for game in games),
+        score=sum(game.score for game in games) / len(games),
+        raced=sorted({agent for game in games for agent in game.raced}),
+        houses=len({game.house for game in games}),
+        taken=(taken[0], taken[-1]),
+        versions=games[-1].versions,
+    )
+
+
+def read_scores(name: str, record: dict[str, Any]) -> Scores:
+    """Figures of ``evaluate``. Raises ``UnknownFileError`` for those of another version."""
+    try:
+        bank = record["bank"]
+        ratios = {
+            mode: {
+                policy: round(scores["figures"]["ratio"]["value"], 3)
+                for policy, scores in found["policies"].items()
+                if "ratio" in scores.get("figures", {})
+            }
+            for mode, found in record["targets"].items()
+        }
+        return Scores(
+            name=name,
+            bank=bank["file"],
+            houses=bank["houses"],
+            checksum=bank["hash"],
+            seed=record["seed"],
+            backend=record["backend"],
+            ratios=ratios,
+        )
+    except (KeyError, TypeError, AttributeError):
+        raise UnknownFileError(
+            f"{name}: no scores of this version. Write some by vitruvius evaluate --out"
+        ) from None
+
+
+def read_trace(name: str, record: dict[str, Any]) -> Trace:
+    """A trace, by its header. Raises ``UnknownFileError`` for one of another version."""
+    try:
+        words = {key: record[key] for key in ("format", "agent", "mode", "seed", "length")}
+        return msgspec.convert(
+            {"kind": "trace", "name": name, **words, "targets": len(record["targets"])}, Trace
+        )
+    except (KeyError, TypeError, msgspec.ValidationError):
+        raise UnknownFileError(f"{name}: a trace of another version. Record the episode again") from None
+
+
+def read_grammar(name: str, folder: str | Path) -> Grammar:
+    """A shipped grammar or a folder of rules."""
+    found = find(folder)
+    files = sorted({*found.own, *found.prolog})
+    inside = [file for file in files if file.parent == found.directory]
+    return Grammar(
+        name=name,
+        folder=str(found.directory),
+        topology=found.topology_name,
+        checksum=found.hash,
+        lines={file.name: len(file.read_bytes().splitlines()) for file in inside},
+        shipped=found.directory.name in shipped() and found.directory == find(found.name).directory,
+    )
+
+
+def read_keras(name: str, path: Path) -> Keras:
+    """Weights in HDF5. Raises ``UnknownFileError`` for other HDF5."""
+    import h5py
+
+    try:
+        with h5py.File(path) as file:
+            shapes, versions = _weights(file)
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        reason = str(error).splitlines()[0]
+        raise UnknownFileError(f"{name}: HDF5, but no weights of Keras: {reason}") from None
+    layers = {
+        layer: ", ".join(" x ".join(map(str, shape)) for shape in arrays) for layer, arrays in shapes.items()
+    }
+    parameters = sum(prod(shape) for arrays in shapes.values() for shape in arrays)
+    return Keras(name=name, layers=layers, parameters=parameters, versions=versions)
+
+
+def _weights(file: Any) -> tuple[dict[str, list[tuple[int, ...]]], dict[str, str]]:
+    """The shapes of each layer's arrays, of those that have any, and the versions that wrote them."""
+    group = file.get("model_weights", file)
+    layers = {
+        layer: [tuple(group[layer][_text(key)].shape) for key in group[layer].attrs["weight_names"]]
+        for layer in map(_text, group.attrs["layer_names"])
+    }
+    kept = {"keras_version": "keras", "backend": "backend"}
+    versions = {word: _text(group.attrs[key]) for key, word in kept.items() if key in group.attrs}
+    return {layer: shapes for layer, shapes in layers.items() if shapes}, versions
+
+
+def read_settings(name: str, preset: str, config: TrainConfig) -> Settings:
+    """A preset's config, with what is not as in the preset."""
+    changed = {key: str(getattr(config, key)) for key in differences(config, PRESETS[preset])}
+    return Settings(
+        name=name,
+        preset=preset,
+        algorithm=config.algorithm,
+        steps=config.steps,
+        targets=config.targets,
+        changed=changed,
+    )
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)

@@ -1,0 +1,172 @@
+"""What a path or a name is: by how a file begins. ``reading`` then says what is in it; nothing of it runs."""
+
+import shutil
+import sys
+import tempfile
+import zlib
+from codecs import BOM_UTF8
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from agent.algorithms.presets import PRESETS
+from agent.banks import BANKS, benchmark_path
+from agent.runs.released import located, released
+from logic import HouseFileError, load
+from logic.grammar import shipped
+from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
+from logic.request.geojson import is_geojson
+from logic.spelling import closest, unknown
+from vitruvius import settings
+from vitruvius.info.kinds import Kind
+from vitruvius.info.reading import (
+    UnknownFileError,
+    read_agent,
+    read_games,
+    read_grammar,
+    read_houses,
+    read_keras,
+    read_plan,
+    read_run,
+    read_scores,
+    read_settings,
+    read_trace,
+    stopped,
+)
+
+MOST_BYTES = 1 << 28
+"""What is read of a JSON file that holds no houses, unpacked."""
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How such a file begins."""
+
+PAPER_HOUSE = "paper-house"
+"""``sim.environment.arguments.PAPER_HOUSE``, without Taichi."""
+
+
+def recognised(name: str) -> list[Kind]:
+    """All that a path or a name is: ``paper`` is a grammar, an agent and a preset.
+
+    Raises ``UnknownFileError`` for what is nothing we know, and each kind's own error for what is damaged.
+    """
+    if Path(name) == STANDARD:
+        with tempfile.NamedTemporaryFile() as copy:
+            shutil.copyfileobj(sys.stdin.buffer, copy)
+            copy.flush()
+            return [_file(name, Path(copy.name))]
+    path = Path(name)
+    if path.is_dir():
+        return [_folder(name, path)]
+    if path.exists():
+        return [_file(name, path)]
+    found = list(_named(name))
+    if not found:
+        names = sorted({*BANKS, PAPER_HOUSE, *shipped(), *released(), *PRESETS})
+        beside = [str(each) for each in sorted(path.parent.glob("*"))]
+        if (close := closest(name, [*beside, *names])) in beside:
+            raise UnknownFileError(f"{name}: there is no such file: did you mean {close}?")
+        raise UnknownFileError(f"{name}: there is no such file, and {unknown('name', name, names)}")
+    return found
+
+
+def _named(name: str) -> Iterator[Kind]:
+    """What comes with Vitruvius by this name."""
+    if name in BANKS:
+        yield read_houses(name, load(benchmark_path(name)))
+    if name == PAPER_HOUSE:
+        file = Path(__file__).parents[1] / "sim" / "paper" / "house.json"
+        yield read_houses(name, load(file, whole_pixels=True))
+    if name in shipped():
+        yield read_grammar(name, name)
+    if name in released():
+        yield read_agent(name, located(name))
+    if name in PRESETS:
+        yield read_settings(name, name, PRESETS[name])
+
+
+def _folder(name: str, path: Path) -> Kind:
+    """A run or a grammar."""
+    if (path / "config.json").is_file():
+        return read_run(name, path)
+    if any(path.glob("*.lp")) or any(path.glob("*.pl")):
+        return read_grammar(name, path)
+    there = sorted(each.name for each in path.iterdir())
+    known = [each for each in there if each.endswith((*HOUSE_FILES, ".safetensors", "training"))]
+    hint = f"look at {path / known[0]}" if known else "it has " + (", ".join(there[:5]) or "nothing")
+    raise UnknownFileError(
+        f"{name}: a folder that is no run (no config.json) and no grammar (no .lp): {hint}"
+    )
+
+
+def _file(name: str, path: Path) -> Kind:
+    """By how it begins; by its name where that says more."""
+    try:
+        if not path.is_file():
+            raise UnknownFileError(f"{name}: is a device or a pipe, and no file")
+        with path.open("rb") as file:
+            start = file.read(16)
+    except OSError as error:
+        raise UnknownFileError(f"{name}: cannot be read: {error.strerror}") from None
+    if start.startswith(HDF5):
+        return read_keras(name, path)
+    if path.suffix == ".safetensors" or start[8:9] == b"{":
+        return read_agent(name, path)
+    if path.suffix == ".toml":
+        preset, config, _ = settings.read(path)
+        return read_settings(name, preset, config)
+    if path.suffix in (".lp", ".pl"):
+        raise UnknownFileError(f"{name}: a rule file: look at its grammar, vitruvius info {path.parent}")
+    if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] == b"{":
+        return _json(name, path)
+    raise _unknown(name)
+
+
+def _json(name: str, path: Path) -> Kind:
+    """A house file, or another of ours that is JSON, by the first line or by the whole."""
+    content = _unpacked(path).removeprefix(BOM_UTF8)
+    first, _, _ = content.partition(b"\n")
+    record: Any = None
+    for text in (first, content):
+        try:
+            record = msgspec.json.decode(text)
+            break
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+            continue
+    if record is None and path.name.endswith(HOUSE_FILES):
+        load(path)  # says where it is damaged
+    if not isinstance(record, dict):
+        raise _unknown(name)
+    format_ = str(record.get("format"))
+    if format_.startswith("vitruvius-game-"):
+        return read_games(name, path)
+    if format_.startswith("vitruvius-trace-"):
+        return read_trace(name, record)
+    if is_geojson(record):
+        return read_plan(name, record)
+    if {"bank", "targets"} <= record.keys():
+        return read_scores(name, record)
+    if {"preset", "algorithm", "config"} <= record.keys():
+        return read_run(str(path.parent), path.parent)
+    if format_ in ("vitruvius-1", "vitruvius-2") or "roomNumber" in record:
+        return read_houses(name, load(path), stopped(content))
+    raise _unknown(name)
+
+
+def _unknown(name: str) -> UnknownFileError:
+    return UnknownFileError(
+        f"{name}: nothing that Vitruvius writes or reads: no house file, GeoJSON, checkpoint, run, grammar, "
+        "games, scores, trace, settings or weights of Keras"
+    )
+
+
+def _unpacked(path: Path) -> bytes:
+    try:
+        with opened(path) as file:
+            content = file.read(MOST_BYTES + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise HouseFileError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(content) > MOST_BYTES:
+        raise UnknownFileError(f"{path}: more than {MOST_BYTES >> 20} MiB: split it")
+    return content
