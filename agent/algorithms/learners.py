@@ -18,4 +18,4 @@ LEARNERS: dict[str, Callable[[Any, HouseVectorEnv], Learner]] = {
     "map-completion": MapCompletion,
     "viewpoint-q": ViewpointQ,
 }
-"""The class of each algorithm, made of a config of ``agent.algorithms.presets.ALGORITHMS`` and environments."""
+"""The class of each algorithm, made of a config of ``presets.ALGORITHMS`` and environments."""

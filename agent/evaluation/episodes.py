@@ -34,7 +34,7 @@ class EpisodeScores:
     """(H,) steps until the first target was picked up; infinite where none was."""
 
     coverage: np.ndarray
-    """(2, H) share of the house that it had seen after each of ``COVERAGE_STEPS``; see ``sim.baselines.lookout``."""
+    """(2, H) share of the house that it had seen after each of ``COVERAGE_STEPS``; see ``lookout``."""
 
     rooms: np.ndarray
     """(H,) number of secondary rooms that it was in."""

@@ -47,7 +47,7 @@ def measure(
     ``baselines`` names some of ``BASELINES``; figures are shares of the oracle's, so it is among them.
     ``world`` names the simulator's preset that all play in, each with its own sensor; searcher and oracle,
     which know where they are, without its noise and slips. Each house is played in that many ``episodes``;
-    for a task that not all houses suit, each of the others (``agent.learning.environments.playable``). ``report`` follows
+    for a task that not all houses suit, each of the others (``environments.playable``). ``report`` follows
     the work. Raises ``HouseFileError`` where a mode cannot be played in one of the houses.
     """
     baseline = with_sensor(PRESETS[world])

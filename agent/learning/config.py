@@ -224,7 +224,7 @@ class DQNConfig(QLearningConfig):
 
 @dataclass(frozen=True)
 class PaperConfig(TrainConfig):
-    """The original agent; preset ``paper`` is it, in the original's simulator. See ``agent.algorithms.paper``."""
+    """The original agent; preset ``paper`` is it, in the original's simulator. See ``algorithms.paper``."""
 
     groups: ClassVar = {"episodes": "The paper's agent"}
 

@@ -40,7 +40,7 @@ def number_type(config: PlannerConfig) -> Any:
 class Occupancy:
     """A torus of 2^bits by 2^bits cells (``map_bits``) for each environment; ``base`` is where one's begins.
 
-    Where bodies fill the cells of a house that lies on a grid (``sim.backends.grid``), its walls are lines between
+    Where bodies fill the cells of a house that lies on a grid (``grid``), its walls are lines between
     them, that a body may touch: ``touching``. Cells on both sides of a line count as occupied, as ever, but
     only nodes on the line are solid.
     """

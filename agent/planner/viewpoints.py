@@ -1,6 +1,6 @@
 """The next best view: the viewpoint, a place and a heading, with most information gain for its cost.
 
-The gain is how many candidates the view would show. The searcher (``sim.baselines.searcher``) goes by the same rule,
+The gain is how many candidates the view would show. The searcher (``searcher``) goes by the same rule,
 but knows the house; a planner knows its own map.
 """
 

@@ -1,6 +1,6 @@
 """A Q-network that learns what to remember: a gated recurrent unit (Cho et al. 2014, arXiv:1406.1078).
 
-It takes the place of the exponential moving averages (``agent.policies.memory``), and is called as they are; but what
+It takes the place of the exponential moving averages (``memory``), and is called as they are; but what
 it keeps is learnt, by gradients through the steps of a rollout, as in the recurrent PQN of Gallici et al.
 2024 (arXiv:2407.04811, section 5). Axes: T steps, E environments, H numbers of the hidden state.
 """
@@ -58,7 +58,7 @@ class Recurrence(nn.Module):
 
 
 class RecurrentQNetwork(nn.Module):
-    """A convolution over neighbouring rays as in ``agent.policies.network``, then two layers that read it and the
+    """A convolution over neighbouring rays as in ``policies.network``, then two layers that read it and the
     hidden state: about 94,000 parameters.
     """
 

@@ -23,7 +23,9 @@ from agent.runs.checkpoint import Checkpoint
 from logic import House
 from sim import HouseVectorEnv
 from sim.film import Camera, film, largest, mosaic
-from vitruvius.commands.evaluate import WIDTH
+
+WIDTH = 480
+"""Pixels of the longer side of a house in a film of one."""
 
 STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""

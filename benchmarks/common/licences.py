@@ -65,8 +65,8 @@ Read them before you pass these on, for instance in an image with all of it.
 - **FFmpeg**, a program that imageio-ffmpeg brings and that `record` starts for an MP4: the GNU GPL, version 3
   or later, as its builds for Linux are.
 - **clingo-wasm** 0.6.0 (Apache-2.0; clingo in it: MIT) and **swipl-wasm** 8.0.5 (BSD-2-Clause, with CLP(R)
-  and CLP(Q) as above), which `vitruvius playground` fetches by npm, as `logic/browser/playground/package-lock.json`
-  names them. A folder that it writes to be published holds them.
+  and CLP(Q) as above), which `vitruvius playground` fetches by npm, as
+  `logic/browser/playground/package-lock.json` names them. A folder that it writes to be published holds them.
 """
 
 

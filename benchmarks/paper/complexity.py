@@ -28,7 +28,7 @@ TYPES = ("bedroom", "bathroom", "kitchen", "hall")
 """In turn, so that a house has one of each type before it has two: the original allows two of each."""
 SAMPLED = {1: 30, 2: 30, 3: 30, 4: 30, 5: 20, 6: 10, 7: 5, 8: 5}
 """How many houses of each number of rooms are placed by the original's method."""
-COMMAND = "./run python -m benchmarks.paper complexity"
+COMMAND = "./run bench paper complexity"
 ORIGINAL, OURS = "original", "ours"
 LABELS = {ORIGINAL: "the original: sample and test, rooms alone", OURS: "here: furnished houses"}
 

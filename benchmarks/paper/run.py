@@ -1,4 +1,4 @@
-"""``python -m benchmarks.paper``, or ``vitruvius bench paper``: the study that makes docs/paper.md.
+"""``vitruvius bench paper``: the study that makes docs/paper.md.
 
 Each part leaves its data in the folder as it goes, and goes on where it was stopped, or from what is
 published.

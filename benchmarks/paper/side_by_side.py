@@ -1,7 +1,7 @@
 """Runs of the paper's agent side by side: each has its environments, network, memory and optimiser; one
 process steps all at once and fits all at once, which costs little more than one run.
 
-The rules are those of ``agent.algorithms.paper``. A run waits where its episode has ended before those of the others.
+The rules are those of ``paper.py``. A run waits where its episode has ended before those of the others.
 
 Axes: N runs, E environments of a run, T steps, B samples, R rays, C channels, A actions.
 """
@@ -61,7 +61,7 @@ def forward(layers: Layers, s: Tensor) -> tuple[list[Tensor], Tensor]:
 
 @torch.no_grad()
 def find_gradients(layers: Layers, pair: Tensor, a: Tensor, r: Tensor, ended: Tensor) -> None:
-    """Write the gradients of ``agent.algorithms.paper.squared_loss`` at one step of each run into the layers' ``grad``.
+    """Write the gradients of ``paper.squared_loss`` at one step of each run into the layers' ``grad``.
 
     ``pair`` (N, 2, R, C) has the states before and after, ``a``, ``r`` and ``ended`` are (N,). By hand, as
     autograd takes twice the time here; a test compares both.
@@ -119,7 +119,7 @@ class Actors:
 
     @torch.no_grad()
     def act(self, read: np.ndarray, noise: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
-        """Actions (N * E,) int64, as ``agent.avoidance.PaperRule`` and ``agent.policies.policies.home`` would have
+        """Actions (N * E,) int64, as ``avoidance.PaperRule`` and ``policies.home`` would have
         them.
         """
         chosen, random, rotation = noise

@@ -1,6 +1,6 @@
 """What the planner's numbers change: ``vitruvius bench explorers --set replan_interval=48``.
 
-The explorer (``agent.policies.policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with
+The explorer (``policies.Explorer``) plays four episodes in each of 320 houses of validation seeds, with
 the tuned configuration and with others: each ``--set`` is a variant, of one field of ``PlannerConfig`` or of
 several (``--set near=4,gain_most=300``). Tables show what share of the oracle's targets each picks up, and
 how that differs, house by house, from the tuned explorer. Houses and scores are kept, so that a run that was

@@ -113,7 +113,7 @@ def wall_facts(
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
 
-    ``extremes``: see ``logic.placement.placer.Placer.wall_lengths``; ``doorway``, ``contact``: metres. Clauses
+    ``extremes``: see ``Placer.wall_lengths``; ``doorway``, ``contact``: metres. Clauses
     that only stage 2 knows have a fact too.
     """
     door = Function("length", [Function("doorway"), Number(floor(1000 * doorway))])

@@ -70,8 +70,8 @@ class Placer:
     def __init__(self, grammar: Grammar, cell: float = 0.0) -> None:
         """Load the core and the grammar's ``.pl`` files, for houses on a grid of such cells (m) if not 0.
 
-        ``problems`` holds what is wrong with them: ``[file, line, column, text, name]`` each, where ``name`` is
-        that of a predicate that is not known, or empty.
+        ``problems`` holds what is wrong with them, as ``[file, line, column, text, name]``: the ``name`` of a
+        predicate that is not known, or empty.
         """
         self._directory = grammar.directory
         self.account = Account(self._located)

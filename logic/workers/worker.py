@@ -1,7 +1,7 @@
 """A solver process, started by ``logic.workers.solver``: JSON lines in and out over pipes.
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
-confined before a rule is read (``logic.workers.confinement``), and the parent owns deadlines and Ctrl-C. The first
+confined before a rule is read (``confinement``), and the parent owns deadlines and Ctrl-C. The first
 line names the grammar, after one that says to ``prepare`` for it, if any; each further line asks for one
 house, why one is as it is, what houses promise, or for warnings. Each is answered by: ``{"versions": ...}``,
 ``{"house": ...}``, ``{"why": ...}``, ``{"promises": ...}``, ``{"findings": ...}`` or
@@ -257,7 +257,7 @@ def _private_pipes() -> tuple[TextIO, TextIO]:
 def _listen(parent: TextIO, requests: "queue.SimpleQueue[str]") -> None:
     """Pass on the parent's lines, and end with it: the solvers do not notice by themselves.
 
-    The process leads a group (``logic.workers.solver``), which ends with it: while it looks for SWI-Prolog, a program
+    The process leads a group (``solver``), which ends with it: while it looks for SWI-Prolog, a program
     runs in it that would write to a closed pipe, and complain where the user reads.
     """
     for line in parent:

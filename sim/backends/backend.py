@@ -22,7 +22,7 @@ from sim.geometry import Geometry
 from sim.runtime import Array
 
 WALL, PIECE, TARGET, DOOR = 1, 2, 3, 4
-"""What a ray hits; 0 is nothing. No backend hits a door, a closed one: ``sim.backends.doors``. Where kinds of pieces
+"""What a ray hits; 0 is nothing. No backend hits a door, a closed one: ``doors``. Where kinds of pieces
 are told apart, a piece of the first of them is ``NAMED``, and so on."""
 
 NAMED = 16

@@ -1,6 +1,6 @@
 """A searcher that knows the house but not where its target is: about the best that memory and search can do.
 
-It keeps the exact posterior over the target's places. It is its prior (``sim.baselines.priors``) over those that are
+It keeps the exact posterior over the target's places. It is its prior (``priors``) over those that are
 left: not near the last target, and nowhere that it has looked since. For most tasks that is uniform. It goes,
 by a shortest path, to where a look would show most of that for each step that it costs, plans again every
 few steps, and once a ray has met the target it goes and picks it up. The difference between an agent and the

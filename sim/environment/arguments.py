@@ -18,7 +18,7 @@ from sim.tasks.tasks import PAPER, AnyTask, Targets, named, task
 Houses = str | Path | Sequence[House] | dict[str, Any]
 
 BANK = Path(__file__).with_name("houses.jsonl.gz")
-"""32 houses to begin with, those of ``vitruvius generate --rooms 4 --count 32 --out sim/environment/houses.jsonl.gz``."""
+"""32 houses to begin with, by ``vitruvius generate --rooms 4 --count 32 --out`` this file."""
 
 PAPER_HOUSE = "paper-house"
 """The house of the paper's figures, by name: 2019-2-15, in whole pixels."""

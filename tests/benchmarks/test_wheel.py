@@ -51,7 +51,7 @@ def test_a_wheel_runs_the_complexity_study_on_a_users_grammar(installed: Path, t
 
 
 def test_a_wheel_has_the_houses_that_environments_begin_with(installed: Path, tmp_path: Path) -> None:
-    code = "import sim.environment.arguments; print(sim.__file__, len(sim.environment.arguments.house_list(sim.environment.arguments.BANK)))"
+    code = "import sim, sim.environment.arguments as a; print(sim.__file__, len(a.house_list(a.BANK)))"
     ended = in_wheel(installed, tmp_path, "-c", code)
     path, houses = ended.stdout.splitlines()[-1].split()
     assert Path(path).is_relative_to(installed)

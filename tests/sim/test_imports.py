@@ -49,7 +49,7 @@ def test_taichi_is_imported_in_one_place():
 
 
 def test_the_public_names_are_these():
-    """What needs a library that is not ours is imported by its own name: ``sim.adapters.stable_baselines``."""
+    """What needs a library that is not ours is imported by its own name: ``stable_baselines``."""
     tasks = ["Points", "Reach", "Rooms", "Task"]
     classes = ["Collect", "Config", "Cover", "FixedTask", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
     functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]

@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[2]
 GENERATE = """
 import signal
 from vitruvius.cli import main
-from vitruvius.commands.common import generate
+from vitruvius.commands import generate
 
 def progress(*arguments):
     for number, house in enumerate(made(*arguments)):

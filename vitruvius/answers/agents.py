@@ -1,4 +1,4 @@
-"""What the commands print with ``--json``, by name, and ``vitruvius schema``: see ``vitruvius.answers.houses``."""
+"""What the commands print with ``--json``, by name, and ``vitruvius schema``: see ``houses.py``."""
 
 import json
 import pkgutil

@@ -173,9 +173,6 @@ def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:
 MOST_CELLS = 64
 """Environments in a mosaic at most."""
 
-WIDTH = 480
-"""Pixels of the longer side of a house in a film of one."""
-
 
 @dataclass(frozen=True)
 class Record:
@@ -229,7 +226,7 @@ class Record:
         banks.require_places(self.targets, self.houses)
         from agent.progress import progress
         from agent.recording import trace
-        from agent.recording.film import record, record_mosaic, watch
+        from agent.recording.film import WIDTH, record, record_mosaic, watch
         from agent.recording.recorder import Recorder
         from agent.runs import checkpoint
         from logic.house.files import require_file

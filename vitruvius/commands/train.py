@@ -30,7 +30,8 @@ Kind = TypeVar("Kind", bound=TrainConfig)
 class Train(Generic[Kind]):
     """Train an agent in houses. Its checkpoint, learning curve and metrics lie in one folder.
 
-    Several processes learn as one: python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
+    Several processes learn as one:
+    python -m torch.distributed.run --nproc-per-node 2 -m vitruvius.cli train ...
     """
 
     groups: ClassVar = {"out": "The run", "preset": "Settings"}
@@ -131,7 +132,7 @@ class Train(Generic[Kind]):
 
 @dataclass(frozen=True)
 class Export:
-    """Write an agent's network as an ONNX file, its memory an input and an output: see agent/runs/export.py."""
+    """Write an agent's network as an ONNX file, its memory an input and an output: see export.py."""
 
     agent: tyro.conf.Positional[Path]
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""

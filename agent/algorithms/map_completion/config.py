@@ -12,7 +12,7 @@ MOST_GROUND = 250
 
 @dataclass(frozen=True)
 class CompletionConfig(TrainConfig):
-    """Map completion: a network learns what lies where a map shows nothing: ``agent.algorithms.map_completion``."""
+    """Map completion: a network learns what lies where a map shows nothing."""
 
     groups: ClassVar = {"kinds": "Map completion"}
 

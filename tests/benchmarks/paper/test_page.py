@@ -8,7 +8,7 @@ from benchmarks.paper.run import published
 
 
 def test_the_published_page_is_what_the_published_data_say() -> None:
-    assert (DOCS / "paper.md").read_text() == paper_page(published()), "run: python -m benchmarks.paper"
+    assert (DOCS / "paper.md").read_text() == paper_page(published()), "run: ./run bench paper"
 
 
 def test_a_part_that_is_not_measured_is_said_to_be_so() -> None:

@@ -1,6 +1,6 @@
 """An environment is a function of its seed: not of the batch, the threads, the loop or what others do.
 
-The goldens are made again by ``./run python -m tests.sim.world.test_determinism``, and say in what they differ.
+``./run python -m tests.sim.world.test_determinism`` makes the goldens again, and says in what they differ.
 """
 
 import hashlib
