@@ -51,3 +51,12 @@ __all__ = [
     "load",
     "save",
 ]
+
+
+def _plan(house: House, width: int) -> str:
+    from logic.drawing.draw import plan_svg  # Here: it imports matplotlib.
+
+    return plan_svg(house, width)
+
+
+House.plan = _plan

@@ -22,13 +22,13 @@ SECTIONS = (
     (("*.trace.json",), "agent.report.episodes:section"),
     (("evaluation.json",), "agent.report.measured:section"),
     (("config.json", "metrics.jsonl"), "agent.report.learning:section"),
-    (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
-    (("homes.json",), "benchmarks.generator.section:homes"),
     (("*.jsonl", "*.jsonl.gz", "evaluation.json"), "agent.report.plans:section"),
 )
 """In the order of the page: names of files, and what makes a section of them, ``module:function``; it is
-imported where there are such files.
+imported where there are such files. Those of a study stand before the last.
 """
+
+Sections = Sequence[tuple[tuple[str, ...], str]]
 
 DEPTH = "", "*/", "*/*/"
 """How deep files may lie: a study has folders of runs."""
@@ -46,15 +46,15 @@ def describe(folder: Path, title: str, *words: str) -> None:
     write_whole(folder / ABOUT, msgspec.json.format(msgspec.json.encode(About(title, list(words)))) + b"\n")
 
 
-def write_report(folder: Path, out: Path | None = None) -> Path:
+def write_report(folder: Path, out: Path | None = None, studies: Sections = ()) -> Path:
     """Write the report of a run, by default into its folder; its path. Raises as ``report`` does."""
     path = out or folder / NAME
-    write_whole(path, report(folder))
+    write_whole(path, report(folder, studies))
     return path
 
 
-def report(folder: Path) -> bytes:
-    """The report of a run: of one that was interrupted, what there is.
+def report(folder: Path, studies: Sections = ()) -> bytes:
+    """The report of a run: of one that was interrupted, what there is. ``studies``: sections of their files.
 
     Raises ``ReportError`` where the folder holds nothing to report, and a ``VitruviusError`` that names the
     file where one is damaged or a trace is of another version.
@@ -62,7 +62,7 @@ def report(folder: Path) -> bytes:
     if not folder.is_dir():
         what = "is a file" if folder.exists() else "there is no such folder"
         raise ReportError(f"{folder}: {what}. Name the folder of a run: vitruvius report runs/demo")
-    sections = list(_sections(folder))
+    sections = list(_sections(folder, (*SECTIONS[:-1], *studies, SECTIONS[-1])))
     if not sections:
         kinds = "metrics.jsonl, evaluation.json, *.trace.json, house files"
         raise ReportError(f"{folder}: is no run: nothing here can be reported ({kinds})")
@@ -82,8 +82,8 @@ def _lead(files: Sequence[Path]) -> str:
     return lead(files)
 
 
-def _sections(folder: Path) -> Iterator[Section]:
-    for names, maker in SECTIONS:
+def _sections(folder: Path, known: Sections) -> Iterator[Section]:
+    for names, maker in known:
         if files := found(folder, names):
             section = pkgutil.resolve_name(maker)(files, folder)
             if section:

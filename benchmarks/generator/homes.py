@@ -13,6 +13,7 @@ import numpy as np
 from clingo import Symbol
 
 from agent.report.folder import write_report
+from benchmarks import SECTIONS
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
@@ -151,7 +152,7 @@ class Homes:
         save((house for size in sizes for house in size.houses[:SHOWN]), self.out / "homes.jsonl")
         times = [Times(size.rooms, size.bare, size.seconds) for size in sizes]
         write_whole(self.out / "homes.json", msgspec.json.encode(times))
-        write_report(self.out)
+        write_report(self.out, studies=SECTIONS)
         print(page)
 
     def measured(self, builder: Builder, rooms: int) -> Measured:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from agent.report.folder import write_report
+from benchmarks import SECTIONS
 from benchmarks.common.measure import study
 from benchmarks.generator.page import generator_page
 from logic.errors import RequestError
@@ -58,4 +59,4 @@ class Generator:
         page = partial(generator_page, command=command)
         script = Path(__file__).with_name("test_generator.py")
         study(script, self.out, page, parts=self.part, publish=self.publish, **settings)
-        print(write_report(self.out))
+        print(write_report(self.out, studies=SECTIONS))

@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from agent.report.folder import write_report
+from benchmarks import SECTIONS
 from benchmarks.common.measure import study
 from benchmarks.simulator.page import simulator_page
 from benchmarks.simulator.peers.run import Peers
@@ -29,4 +30,4 @@ class Simulator:
         script = Path(__file__).with_name("test_simulator.py")
         page = partial(simulator_page, peers=peers)
         study(script, self.out, page, needs=("sim", "torch"), publish=self.publish)
-        print(write_report(self.out))
+        print(write_report(self.out, studies=SECTIONS))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pkgutil import resolve_name
-from typing import Any, Literal
+from collections.abc import Callable
+from typing import Any, ClassVar, Literal
 
 import msgspec
 
@@ -40,6 +40,9 @@ class House(msgspec.Struct, frozen=True):
     topology: str = ""
     format: Literal["vitruvius-1", "original", "vitruvius-2"] = FORMAT
     provenance: Provenance | None = None
+
+    plan: ClassVar[Callable[[House, int], str]]
+    """Draws it, as SVG so many CSS pixels wide: set by the package, since what draws houses imports this."""
 
     @property
     def is_star(self) -> bool:
@@ -118,8 +121,7 @@ class House(msgspec.Struct, frozen=True):
 
     def _repr_svg_(self, width: int = 480) -> str:
         """The plan, so many CSS pixels wide: notebooks show it."""
-        # By name, when it is called: what draws houses imports this file.
-        return resolve_name("logic.drawing.draw:plan_svg")(self, width)
+        return House.plan(self, width)
 
     @classmethod
     def of_star(cls, star: Star, topology: str = STAR, provenance: Provenance | None = None) -> House:

@@ -27,7 +27,7 @@ BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 FILE = re.compile(r"[#%] ([\w/.-]+\.(?:py|lp|pl|json|toml))$")
 RUN = f"""#!/bin/sh
 export PYTHONPATH={ROOT}${{PYTHONPATH:+:$PYTHONPATH}}
-case $1 in python) shift; exec {sys.executable} "$@" ;; *) exec {sys.executable} -Pm vitruvius.cli "$@" ;; esac
+case $1 in python) shift; exec {sys.executable} "$@" ;; *) exec {sys.executable} -Pm vitruvius.cli "$@";; esac
 """
 """What stands for ``./run`` where a shell is needed: pipes, redirections, variables."""
 

@@ -24,9 +24,10 @@ class Report:
     def run(self) -> int:
         """Write the file."""
         from agent.report.folder import write_report
+        from benchmarks import SECTIONS
         from logic.house.files import require_file
 
         if self.out:
             require_file(self.out, [".html"])
-        print(write_report(self.folder, self.out))
+        print(write_report(self.folder, self.out, SECTIONS))
         return 0

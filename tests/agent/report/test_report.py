@@ -21,6 +21,7 @@ from agent.report.folder import describe, report, write_report
 from agent.report.measured import section as measured_section
 from agent.report.page import ReportError
 from agent.report.plots import Axis, Series, line_plot, some
+from benchmarks import SECTIONS
 from logic import House, HouseFileError, save
 from tests.agent.evaluation.cases import result, scores
 from tests.agent.report.conftest import HOUSE
@@ -95,7 +96,7 @@ class Outline(HTMLParser):
 
 
 def test_a_report_has_a_section_for_each_kind_of_file(run) -> None:
-    outline = Outline(report(run).decode())
+    outline = Outline(report(run, SECTIONS).decode())
     assert outline.sections == ["episodes", "evaluation", "learning", "scaling", "homes", "plans", "about"]
     assert "A <run>" in outline.text
     assert "x < y" in outline.text
@@ -113,15 +114,15 @@ def test_a_report_has_a_section_for_each_kind_of_file(run) -> None:
 def test_the_same_run_gives_the_same_bytes_wherever_it_is_and_again_with_its_report_in_it(
     run, tmp_path
 ) -> None:
-    first = report(run)
-    assert write_report(run) == run / "report.html"
-    assert report(run) == first == (run / "report.html").read_bytes()
+    first = report(run, SECTIONS)
+    assert write_report(run, studies=SECTIONS) == run / "report.html"
+    assert report(run, SECTIONS) == first == (run / "report.html").read_bytes()
     moved = run.rename(tmp_path.parent / "elsewhere")
-    assert report(moved) == first
+    assert report(moved, SECTIONS) == first
 
 
 def test_a_report_names_no_other_place(run) -> None:
-    text = report(run).decode()
+    text = report(run, SECTIONS).decode()
     assert not re.findall(r'(?:src|href)="(?!#)', text)
     assert set(re.findall(r"https?://[^\s\"'<]+", text)) <= {"http://www.w3.org/2000/svg"}
     assert "default-src 'none'" in text
@@ -130,9 +131,12 @@ def test_a_report_names_no_other_place(run) -> None:
 def test_of_an_interrupted_training_there_is_what_there_is(tmp_path) -> None:
     metrics(tmp_path, json.dumps(LINE), '{"steps": 20')
     (tmp_path / "config.json").write_text('{"preset": "pqn", "algorithm": "pqn", "config": {"steps": 2000}}')
-    assert "stopped at 50%: vitruvius train --resume continues it" in Outline(report(tmp_path).decode()).text
+    assert (
+        "stopped at 50%: vitruvius train --resume continues it"
+        in Outline(report(tmp_path, SECTIONS).decode()).text
+    )
     (tmp_path / "metrics.jsonl").unlink()
-    assert "no report yet" in Outline(report(tmp_path).decode()).text
+    assert "no report yet" in Outline(report(tmp_path, SECTIONS).decode()).text
 
 
 def test_names_from_files_are_text_in_a_report(run, mapped) -> None:
@@ -140,7 +144,7 @@ def test_names_from_files_are_text_in_a_report(run, mapped) -> None:
     record = msgspec.to_builtins(mapped) | {"agent": evil}
     trace.save(msgspec.convert(record, Trace), run / "e.trace.json")
     (run / "training" / "config.json").write_text(json.dumps({"preset": evil, "config": {evil: evil}}))
-    text = report(run).decode()
+    text = report(run, SECTIONS).decode()
     Outline(text)
     assert text.count("<script>") == 1
     assert "alert(1)" in text
@@ -206,7 +210,7 @@ def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, mon
     bank = Bank(bank_hash(benchmark()), "test-v1", 256)
     one = result(scores([5] * 256), oracle=[10] * 256, rooms=[2] * 256, shortest=[9] * 256)
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())
-    outline = Outline(report(tmp_path).decode())
+    outline = Outline(report(tmp_path, SECTIONS).decode())
     assert outline.sections == ["evaluation", "plans"]
     assert "256 houses in 1 file. Of each file every 13th house is shown." in outline.text
 
@@ -217,12 +221,12 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
         "In 2 houses, agent picks up 6.5 targets in secondary rooms in an episode; "
         "the oracle, which knows house and target, 15.0."
     )
-    assert said in report(tmp_path).decode()
+    assert said in report(tmp_path, SECTIONS).decode()
     mode = '{"task": "object", "piece": "coffeeTable"}'
     one = result(scores([1, 0], first=[30, np.inf]), oracle=(1, 1), mode=mode)
     found = modes_of([replace(one, ends_on_pick_up=True)])
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(Bank("abc", "b.jsonl", 2), 0, found).json())
-    page = report(tmp_path).decode()
+    page = report(tmp_path, SECTIONS).decode()
     assert "In 2 houses, agent finds a coffee table in 50% of its episodes; the oracle" in page
     assert "<h3>Find a coffee table</h3>" in page
     assert "coffeeTable" not in page
@@ -237,7 +241,7 @@ def test_other_files_of_json_lines_are_passed_over(tmp_path) -> None:
     save([HOUSE], tmp_path / "houses.jsonl")
     (tmp_path / "games.jsonl").write_text('{"format": "vitruvius-game-1"}\n')
     (tmp_path / "empty.jsonl").write_text("")
-    assert Outline(report(tmp_path).decode()).sections == ["plans"]
+    assert Outline(report(tmp_path, SECTIONS).decode()).sections == ["plans"]
 
 
 @pytest.mark.parametrize(("count", "most"), [(0, 5), (1, 5), (5, 5), (6, 5), (299, 30), (300, 30)])

@@ -1,0 +1,152 @@
+"""Imports run one way: between the packages, between the folders of each, and in no circle of modules."""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import sim
+
+ROOT = Path(__file__).parents[1]
+
+PACKAGES = ("logic", "sim", "agent", "benchmarks", "vitruvius")
+"""From the lowest up: a package imports those before it alone."""
+
+FOLDERS = {
+    "logic": (
+        *("encoding", "errors", "spelling", "stopping", "grammar", "terminal"),
+        *("house", "checking", "request", "layout", "placement", "language", "generation", "proofs", "why"),
+        *("workers", "drawing", "exports", "browser"),
+    ),
+    "sim": (
+        *("cache", "config", "runtime", "geometry", "film"),
+        *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
+    ),
+    "agent": (
+        *("actions", "avoidance", "progress", "banks"),
+        *(
+            "planner",
+            "policies",
+            "learning",
+            "algorithms",
+            "runs",
+            "evaluation",
+            "recording",
+            "play",
+            "report",
+        ),
+    ),
+}
+"""Folders and modules at the top of each package, from the lowest up: each imports those before it alone."""
+
+OF_LOGIC = {"House", "generate", "load"}
+"""What the simulator takes of ``logic`` by its public name."""
+
+DRAWN = {"canvas", "labels", "palettes", "plan"}
+"""What it draws episodes with."""
+
+
+@cache
+def modules() -> dict[str, Path]:
+    """The files of our packages, by the names they are imported by."""
+    found = {}
+    for file in (file for package in PACKAGES for file in (ROOT / package).rglob("*.py")):
+        name = ".".join(file.relative_to(ROOT).with_suffix("").parts)
+        found[name.removesuffix(".__init__")] = file
+    return found
+
+
+def named(file: Path) -> Iterator[str]:
+    """What a file names of our packages: by imports, inside functions too, and in strings, as a table of
+    commands or sections does: ``"agent.report.plans:section"``.
+    """
+    known = modules()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+        elif isinstance(node, ast.ImportFrom) and node.module in known:
+            for alias in node.names:
+                within = f"{node.module}.{alias.name}"
+                yield within if within in known else node.module
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            name, colon, _ = node.value.partition(":")
+            if colon and name in known:
+                yield name
+
+
+@cache
+def graph() -> dict[str, frozenset[str]]:
+    """By module, those of ours that it names."""
+    return {name: frozenset(set(named(file)) - {name}) for name, file in modules().items()}
+
+
+def test_no_module_imports_itself_through_others() -> None:
+    """``prepare`` raises ``CycleError`` with the circle."""
+    assert "logic.generation.builder" in graph()["logic.workers.worker"]
+    TopologicalSorter(graph()).prepare()
+
+
+def test_no_package_imports_one_above_it() -> None:
+    upwards = [
+        (name, other)
+        for name, others in graph().items()
+        for other in others
+        if PACKAGES.index(other.split(".")[0]) > PACKAGES.index(name.split(".")[0])
+    ]
+    assert not upwards
+
+
+@pytest.mark.parametrize("package", FOLDERS)
+def test_no_folder_imports_one_above_it(package: str) -> None:
+    order = FOLDERS[package]
+    inside = {name: name.split(".")[1] for name in graph() if name.startswith(f"{package}.")}
+    assert {*inside.values()} == {*order}
+    upwards = [
+        (name, other)
+        for name, folder in inside.items()
+        for other in graph()[name]
+        if other == package or (other in inside and order.index(inside[other]) > order.index(folder))
+    ]
+    assert not upwards
+
+
+def test_the_simulator_takes_houses_of_logic_and_draws_by_its_plans() -> None:
+    taken = {
+        (name, node.module, alias.name)
+        for name, file in modules().items()
+        if name.split(".")[0] == "sim"
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "logic"
+        for alias in node.names
+    }
+    assert {what for _, module, what in taken if module == "logic"} <= OF_LOGIC
+    drawing = {f"logic.drawing.{each}" for each in DRAWN}
+    others = {"logic", "logic.house.files", "logic.house.looks", "logic.spelling"}
+    assert {module for _, module, _ in taken} == drawing | others
+    assert {name for name, module, _ in taken if module in drawing} == {"sim.film"}
+
+
+def test_a_folder_has_one_sentence_and_about_a_dozen_modules() -> None:
+    for package, folders in FOLDERS.items():
+        for folder in folders:
+            init = ROOT / package / folder / "__init__.py"
+            if init.parent.is_dir():
+                assert ast.get_docstring(ast.parse(init.read_text())), init
+                assert len([*init.parent.glob("*.py")]) <= 20, init.parent
+
+
+def test_taichi_is_imported_in_one_place() -> None:
+    users = [path.name for path in (ROOT / "sim").rglob("*.py") if "import taichi" in path.read_text()]
+    assert users == ["runtime.py"]
+
+
+def test_the_public_names_of_the_simulator_are_these() -> None:
+    """What needs another library is imported by its own name, as ``sim.adapters.stable_baselines``."""
+    tasks = ["Points", "Reach", "Rooms", "Task"]
+    classes = ["Collect", "Config", "Cover", "FixedTask", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
+    functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
+    assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
+    assert all(hasattr(sim, name) for name in sim.__all__)
