@@ -23,7 +23,6 @@ SCRIPTS = [
         for path in sorted((ROOT / "benchmarks").rglob("*.py"))
         if 'if __name__ == "__main__"' in path.read_text()
     ),
-    ROOT / "benchmarks" / "__main__.py",
 ]
 
 
