@@ -28,9 +28,3 @@ STUDIES = {
     "odds": ("benchmarks.planner.odds:Odds", "Where an unseen target may be: the planner's table."),
 }
 """By name: where the study is, ``module:Class``, and what it measures."""
-
-SECTIONS = (
-    (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
-    (("homes.json",), "benchmarks.generator.section:homes"),
-)
-"""What a report shows of the files of studies: see ``agent.report.folder``."""

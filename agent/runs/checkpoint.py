@@ -10,8 +10,8 @@ import safetensors
 import safetensors.torch
 
 from agent.algorithms.build import network_of
-from agent.learning.config import TrainConfig
 from agent.algorithms.presets import ALGORITHMS
+from agent.learning.config import TrainConfig
 from agent.runs.released import FORMAT, CheckpointError, located, require_sizes
 from logic.house.files import write_whole
 from logic.spelling import printable

@@ -11,10 +11,10 @@ import h5py
 import numpy as np
 import torch
 
-from agent.runs.checkpoint import Checkpoint
-from agent.learning.config import PaperConfig
 from agent.algorithms.paper import PaperNetwork
 from agent.algorithms.presets import PRESETS
+from agent.learning.config import PaperConfig
+from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
 
 ORIGINAL = cast(PaperConfig, PRESETS["paper"])

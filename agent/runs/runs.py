@@ -26,19 +26,19 @@ from typing import Any
 import msgspec
 import torch
 
-from agent.runs import checkpoint
+from agent.algorithms.learners import LEARNERS
+from agent.banks import bank_hash
 from agent.learning import ranks
 from agent.learning.allocation import keep_freed_memory
-from agent.banks import bank_hash
-from agent.runs.checkpoint import Checkpoint
 from agent.learning.config import PQNConfig, TrainConfig
-from agent.learning.learner import Diverged, Learner, Progress
-from agent.algorithms.learners import LEARNERS
-from agent.learning.precision import set_precision
-from agent.progress import progress
-from agent.runs.released import CheckpointError
-from agent.learning.simulator import simulator
 from agent.learning.environments import make_envs
+from agent.learning.learner import Diverged, Learner, Progress
+from agent.learning.precision import set_precision
+from agent.learning.simulator import simulator
+from agent.progress import progress
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
+from agent.runs.released import CheckpointError
 from logic import House
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole

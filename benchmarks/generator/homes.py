@@ -13,15 +13,16 @@ import numpy as np
 from clingo import Symbol
 
 from agent.report.folder import write_report
-from benchmarks import SECTIONS
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
+from benchmarks.generator.section import Times
+from benchmarks.sections import SECTIONS
 from logic import check
 from logic.drawing.draw import contact_sheet
 from logic.errors import RequestError
 from logic.generation.builder import Builder
-from logic.generation.shared_walls import Planner
+from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import find
 from logic.house.files import save, write_whole
 from logic.house.house import House
@@ -41,20 +42,12 @@ COLOURS = 64
 """Of the picture, so that its file is small."""
 
 
-class Times(msgspec.Struct):
-    """Of a line of ``homes.json``: CPU seconds of the plans without furniture, and of the houses."""
-
-    rooms: int
-    bare: list[float]
-    whole: list[float]
-
-
-class CountingPlanner(Planner):
+class CountingMaker(SharedWallsMaker):
     """Notes what the bare plans of each house took."""
 
     def __init__(self, builder: Builder) -> None:
-        """Plan for this builder."""
-        super().__init__(builder.grammar, builder.loaded, builder.prover)
+        """Make for this builder."""
+        super().__init__(builder.grammar, builder.loaded, builder.maker.feasibility)
         self.plans, self.refuted, self.seconds = 0, 0, list[float]()
         self.layout: list[Symbol] = []
 
@@ -66,7 +59,7 @@ class CountingPlanner(Planner):
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
     ) -> tuple[dict, list[Symbol], int]:
-        """See ``Planner.bare``."""
+        """See ``SharedWallsMaker.bare``."""
         began, known = process_time(), len(nogoods)
         plan, self.layout, left = super().bare(request, rng, inferences, nogoods, unfurnishable)
         self.seconds.append(process_time() - began)
@@ -160,7 +153,7 @@ class Homes:
         size, request = Measured(rooms), Request(rooms)
         for index in range(WARM):
             builder.house(request, 1, index, LIMIT)
-        builder.planner = counting = CountingPlanner(builder)
+        builder.maker = counting = CountingMaker(builder)
         for index in range(self.houses):
             began = process_time()
             size.houses.append(builder.house(request, 0, index, LIMIT))

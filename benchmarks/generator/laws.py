@@ -15,6 +15,7 @@ from scipy.stats import beta, kstest
 
 from logic import House
 from logic.generation.builder import Builder
+from logic.generation.star import StarMaker, house
 from logic.placement import prolog
 from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
 from logic.request.request import Request
@@ -62,7 +63,7 @@ def on_a_wall(builder: Builder, pieces: Sequence[str], samples: int) -> tuple[np
     rng = np.random.default_rng(len(pieces))
     for seed in rng.integers(2**63, size=samples).tolist():
         room = RoomLayout(0, Function("bathroom"), Function("north"), furniture, seed)
-        (made,) = builder.place(Layout([room], []), rng, 10**8)["rooms"]
+        (made,) = builder.placer.place(Layout([room], []), rng, 10**8)["rooms"]
         boxes = np.array(sorted((each["x"], each["width"]) for each in made["children"]))
         gaps = _gaps(boxes[None, :, 0], boxes.sum(axis=1)[None], made["x"], made["x"] + made["width"])[0]
         shares.append((gaps - passage) / (gaps - passage).sum())
@@ -79,26 +80,28 @@ def along_sides(builder: Builder, rooms: int, samples: int) -> dict[int, np.ndar
     lengths: dict[str, float] = builder.placer.lengths({})[0]["lengths"]
     between = max(lengths["room_gap"], lengths["door_clearance"])
     shares: dict[int, list[np.ndarray]] = defaultdict(list)
+    maker = builder.maker
+    assert isinstance(maker, StarMaker)
     for index in range(samples):
         rng = np.random.default_rng([rooms, index])
         request = Request.read({"rooms": rooms, "types": {}, "furniture": {}})
-        layout = builder.layout(request, rng)
+        layout = maker.layout(request, rng)
         try:
-            plan = builder.place(layout, rng, 10**8, minimal=False)
+            plan = builder.placer.place(layout, rng, 10**8, minimal=False)
         except (Infeasible, Misfit):  # of its furniture, which has no part in where rooms stand
             continue
-        house = builder._as_house(plan, layout, request, rooms, index)
+        made = house(plan, layout, request)
         owners = {
             tuple(map(str, corner.arguments[:2])): str(corner.arguments[2]) for corner in layout.corners
         }
         for side in SIDES:
             own = [
-                made
-                for made, room in zip(house.star.rooms, layout.rooms, strict=True)
+                star
+                for star, room in zip(made.star.rooms, layout.rooms, strict=True)
                 if str(room.side) == side
             ]
             if own:
-                gaps = _side_gaps(house, own, side, owners, between)
+                gaps = _side_gaps(made, own, side, owners, between)
                 shares[len(own)].append(gaps / gaps.sum())
     return {k: np.array(found) for k, found in sorted(shares.items())}
 

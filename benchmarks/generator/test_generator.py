@@ -19,6 +19,7 @@ from scipy.sparse import block_diag, coo_array, csr_array
 
 from logic import House, generate
 from logic.generation.builder import Builder
+from logic.generation.star import StarMaker
 from logic.grammar import find
 from logic.placement import prolog
 from logic.placement.placer import Layout
@@ -109,10 +110,9 @@ def test_house(benchmark: Any, builder: Builder, rooms: int) -> None:
 @study("stage 1: clingo samples a layout")
 @pytest.mark.parametrize("rooms", ROOMS)
 def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
-    request = Request(rooms)
-    measure(
-        benchmark, builder, rooms, lambda index: builder.layout(request, np.random.default_rng([0, index]))
-    )
+    request, maker = Request(rooms), builder.maker
+    assert isinstance(maker, StarMaker)
+    measure(benchmark, builder, rooms, lambda index: maker.layout(request, np.random.default_rng([0, index])))
 
 
 @study("stage 2: CLP(R) places a layout")
@@ -120,13 +120,13 @@ def test_layout(benchmark: Any, builder: Builder, rooms: int) -> None:
 def test_place(benchmark: Any, builder: Builder, rooms: int, monkeypatch: pytest.MonkeyPatch) -> None:
     layouts = placeable(builder, rooms, ROUNDS, monkeypatch)
     rng = np.random.default_rng(0)
-    measure(benchmark, builder, rooms, lambda index: builder.place(layouts[index], rng, INFERENCES))
+    measure(benchmark, builder, rooms, lambda index: builder.placer.place(layouts[index], rng, INFERENCES))
 
 
 def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Layout]:
     """The layouts of the first houses: those that stage 2 finds feasible."""
     placed: list[Layout] = []
-    place = builder.place
+    place = builder.placer.place
 
     def observed(layout: Layout, *arguments: Any, **options: Any) -> dict[str, Any]:
         plan = place(layout, *arguments, **options)
@@ -134,7 +134,7 @@ def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.Monk
         return plan
 
     with monkeypatch.context() as patch:
-        patch.setattr(builder, "place", observed)
+        patch.setattr(builder.placer, "place", observed)
         for index in range(count):
             builder.house(Request(rooms), 0, index, INFERENCES)
     return placed

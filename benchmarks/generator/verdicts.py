@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 
 from logic.generation.builder import Builder
 from logic.generation.furnish import Frame
-from logic.generation.shared_walls import given_room
+from logic.generation.shared_walls import SharedWallsMaker, given_room
 from logic.grammar import find
 from logic.layout.differences import DIFFERENCES
 from logic.layout.program import Program
@@ -80,9 +80,11 @@ def furniture_systems(builder: Builder, seeds: range) -> Iterator[dict[str, Any]
 
 def given_systems(builder: Builder, rooms: int, seeds: range) -> Iterator[dict[str, Any]]:
     """The same of the furniture of all rooms of sampled plans, of which the sizes and doors are given."""
+    maker = builder.maker
+    assert isinstance(maker, SharedWallsMaker)
     for seed in seeds:
         rng = np.random.default_rng(seed)
-        plan, *_ = builder.planner.bare(Request(rooms), rng, INFERENCES, [])
+        plan, *_ = maker.bare(Request(rooms), rng, INFERENCES, [])
         for number in range(rooms):
             room = given_room(plan, number)
             if not builder.programs.has_furniture(room.type):

@@ -11,10 +11,12 @@ import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
-from logic.errors import LimitReached, Unsatisfiable
+from logic.errors import LimitReached
+from logic.generation.evidence import NoLayout
+from logic.generation.feasibility import Feasibility, Walls
 from logic.generation.furnish import Unfurnishable
 from logic.generation.movable_doors import LooseRoom, Refuted
-from logic.generation.shared_walls import MOST_TRIES, Planner, doors_of, given_room
+from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, doors_of, given_room
 from logic.grammar import Grammar
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect
@@ -23,7 +25,6 @@ from logic.layout.account import FURNITURE
 from logic.layout.program import Nogood
 from logic.layout.programs import Programs
 from logic.layout.terms import granted, own_requirements
-from logic.proofs.proof import Prover, Walls
 from logic.request.given_plan import OwnPlan
 from logic.request.request import Request
 
@@ -31,7 +32,7 @@ PATIENCE = 5
 """So many times a room may fail at the places where its doors were sampled before others are looked for."""
 
 
-class OwnPlanner(Planner):
+class GivenPlanMaker(SharedWallsMaker):
     """Makes houses in one plan by one grammar."""
 
     advice = "another seed, a larger room, less furniture, or doors and windows elsewhere"
@@ -41,20 +42,19 @@ class OwnPlanner(Planner):
         self.plan = plan
         rules = grammar.for_own_plan()
         facts: Walls = [*_meetings(plan), *loaded.placer.own_plan_faults(plan, sorted(loaded.furniture))]
-        prover = Prover(rules, loaded.placer, loaded.lengths, facts, placed=True)
-        super().__init__(rules, loaded, prover)
+        super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))
         self._failures, self._refuted = 0, list[Refuted]()
         meetings = [fact for fact, _ in facts]
         account = loaded.placer.account
         self._programs = Programs(rules, loaded.furniture, loaded.lengths, account, meetings)
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """A furnished house in the plan; raises as ``Planner.made``."""
+        """A furnished house in the plan; see ``Maker.made``."""
         self._failures, self._refuted = 0, []
         return super().made(request, rng, inferences)
 
-    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Unsatisfiable:
-        return self._prover.unsatisfiable(request, unfurnishable, refuted=self._refuted)
+    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        return NoLayout(request, self.feasibility, unfurnishable, refuted=self._refuted)
 
     def _furnished(
         self,

@@ -12,17 +12,17 @@ import numpy as np
 from clingo import Symbol
 
 from logic.errors import LimitReached, OutOfInferences, RequestError
+from logic.generation.evidence import NoLayout
 from logic.generation.furnish import Furnished, GivenRoom, Unfurnishable, furnished
+from logic.generation.maker import Maker
 from logic.generation.tiling import require_tiling
-from logic.grammar import GUARD, Grammar
+from logic.grammar import GUARD
 from logic.house.house import House
 from logic.house.parts import Door, Rect, Room, Window
-from logic.language.loaded import LoadedGrammar
 from logic.layout.account import LAYOUT, PROOF
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import to_furnish
 from logic.placement.placer import Infeasible
-from logic.proofs.proof import Prover
 from logic.request.request import Request
 
 MOST_TRIES = 200
@@ -30,43 +30,29 @@ MOST_TRIES = 200
 
 
 class Making(NamedTuple):
-    """How a plan was made: by which program and layout of stage 1, who proves what it could not be, and how
-    each room got its furniture, by its number.
+    """How a plan was made: by which program and layout of stage 1, and how each room, by its number, got its
+    furniture.
     """
 
     program: Program
     layout: list[Symbol]
-    prover: Prover
     furniture: dict[int, Furnished]
 
 
-class Planner:
-    """Makes plans of one grammar."""
+class SharedWallsMaker(Maker):
+    """Makes plans by one grammar."""
 
     advice = "another seed, or larger rooms (room_size/3, room_area/3)"
     """Where rooms cannot be furnished."""
 
-    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
-        """Know its rules."""
-        self._topology, self._unproved, self._loaded = (
-            grammar.topology_name,
-            GUARD in grammar.topology,
-            loaded,
-        )
-        self._placer, self._programs, self._prover = loaded.placer, loaded.programs, prover
-        self.making: Making | None = None
-        """How the last house was made."""
+    making: Making | None = None
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
-        """A furnished plan.
-
-        Raises ``Unsatisfiable`` where it is proved that there is none, ``LimitReached`` past this number of
-        Prolog inferences.
-        """
+        """See ``Maker.made``."""
         if request.fixed:
             raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
         plan, pieces, _ = self.complete(request, rng, inferences)
-        return _house(plan, pieces, self._topology)
+        return _house(plan, pieces, self.grammar.topology_name)
 
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int
@@ -85,7 +71,7 @@ class Planner:
                 self._placer.account.unfurnished(proof.room.type)
                 # At this size and with these doors; or with one door at any size, and then nowhere.
                 self._placer.account.at(PROOF, f"whether a {proof.room.type} can be furnished at any size")
-                if not self._prover.is_furnishable(request, proof.room.type):
+                if not self.feasibility.is_furnishable(request, proof.room.type):
                     unfurnishable.add(proof.room.type)
                 continue
             hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
@@ -124,13 +110,13 @@ class Planner:
 
     def _require_plan(self, plan: dict[str, Any]) -> None:
         """Refuse a topology of the user's own whose rooms are no plan: see ``tiling.py``."""
-        if self._unproved:
+        if GUARD in self.grammar.topology:
             bare: list[tuple[()]] = [()] * len(plan["rooms"])
-            require_tiling(_house({**plan, "hub": ""}, bare, self._topology), self._loaded)
+            require_tiling(_house({**plan, "hub": ""}, bare, self.grammar.topology_name), self._loaded)
 
-    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Exception:
-        """Why there is no house, where some types of room cannot have their furniture."""
-        return self._prover.unsatisfiable(request, unfurnishable)
+    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+        """That there is no layout, where some types of room cannot have their furniture."""
+        return NoLayout(request, self.feasibility, unfurnishable)
 
     def _furnished(
         self,
@@ -145,7 +131,7 @@ class Planner:
         rooms = [given_room(plan, number) for number in range(request.rooms)]
         how: dict[int, Furnished] = {}
         pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request, how)
-        self.making = Making(self._program(request)[0], layout, self._prover, how)
+        self.making = Making(self._program(request)[0], layout, how)
         return pieces
 
     def _layout(
@@ -161,17 +147,13 @@ class Planner:
         self._placer.account.at(LAYOUT, "types, walls and doors of the rooms (clingo)")
         layout = program.sample(rng, holds, [*without, *fails], nogoods)
         if layout is None:
-            raise self._unsatisfiable(request, unfurnishable)
+            raise self._no_layout(request, unfurnishable)
         self._placer.account.sampled()
         return layout
 
     def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
         """The program of the rooms, and what to assume in it: what holds, and what does not."""
         return *self._programs.rooms_for(request), []
-
-    def stated(self, request: Request) -> Program:
-        """A program of houses of the request: its facts are the grammar's."""
-        return self._program(request)[0]
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
         """Walls, doors and windows with their places: see ``Placer.walls``."""

@@ -14,7 +14,10 @@ import numpy as np
 from clingo import Function, Symbol
 
 from logic.errors import LimitReached
-from logic.generation.shared_walls import MOST_TRIES, Planner
+from logic.generation.barred_units import UnitsFeasibility, barred_units
+from logic.generation.evidence import NoUnits
+from logic.generation.feasibility import Feasibility
+from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker
 from logic.grammar import Grammar
 from logic.house.parts import OUTSIDE
 from logic.language.loaded import LoadedGrammar
@@ -22,8 +25,6 @@ from logic.layout.account import LAYOUT
 from logic.layout.program import Nogood, Program
 from logic.placement.placer import Infeasible
 from logic.placement.prolog import Term
-from logic.proofs.proof import Prover
-from logic.proofs.units import UnitsProver, barred_units
 from logic.request.request import Request
 
 SIDES = ("west", "east", "north", "south")
@@ -64,12 +65,12 @@ class Unit:
         return atoms
 
 
-class UnitPlanner(Planner):
+class UnitMaker(SharedWallsMaker):
     """Makes the rooms of one unit: it is ``measured`` first, and ``complete`` once it has its place."""
 
-    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover, unit: Unit) -> None:
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, feasibility: Feasibility, unit: Unit) -> None:
         """Know the unit."""
-        super().__init__(grammar, loaded, prover)
+        super().__init__(grammar, loaded, feasibility)
         self.unit = unit
         self.range = (0.0, 0.0)
         """The least and the greatest length of the unit in its layout, metres."""
@@ -107,7 +108,7 @@ class UnitPlanner(Planner):
         excluded = nogoods if nogoods is self._infeasible else [*self._infeasible, *nogoods]
         return super()._layout(request, rng, excluded, unfurnishable)
 
-    def _unsatisfiable(self, request: Request, unfurnishable: Collection[str]) -> Exception:
+    def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         return Impossible()
 
     def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
@@ -121,14 +122,14 @@ class UnitPlanner(Planner):
         return self._placer.unit_range(layout, self.unit.axis, self.unit.depth, inferences)
 
 
-class UnitsPlanner(Planner):
+class UnitsMaker(SharedWallsMaker):
     """Makes houses of units by one grammar."""
 
-    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, prover: Prover) -> None:
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, feasibility: Feasibility) -> None:
         """Know its rules."""
-        super().__init__(grammar, loaded, prover)
-        self._units_prover = UnitsProver(grammar, loaded, prover)
-        self._parts = grammar, loaded, prover
+        super().__init__(grammar, loaded, feasibility)
+        self._units_feasibility = UnitsFeasibility(grammar, loaded)
+        self._parts = grammar, loaded, feasibility
         self._depths = loaded.depths or (0.0, 0.0)
 
     def complete(
@@ -138,8 +139,8 @@ class UnitsPlanner(Planner):
         for _ in range(MOST_TRIES):
             units = self._units(request, rng)
             try:
-                whole, planners, inferences = self._placed(*units, rng, inferences)
-                return self._with_rooms(whole, planners, rng, inferences)
+                whole, makers, inferences = self._placed(*units, rng, inferences)
+                return self._with_rooms(whole, makers, rng, inferences)
             except Impossible:
                 continue
         raise LimitReached(
@@ -157,40 +158,41 @@ class UnitsPlanner(Planner):
         self._placer.account.at(LAYOUT, "the units of the house (clingo)")
         layout = program.sample(rng, assumed)
         if layout is None:
-            raise self._units_prover.no_house(request)
+            barred = barred_units(self._programs, request)
+            raise NoUnits(request, self._units_feasibility, unit=self.feasibility, barred=barred)
         low, high = self._depths
         depths = defaultdict[Symbol, float](lambda: float(rng.uniform(low, high)))
         return layout, _units_of(layout, request, depths)
 
     def _placed(
         self, layout: list[Symbol], units: Sequence[Unit], rng: np.random.Generator, inferences: int
-    ) -> tuple[dict[str, Any], list[UnitPlanner], int]:
+    ) -> tuple[dict[str, Any], list[UnitMaker], int]:
         """The units with their places, and the public rooms."""
-        planners = [UnitPlanner(*self._parts, unit) for unit in units]
-        waiting = set(planners)
+        makers = [UnitMaker(*self._parts, unit) for unit in units]
+        waiting = set(makers)
         for _ in range(MOST_TRIES):
-            for planner in planners:
-                if planner in waiting:
-                    inferences = planner.measured(rng, inferences)
+            for maker in makers:
+                if maker in waiting:
+                    inferences = maker.measured(rng, inferences)
             sizes = [
                 Term("size", each.unit.number, each.unit.axis, each.unit.depth, *map(float, each.range))
-                for each in planners
+                for each in makers
             ]
             try:
                 whole = self._placer.walls(layout, int(rng.integers(2**63)), inferences, sizes)
-                return whole, planners, inferences - whole["inferences"]
+                return whole, makers, inferences - whole["inferences"]
             except Infeasible as proof:
                 inferences -= proof.inferences
                 self._placer.account.refuted(proof.conflicts[0].clauses)
                 atoms = proof.conflicts[0].atoms
                 conflict = {atom.arguments[0].number for atom in atoms if atom.name == "unit"}
-                waiting = {planner for planner in planners if planner.unit.number in conflict}
+                waiting = {maker for maker in makers if maker.unit.number in conflict}
         raise Impossible
 
     def _with_rooms(
         self,
         whole: dict[str, Any],
-        planners: Sequence[UnitPlanner],
+        makers: Sequence[UnitMaker],
         rng: np.random.Generator,
         inferences: int,
     ) -> tuple[dict[str, Any], list[Any], int]:
@@ -199,10 +201,10 @@ class UnitsPlanner(Planner):
         rooms = [room for room in whole["rooms"] if room["type"] != "unit"]
         plan = {"rooms": rooms, "doors": whole["doors"], "windows": whole["windows"], "hub": "R0"}
         pieces: list[Any] = [[] for _ in rooms]
-        for planner in planners:
-            planner.within(boxes[planner.unit.number])
-            part, inside, inferences = planner.complete(planner.unit.request, rng, inferences)
-            _append(plan, part, planner.unit.public)
+        for maker in makers:
+            maker.within(boxes[maker.unit.number])
+            part, inside, inferences = maker.complete(maker.unit.request, rng, inferences)
+            _append(plan, part, maker.unit.public)
             pieces += inside
         return plan, pieces, inferences
 

@@ -1,87 +1,20 @@
 """The proof that there is no house of units: which units there are not, and why, unit by unit."""
 
-from collections.abc import Iterable
-from functools import cache
-
-from clingo import Function, Number, Symbol
-
 from logic.errors import Reason, Unsatisfiable
-from logic.grammar import Grammar
-from logic.language.loaded import LoadedGrammar
-from logic.layout.programs import Programs
-from logic.layout.relaxed import Relaxed, Statement
-from logic.layout.terms import granted, parts, requirements, shared_requirements
-from logic.proofs.proof import Prover, option
-from logic.request.request import Request
+from logic.generation.barred_units import no_unit, option_reasons
+from logic.generation.evidence import NoUnits
+from logic.proofs.proof import Prover
 
 
-def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:
-    """The units of a house that there are not, whatever their lengths: requirements ``barred``, and of whom.
-
-    Those of some number of rooms, and of such with some rooms of one of the types that are asked for.
-    """
-    types, sizes = tuple(sorted(request.types)), programs.unit_sizes(request.rooms)
-    return {atom: unit for size in sizes for atom, unit in _barred(programs, size, types)}
-
-
-@cache
-def _barred(programs: Programs, size: int, types: tuple[str, ...]) -> list[tuple[Symbol, Request]]:
-    """Those of this number of rooms."""
-    program, _ = programs.unit_for(Request(size, dict.fromkeys(types, (0, 0))))
-    if not program.possible():
-        return [(Function("barred", [Number(size)]), Request(size))]
-    units = [Request(size, {type_: (n, n)}) for type_ in types for n in range(size + 1)]
-    asked = [(unit, requirements("among", unit.types)) for unit in units]
-    return [
-        (Function("barred", [Number(size), *required.arguments[:2]]), unit)
-        for unit, (required,) in asked
-        if not program.possible([granted(required)])
-    ]
-
-
-class UnitsProver(Prover):
-    """Finds minimal sets of reasons why a request has no house of units."""
-
-    def __init__(self, grammar: Grammar, loaded: LoadedGrammar, of_unit: Prover) -> None:
-        """Know the rules, and what proves that there is no unit."""
-        super().__init__(grammar, loaded.placer, loaded.lengths, placed=True)
-        self._programs, self._of_unit = loaded.programs, of_unit
-
-    def no_house(self, request: Request) -> Unsatisfiable:
-        """Why a request has no house: of units that there are not, the user's reasons for that."""
-        found = self.unsatisfiable(request, ())
-        units = {_none(unit): unit for unit in barred_units(self._programs, request).values()}
-        reasons: dict[Reason, None] = {}
-        for reason in found.reasons:
-            if reason not in units:
-                reasons[reason] = None
-                continue
-            own, whole = option_reasons(units[reason]), self._of_unit.conflict(units[reason])
-            reasons |= dict.fromkeys(each for each in whole if each not in own)
-        return Unsatisfiable(found.grammar, found.request, tuple(reasons), found.advice)
-
-    def house(
-        self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
-    ) -> tuple[Relaxed, list[Statement]]:
-        """The program of the units, and all that may be left out of it."""
-        required, barred = shared_requirements(request), barred_units(self._programs, request)
-        relaxed = Relaxed(
-            self._source,
-            {"rooms": request.rooms},
-            [("units", []), *parts([*required, *barred])],
-            laws=laws,
-        )
-        statements = list(relaxed.statements)
-        asked = [(reason, each) for reason, each in zip(option_reasons(request), required, strict=True)]
-        asked += [(_none(unit), each) for each, unit in barred.items()]
-        statements += [relaxed.choice(reason, [granted(each)]) for reason, each in asked]
-        return relaxed, statements
-
-
-def option_reasons(request: Request) -> list[Reason]:
-    """What a request asks of the types of rooms, as on the command line."""
-    return [option("--type", name, request.types) for name in sorted(request.types)]
-
-
-def _none(unit: Request) -> Reason:
-    return Reason(f"no unit has {unit}")
+def no_house(found: NoUnits) -> Unsatisfiable:
+    """Why a request has no house: of units that there are not, the user's reasons for that."""
+    whole, of_unit = Prover(found.feasibility).unsatisfiable(found), Prover(found.unit)
+    units = {no_unit(unit): unit for unit in found.barred.values()}
+    reasons: dict[Reason, None] = {}
+    for reason in whole.reasons:
+        if reason not in units:
+            reasons[reason] = None
+            continue
+        own, forbidding = option_reasons(units[reason]), of_unit.conflict(units[reason])
+        reasons |= dict.fromkeys(each for each in forbidding if each not in own)
+    return Unsatisfiable(whole.grammar, whole.request, tuple(reasons), whole.advice)

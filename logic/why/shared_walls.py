@@ -45,18 +45,18 @@ class PlanWitness(Witness):
             yield from self._piece(target, layout, part, self._support_in(room), search, until)
 
     def _made_again(self, made: Provenance, inferences: int) -> House:
-        planner = self._builder.planner_of(self._request)
+        maker = self._maker = self._builder.maker_of(self._request)
         arguments = self._request, made.seed, made.index, inferences
         self._builder.house(*arguments)
-        assert planner.making is not None
+        assert maker.making is not None
         # The programs of rooms with these doors are known now: the second time they keep all that held.
         for program in (
-            planner.making.program,
-            *(each.program for each in planner.making.furniture.values()),
+            maker.making.program,
+            *(each.program for each in maker.making.furniture.values()),
         ):
             program.models = []
         again = self._builder.house(*arguments)
-        self._making = planner.making
+        self._making = maker.making
         return again
 
     def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
@@ -79,7 +79,7 @@ class PlanWitness(Witness):
         variables = sorted(own, key=lambda each: each.name != "type")
         for part in self._answer(why, support, variables, lengths, lambda: self._search, until):
             types = (
-                self._furnishable(self._making.prover, each)
+                self._furnishable(self._maker.feasibility, each)
                 for each in part.choices
                 if each.name == f"type({number})"
             )
@@ -184,8 +184,8 @@ class PlanWitness(Witness):
     @cached_property
     def _search(self) -> Search:
         """What could be instead."""
-        relaxed, statements = self._making.prover.house(self._request, laws=True)
-        possible = self._making.prover.has_walls(relaxed)
+        relaxed, statements = self._maker.feasibility.house(self._request, laws=True)
+        possible = self._maker.feasibility.has_walls(relaxed)
         return Search(relaxed, statements, possible, self._support.chosen, self._making.layout, MOST)
 
     @cache  # noqa: B019 (a witness is asked about one house)
@@ -201,5 +201,5 @@ class PlanWitness(Witness):
         how = self._making.furniture[room]
         fixed = LooseRoom(how.room, [None] * len(how.room.doors))
         given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())
-        relaxed = self._making.prover.furniture(self._request, how.room.type, laws=True, room=given)
+        relaxed = self._maker.feasibility.furniture(self._request, how.room.type, laws=True, room=given)
         return Search(*relaxed, self._support_in(room).chosen, how.layout.furniture, MOST)

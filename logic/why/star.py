@@ -11,7 +11,7 @@ from logic.errors import Reason
 from logic.house.house import House
 from logic.house.part_names import Part, target_in
 from logic.house.parts import Provenance
-from logic.placement.placer import RoomLayout
+from logic.placement.placer import Layout, RoomLayout
 from logic.request.fixed_rooms import fixed_rooms
 from logic.why.alternatives import Search
 from logic.why.answer import Length, Why
@@ -40,7 +40,8 @@ class StarWitness(Witness):
         self._rooms, _ = programs.rooms_for(self._request)
         for program in (self._rooms, *programs.all_furniture(self._request)):
             program.models = []
-        again, self._layout = self._builder.made(self._request, made.seed, made.index, inferences)
+        again = self._builder.house(self._request, made.seed, made.index, inferences)
+        self._layout: Layout = self._builder.maker.making
         return again
 
     def _room(self, target: str, layout: RoomLayout, part: Part, until: float) -> Iterator[Why]:
@@ -68,7 +69,7 @@ class StarWitness(Witness):
 
         for found in self._answer(why, support, variables, lengths, lambda: self._search, until):
             types = (
-                self._furnishable(self._builder.prover, each)
+                self._furnishable(self._builder.maker.feasibility, each)
                 for each in found.choices
                 if each.name == f"type({number})"
             )
@@ -84,8 +85,8 @@ class StarWitness(Witness):
     @cached_property
     def _search(self) -> Search:
         """What could be instead."""
-        relaxed, statements = self._builder.prover.house(self._request, laws=True)
-        possible = lambda some: relaxed.model(some) is not None  # noqa: E731 (as prover.furniture returns it)
+        relaxed, statements = self._builder.maker.feasibility.house(self._request, laws=True)
+        possible = lambda some: relaxed.model(some) is not None  # noqa: E731 (as Feasibility.furniture returns it)
         return Search(relaxed, statements, possible, self._support.chosen, (self._rooms.models or [])[-1][0])
 
     @cache  # noqa: B019 (a witness is asked about one house)
@@ -100,7 +101,7 @@ class StarWitness(Witness):
     def _search_in(self, room: int) -> Search:
         """What its furniture could be instead."""
         layout = self._layout.rooms[room]
-        relaxed = self._builder.prover.furniture(self._request, layout.type.name, laws=True)
+        relaxed = self._builder.maker.feasibility.furniture(self._request, layout.type.name, laws=True)
         return Search(*relaxed, self._support_in(room).chosen, layout.furniture)
 
     def _main_room(self, target: str) -> Why:

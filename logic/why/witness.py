@@ -11,13 +11,15 @@ from typing import Any
 import msgspec
 from clingo import Symbol, parse_term
 
-from logic.errors import HouseFileError, Reason, RequestError, Unsatisfiable
+from logic.errors import HouseFileError, Reason, RequestError
 from logic.generation.builder import Builder
+from logic.generation.evidence import NoLayout
+from logic.generation.feasibility import Feasibility
 from logic.house.house import House
 from logic.house.part_names import part_names
 from logic.house.parts import Provenance
-from logic.placement.placer import RoomLayout
-from logic.proofs.proof import Prover, located
+from logic.placement.placer import RoomLayout, located
+from logic.proofs.answer import unsatisfiable
 from logic.request.request import Request
 from logic.why.alternatives import Search, Tried
 from logic.why.answer import Alternative, Bound, Choice, Length, Why
@@ -44,7 +46,9 @@ class Witness(ABC):
         again, why = None, "it was edited"
         try:
             again = self._made_again(made, inferences)
-        except (RequestError, Unsatisfiable) as error:
+        except NoLayout as found:
+            why = str(unsatisfiable(found))
+        except RequestError as error:
             why = str(error)
         parts = again and (again.rooms, again.doors, again.windows)
         if parts != (house.rooms, house.doors, house.windows):
@@ -118,12 +122,12 @@ class Witness(ABC):
         why, own = Why(target, about, support.trees(atoms)), support.variables(subject)
         yield from self._answer(why, support, own, lambda: self._lengths(room, atom), search, until)
 
-    def _furnishable(self, prover: Prover, choice: Choice) -> Choice:
+    def _furnishable(self, feasibility: Feasibility, choice: Choice) -> Choice:
         """A choice of a room's type, where those that cannot be furnished are not possible."""
 
         def judged(other: Alternative) -> Alternative:
             never = not (other.possible or other.also)
-            if never or prover.is_furnishable(self._request, other.value):
+            if never or feasibility.is_furnishable(self._request, other.value):
                 return other
             return Alternative(other.value, False, (), (Reason(f"no {other.value} can be furnished"),))
 

@@ -156,8 +156,10 @@ class Worker:
                 yield {"count": count}
             yield {"count": None}
             return
-        house = self._builder.house(wanted, request["seed"], request["index"], request["inferences"])
-        yield {"house": house.to_dict()}
+        from logic.proofs.answer import house_or_proof
+
+        made = house_or_proof(self._builder, wanted, request["seed"], request["index"], request["inferences"])
+        yield {"house": made.to_dict()}
 
     def _why(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
         """Why a house is as it is, in ``parts`` as they are found or whole."""

@@ -24,7 +24,7 @@ class Report:
     def run(self) -> int:
         """Write the file."""
         from agent.report.folder import write_report
-        from benchmarks import SECTIONS
+        from benchmarks.sections import SECTIONS
         from logic.house.files import require_file
 
         if self.out:

@@ -11,10 +11,10 @@ import safetensors.torch
 import torch
 
 from agent.algorithms.build import network_of
-from agent.runs.checkpoint import FORMAT, Checkpoint, load, save
+from agent.algorithms.presets import PRESETS
 from agent.learning.config import DQNConfig, PQNConfig, TrainConfig
 from agent.policies.network import QNetwork
-from agent.algorithms.presets import PRESETS
+from agent.runs.checkpoint import FORMAT, Checkpoint, load, save
 from agent.runs.released import CheckpointError, released
 
 CONFIG = PQNConfig(steps=1000, seed=3)

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import torch
 
-from agent.runs import checkpoint
 from agent.algorithms.build import network_of
-from agent.runs.checkpoint import Checkpoint
-from vitruvius.cli import main
-from agent.learning.config import PQNConfig
-from agent.runs.export import INPUTS, OUTPUTS, NoExporter, Step, export
-from agent.policies.network import QNetwork, seeded
 from agent.algorithms.presets import PRESETS
+from agent.learning.config import PQNConfig
+from agent.policies.network import QNetwork, seeded
 from agent.policies.recurrent import RecurrentQNetwork
+from agent.runs import checkpoint
+from agent.runs.checkpoint import Checkpoint
+from agent.runs.export import INPUTS, OUTPUTS, NoExporter, Step, export
 from logic.errors import RequestError
+from vitruvius.cli import main
 
 onnxruntime = pytest.importorskip("onnxruntime")
 pytest.importorskip("onnxscript")

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 import torch
 
+from agent.algorithms.build import policy_of
+from agent.algorithms.paper import PaperNetwork, next_angles
 from agent.avoidance import Free
 from agent.banks import named
-from agent.algorithms.build import policy_of
-from agent.runs.checkpoint import load
-from vitruvius.commands.train import ImportKeras
 from agent.evaluation.episodes import play
-from agent.runs.keras import ORIGINAL, import_keras
-from agent.algorithms.paper import PaperNetwork, next_angles
-from agent.policies.policies import QPolicy
-from agent.runs.released import CheckpointError
 from agent.learning.environments import make_envs
+from agent.policies.policies import QPolicy
+from agent.runs.checkpoint import load
+from agent.runs.keras import ORIGINAL, import_keras
+from agent.runs.released import CheckpointError
 from sim import HouseVectorEnv
 from tests import sample_houses
+from vitruvius.commands.train import ImportKeras
 
 SHAPES = [(3, 25), (1000, 50), (50, 100), (100, 50), (50, 25), (25, 3)]
 LAYERS = ["dense_1", "flatten_1", *(f"dense_{k}" for k in range(2, 7))]

@@ -15,18 +15,16 @@ from typing import Any
 import pytest
 import torch
 
-from agent.runs import checkpoint
-from agent.runs import runs
-from agent.banks import bank_hash
-from vitruvius.cli import parse
-from agent.learning.config import PQNConfig
-from agent.learning.learner import Diverged
 from agent.algorithms.learners import LEARNERS
 from agent.algorithms.map_completion.config import CompletionConfig
 from agent.algorithms.pqn import PQN
 from agent.algorithms.presets import PRESETS
-from agent.runs.released import CheckpointError
+from agent.banks import bank_hash
+from agent.learning.config import PQNConfig
+from agent.learning.learner import Diverged
 from agent.report.folder import report
+from agent.runs import checkpoint, runs
+from agent.runs.released import CheckpointError
 from agent.runs.runs import run
 from logic import load, save
 from logic.errors import RequestError
@@ -34,6 +32,7 @@ from logic.stopping import Terminated
 from sim.environment.arguments import BANK
 from tests import processes
 from tests.sample_houses import random_house
+from vitruvius.cli import parse
 
 HOUSES = [random_house(seed) for seed in range(4)]
 CONFIG = PQNConfig(num_envs=8, num_steps=16, steps=1500, seed=2)

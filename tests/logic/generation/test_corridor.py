@@ -12,6 +12,7 @@ from logic.grammar import find
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Room
 from logic.layout.programs import Programs
+from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 
 INFERENCES = 10**8
@@ -87,5 +88,5 @@ def test_hardly_two_clinics_have_the_same_topology(clinic: Builder) -> None:
 
 def test_that_there_is_no_clinic_is_proved_by_its_own_lines(clinic: Builder) -> None:
     with pytest.raises(Unsatisfiable) as error:
-        clinic.house(Request.read({"rooms": 5, "types": {"waiting": 2}}), 0, 0, INFERENCES)
+        house_or_proof(clinic, Request.read({"rooms": 5, "types": {"waiting": 2}}), 0, 0, INFERENCES)
     assert ":- { room(_,waiting) } > rooms/8 + 1." in str(error.value)

@@ -4,6 +4,7 @@ import shutil
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from clingo import Symbol
 from benchmarks.generator.verdicts import furniture_systems, given_systems, verdicts, wall_systems
 from logic import GrammarError, RequestError, Unsatisfiable, check
 from logic.generation.builder import Builder
+from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import SHIPPED, find
 from logic.house.boxes import overlap
 from logic.house.house import House
@@ -19,6 +21,7 @@ from logic.house.parts import OUTSIDE, Rect
 from logic.house.star import Star, StarRoom
 from logic.layout.program import Nogood
 from logic.layout.programs import Programs
+from logic.proofs.answer import house_or_proof
 from logic.request.fixed_rooms import fixed_rooms
 from logic.request.request import Request
 
@@ -35,6 +38,12 @@ edge(rooms-1,east,outline(east)).
 face(R,R+1) :- R = 0..rooms-2.
 face(R+1,R) :- R = 0..rooms-2.
 """
+
+
+def bare(builder: Builder, *arguments: Any) -> tuple[dict[str, Any], list[Symbol], int]:
+    """A plan of the builder's without furniture: see ``SharedWallsMaker.bare``."""
+    assert isinstance(builder.maker, SharedWallsMaker)
+    return builder.maker.bare(*arguments)
 
 
 def builder(grammar: str | Path) -> Builder:
@@ -83,7 +92,7 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_bo
 ) -> None:
     made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
     for seed in range(20):
-        plan, _, _ = made.planner.bare(Request(8), np.random.default_rng(seed), INFERENCES, [])
+        plan, _, _ = bare(made, Request(8), np.random.default_rng(seed), INFERENCES, [])
         boxes = [(r["x"], r["y"], r["x"] + r["width"], r["y"] + r["height"]) for r in plan["rooms"]]
         assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
@@ -128,7 +137,7 @@ def test_nothing_is_refuted_that_has_a_solution(home: Builder) -> None:
 def test_a_conflict_is_a_nogood_that_no_layout_of_this_house_has(home: Builder) -> None:
     nogoods: list[Nogood] = []
     for seed in range(40):
-        _, layout, _ = home.planner.bare(Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
+        _, layout, _ = bare(home, Request(5), np.random.default_rng(seed), INFERENCES, nogoods)
         assert not any(all((atom in layout) == holds for atom, holds in each.items()) for each in nogoods)
     assert nogoods
 
@@ -148,7 +157,7 @@ def test_that_there_is_no_plan_is_proved_by_the_users_own_lines(
     home: Builder, rooms: int, types: dict[str, int], reasons: list[str]
 ) -> None:
     with pytest.raises(Unsatisfiable) as error:
-        home.house(Request.read({"rooms": rooms, "types": types}), 0, 0, INFERENCES)
+        house_or_proof(home, Request.read({"rooms": rooms, "types": types}), 0, 0, INFERENCES)
     assert [each for each in reasons if each not in str(error.value)] == []
 
 
@@ -168,7 +177,7 @@ def test_a_proof_names_the_line_that_says_who_opens_into_whom_or_needs_a_window(
 ) -> None:
     folder = copied(tmp_path, ("rooms.lp", text, other), mine=f"#program house.\n{rule}\n")
     with pytest.raises(Unsatisfiable) as error:
-        builder(folder).house(Request(5), 0, 0, INFERENCES)
+        house_or_proof(builder(folder), Request(5), 0, 0, INFERENCES)
     assert other.rsplit(maxsplit=1)[-1] in str(error.value)
     assert rule in str(error.value)
 
@@ -260,5 +269,5 @@ def test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible
     ]
     assert set(beds) == {2}
     with pytest.raises(Unsatisfiable) as error:
-        home.house(Request.read({"rooms": 6, "furniture": {"bedroom.bed": 9}}), 0, 0, INFERENCES)
+        house_or_proof(home, Request.read({"rooms": 6, "furniture": {"bedroom.bed": 9}}), 0, 0, INFERENCES)
     assert "may(bedroom,bed,1,2)." in str(error.value)

@@ -12,6 +12,7 @@ from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, find
 from logic.house.parts import OUTSIDE
 from logic.layout.programs import Programs
+from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 from logic.why.shared_walls import PlanWitness
 
@@ -98,7 +99,7 @@ def test_what_no_building_has_is_proved_by_the_rules_of_its_flats(
     apartments: Builder, request_: Request, text: str
 ) -> None:
     with pytest.raises(Unsatisfiable) as caught:
-        apartments.house(request_, 0, 0, INFERENCES)
+        house_or_proof(apartments, request_, 0, 0, INFERENCES)
     assert any(text in str(reason) for reason in caught.value.reasons)
 
 

@@ -104,12 +104,13 @@ def tried(folder: Path, trace: Path) -> tuple[list[str], bool, bool]:
     """Whether lint and then a bedroom left a trace, after the errors that lint found."""
     from logic.generation.builder import Builder
     from logic.language.linter import findings
+    from logic.proofs.answer import house_or_proof
 
     errors = [each.text for each in findings(find(folder)) if each.severity == "error"]
     linted = trace.exists()
     trace.unlink(missing_ok=True)
     with suppress(VitruviusError):
-        Builder(find(folder)).house(Request(1, types={"bedroom": (1, 1)}), 0, 0, 10**7)
+        house_or_proof(Builder(find(folder)), Request(1, types={"bedroom": (1, 1)}), 0, 0, 10**7)
     return errors, linted, trace.exists()
 
 

@@ -13,6 +13,7 @@ from logic.generation.builder import Builder
 from logic.house.house import House
 from logic.house.parts import Room
 from logic.house.promises import PROMISES
+from logic.proofs.answer import house_or_proof
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import ROW, builder, copied
@@ -55,7 +56,7 @@ def made(home: Builder, source: Any, index: int = 0, **request: Any) -> House:
     plan = read_plan(source)
     record = {"rooms": len(plan.rooms), **request}
     wanted = Request.read({**record, "plan": Request(1, plan=plan).to_dict()["plan"]})
-    return home.house(wanted, 0, index, INFERENCES)
+    return house_or_proof(home, wanted, 0, index, INFERENCES)
 
 
 def test_rooms_stay_where_the_plan_says_and_get_doors_windows_and_furniture(home: Builder) -> None:

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from logic import House, RequestError, Unsatisfiable, check, generate, load, save
 from logic.generation.builder import Builder
+from logic.proofs.answer import house_or_proof
 from logic.request.given_plan import keeping, read_plan
 from logic.request.request import Request
 from logic.why.shared_walls import PlanWitness
@@ -39,7 +40,7 @@ def made(home: Builder, house: House, names: Sequence[str], index: int = 0, **re
     free = tuple(room if room.name in names else replace(room, type="") for room in house.rooms)
     plan = keeping(read_plan(replace(house, rooms=free)), house.only(*names))
     wanted = Request.read({"rooms": len(free), **Request(len(free), plan=plan).to_dict(), **request})
-    return home.house(wanted, 7, index, INFERENCES)
+    return house_or_proof(home, wanted, 7, index, INFERENCES)
 
 
 def test_kept_rooms_and_all_walls_doors_and_windows_stay_and_the_rest_is_new(

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from logic import check
+from logic.generation.shared_walls import SharedWallsMaker
 from logic.grammar import SHIPPED
 from logic.house.house import House
 from logic.language.linter import all_warnings, errors
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
 from tests.docs.reader import ROOT, blocks
-from tests.logic.generation.test_shared_walls import builder
+from tests.logic.generation.test_shared_walls import bare, builder
 from tests.logic.generation.test_units import PUBLIC, units
 from tests.logic.rules.plan_geometry import box_of, neighbours, shared
 
@@ -69,7 +70,7 @@ def test_adjacent_holds_of_the_rooms_that_share_a_wall_and_of_no_others_and_face
         program.models = []
         for seed in range(5):
             rng = np.random.default_rng([size, seed])
-            plan, layout, _ = made.planner.bare(Request(size), rng, INFERENCES, [])
+            plan, layout, _ = bare(made, Request(size), rng, INFERENCES, [])
             last, atoms = program.models[-1]
             assert last == layout
             found = neighbours([box_of(room) for room in plan["rooms"]])
@@ -111,8 +112,9 @@ def test_in_a_plan_of_the_users_adjacent_is_what_the_plan_says(tmp_path: Path) -
         first = made.house(Request(7), 6, index, INFERENCES)
         bare = tuple(msgspec.structs.replace(room, type="", children=()) for room in first.rooms)
         plan = read_plan(House(bare, (), ()))
-        planner = made.planner_of(Request(7, plan=plan))
-        program = planner._program(Request(7, plan=plan))[0]
+        maker = made.maker_of(Request(7, plan=plan))
+        assert isinstance(maker, SharedWallsMaker)
+        program = maker._program(Request(7, plan=plan))[0]
         program.models = []
         house = made.house(Request(7, plan=plan), 0, index, INFERENCES)
         assert not meeting(house)

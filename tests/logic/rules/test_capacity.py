@@ -62,6 +62,6 @@ def test_furniture_that_the_capacity_rules_refuse_has_no_places(builder: Builder
         if not allowed:
             room = RoomLayout(0, Function(kind), Function("north"), furniture)
             with pytest.raises(Infeasible):
-                builder.place(Layout([room], []), rng, 10**8)
+                builder.placer.place(Layout([room], []), rng, 10**8)
     assert verdicts[True]
     assert verdicts[False] or kind == "kitchen", "both; but kitchens are spacious"

@@ -66,11 +66,11 @@ def rooms() -> list[Seen]:
     found = []
     for index in range(3):
         house = made.house(Request(7), 2, index, INFERENCES)
-        assert made.planner.making is not None
-        for program in {each.program for each in made.planner.making.furniture.values()}:
+        assert made.maker.making is not None
+        for program in {each.program for each in made.maker.making.furniture.values()}:
             program.models = []
         assert made.house(Request(7), 2, index, INFERENCES).rooms == house.rooms
-        for number, how in made.planner.making.furniture.items():
+        for number, how in made.maker.making.furniture.items():
             models = [all_ for layout, all_ in how.program.models or () if layout == how.layout.furniture]
             found.append(Seen(made, how, house.rooms[number], models[-1]))
     assert len(found) > 10

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from clingo import Symbol
 
-from logic.generation.units import UnitsPlanner
+from logic.generation.units import UnitsMaker
 from logic.house.house import House
 from logic.house.parts import OUTSIDE
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
-from tests.logic.generation.test_shared_walls import INFERENCES, builder
+from tests.logic.generation.test_shared_walls import INFERENCES, bare, builder
 from tests.logic.rules.plan_geometry import TOLERANCE, Box, box_of, shared
 from tests.logic.rules.test_adjacent import NAMED, copied
 
@@ -181,7 +181,7 @@ def test_what_rules_say_of_rooms_is_so_in_the_plan(
         program.models = []
         for seed in range(4):
             rng = np.random.default_rng([size, seed])
-            plan, _, _ = made.planner.bare(Request(size), rng, INFERENCES, [])
+            plan, _, _ = bare(made, Request(size), rng, INFERENCES, [])
             for relation in (*ALL, *more):
                 relation(Plan(plan, program.models[-1][1]))
 
@@ -193,7 +193,7 @@ def test_an_oblong_room_runs_along_its_longer_side_whatever_its_size_allows(tmp_
         bare = tuple(msgspec.structs.replace(room, type="", children=()) for room in house.rooms)
         plan = Request(5, plan=read_plan(House(bare, (), ())))
         for request, found in ((Request(5), house), (plan, made.house(plan, 3, index, INFERENCES))):
-            making = made.planner_of(request).making
+            making = made.maker_of(request).making
             assert making is not None
             axes = {a.arguments[0].number: str(a.arguments[1]) for a in making.layout if a.match("runs", 2)}
             assert "kitchen" in {found.rooms[room].type for room in axes}
@@ -204,17 +204,19 @@ def test_an_oblong_room_runs_along_its_longer_side_whatever_its_size_allows(tmp_
 def test_what_rules_say_of_units_is_so_in_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     made = builder("apartments")
     kept: list[Any] = []
-    whole = UnitsPlanner._with_rooms
+    whole = UnitsMaker._with_rooms
 
-    def with_rooms(self: UnitsPlanner, plan: Any, planners: Any, *others: Any) -> Any:
-        kept[:] = [planners, {room["number"]: box_of(room) for room in plan["rooms"]}]
-        return whole(self, plan, planners, *others)
+    def with_rooms(self: UnitsMaker, plan: Any, makers: Any, *others: Any) -> Any:
+        kept[:] = [makers, {room["number"]: box_of(room) for room in plan["rooms"]}]
+        return whole(self, plan, makers, *others)
 
-    monkeypatch.setattr(UnitsPlanner, "_with_rooms", with_rooms)
+    monkeypatch.setattr(UnitsMaker, "_with_rooms", with_rooms)
+    maker = made.maker
+    assert isinstance(maker, UnitsMaker)
     for rooms in (8, 13):
-        made.planner.complete(Request(rooms), np.random.default_rng(rooms), INFERENCES)
-        planners, boxes = kept
-        for unit in (planner.unit for planner in planners):
+        maker.complete(Request(rooms), np.random.default_rng(rooms), INFERENCES)
+        makers, boxes = kept
+        for unit in (maker.unit for maker in makers):
             near = {
                 side
                 for side, k in SIDES.items()

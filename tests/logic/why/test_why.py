@@ -49,7 +49,8 @@ class Explained:
 
     def __init__(self, builder: Builder, request: dict, seed: int) -> None:
         self.builder, self.request = builder, Request.read(request)
-        self.house, self.layout = builder.made(self.request, seed, 0, INFERENCES)
+        self.house = builder.house(self.request, seed, 0, INFERENCES)
+        self.layout = builder.maker.making
         self.witness = StarWitness(builder, self.house, INFERENCES)
         self.answers: dict[str, Why] = {}
 

@@ -104,7 +104,7 @@ def test_what_could_be_instead_can_and_what_could_not_cannot(four: Explained) ->
 
 def test_a_room_could_be_as_large_as_any_house_of_the_same_layout_has_it(four: Explained) -> None:
     """Its walls sampled again: no size passes the bounds, and some come near them."""
-    layout = four.builder.planner.making
+    layout = four.builder.maker.making
     assert layout
     why = {length.name: length for length in four.why("R1").lengths}
     room = four.house.room("R1")

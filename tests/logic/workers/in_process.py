@@ -12,6 +12,7 @@ from logic.generation.builder import Builder
 from logic.grammar import Grammar, find
 from logic.house.house import House
 from logic.layout.programs import Programs
+from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
 
 
@@ -28,7 +29,7 @@ def generate(
     request = Request.read({"rooms": rooms, "types": {}, "furniture": {}, "cell": cell} | counts)
     rules = find(grammar)
     for index in range(count):
-        yield _builder(rules, cell).house(request, seed, index, inferences=100_000_000)
+        yield house_or_proof(_builder(rules, cell), request, seed, index, inferences=100_000_000)
 
 
 @lru_cache(maxsize=1)  # SWI-Prolog holds one grammar at a time

@@ -1,0 +1,6 @@
+"""What a report shows of the files of studies: see ``agent.report.folder``."""
+
+SECTIONS = (
+    (("generator.json", "simulator.json"), "benchmarks.common.section:timings"),
+    (("homes.json",), "benchmarks.generator.section:homes"),
+)

@@ -1,0 +1,75 @@
+"""Which units of a house there are not, and the program of units without them."""
+
+from collections.abc import Iterable
+from functools import cache
+
+from clingo import Function, Number, Symbol
+
+from logic.errors import Reason
+from logic.generation.feasibility import Feasibility, option
+from logic.grammar import Grammar
+from logic.language.loaded import LoadedGrammar
+from logic.layout.programs import Programs
+from logic.layout.relaxed import Relaxed, Statement
+from logic.layout.terms import granted, parts, requirements, shared_requirements
+from logic.request.request import Request
+
+
+def barred_units(programs: Programs, request: Request) -> dict[Symbol, Request]:
+    """The units of a house that there are not, whatever their lengths: requirements ``barred``, and of whom.
+
+    Those of some number of rooms, and of such with some rooms of one of the types that are asked for.
+    """
+    types, sizes = tuple(sorted(request.types)), programs.unit_sizes(request.rooms)
+    return {atom: unit for size in sizes for atom, unit in _barred(programs, size, types)}
+
+
+@cache
+def _barred(programs: Programs, size: int, types: tuple[str, ...]) -> list[tuple[Symbol, Request]]:
+    """Those of this number of rooms."""
+    program, _ = programs.unit_for(Request(size, dict.fromkeys(types, (0, 0))))
+    if not program.possible():
+        return [(Function("barred", [Number(size)]), Request(size))]
+    units = [Request(size, {type_: (n, n)}) for type_ in types for n in range(size + 1)]
+    asked = [(unit, requirements("among", unit.types)) for unit in units]
+    return [
+        (Function("barred", [Number(size), *required.arguments[:2]]), unit)
+        for unit, (required,) in asked
+        if not program.possible([granted(required)])
+    ]
+
+
+class UnitsFeasibility(Feasibility):
+    """Units of a house, as a program whose statements may be left out."""
+
+    def __init__(self, grammar: Grammar, loaded: LoadedGrammar) -> None:
+        """Know the rules."""
+        super().__init__(grammar, loaded.placer, loaded.lengths, placed=True)
+        self._programs = loaded.programs
+
+    def house(
+        self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
+    ) -> tuple[Relaxed, list[Statement]]:
+        """The program of the units, and all that may be left out of it."""
+        required, barred = shared_requirements(request), barred_units(self._programs, request)
+        relaxed = Relaxed(
+            self.source,
+            {"rooms": request.rooms},
+            [("units", []), *parts([*required, *barred])],
+            laws=laws,
+        )
+        statements = list(relaxed.statements)
+        asked = [(reason, each) for reason, each in zip(option_reasons(request), required, strict=True)]
+        asked += [(no_unit(unit), each) for each, unit in barred.items()]
+        statements += [relaxed.choice(reason, [granted(each)]) for reason, each in asked]
+        return relaxed, statements
+
+
+def option_reasons(request: Request) -> list[Reason]:
+    """What a request asks of the types of rooms, as on the command line."""
+    return [option("--type", name, request.types) for name in sorted(request.types)]
+
+
+def no_unit(unit: Request) -> Reason:
+    """That there is no such unit, as a statement."""
+    return Reason(f"no unit has {unit}")

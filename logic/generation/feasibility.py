@@ -1,0 +1,206 @@
+"""Both stages under some of the statements that make a house: whether there is one, and what forbids it.
+
+Every rule, fact and length of the user's may be left out (``logic.layout.relaxed``). What stage 2 refutes is
+learnt by stage 1, so a test ends with a house or with what conflicts in both.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+
+import numpy as np
+from clingo import Function, Number, Symbol
+
+from logic.errors import Reason
+from logic.generation.movable_doors import Refuted
+from logic.grammar import Grammar
+from logic.layout.program import Conflict
+from logic.layout.programs import GIVEN
+from logic.layout.relaxed import Relaxed, Source, Statement
+from logic.layout.terms import (
+    Lengths,
+    granted,
+    own_requirements,
+    parts,
+    requirements,
+    room_requirements,
+    to_furnish,
+)
+from logic.placement.placer import Infeasible, Layout, Placer, RoomLayout, located
+from logic.request.fixed_rooms import FixedRoom
+from logic.request.request import Range, Request, as_option
+
+Walls = Sequence[tuple[Symbol, tuple[Symbol, ...]]]
+"""What stage 1 knows of walls, each fact with the clauses that it comes from."""
+
+INFERENCES = 100_000_000
+"""Most Prolog inferences for a room on a grid."""
+
+MORE = 8
+"""How many more of a piece are tried than its fact allows."""
+
+
+class Feasibility:
+    """The programs of a grammar's houses and rooms with statements that may be left out, and tests of these.
+
+    The cell of a grid is taken as given, never among the reasons; so are the sizes of rooms that do not fit
+    between the fixed rooms.
+    """
+
+    def __init__(
+        self, grammar: Grammar, placer: Placer, lengths: Lengths, walls: Walls = (), placed: bool = False
+    ) -> None:
+        """Know a grammar, the lengths of each of its room types, and those of walls that rooms share.
+
+        Where these are ``placed`` already, stage 2 has no part in them.
+        """
+        self.grammar, self.placer, self.walls = grammar, placer, walls
+        self._lengths = lengths
+        self.source = Source(grammar.asp)
+        self._placed = placed
+        self._furnishable: dict[tuple[str, tuple[object, ...]], bool] = {}
+
+    def house(
+        self, request: Request, unfurnishable: Iterable[str] = (), laws: bool = False
+    ) -> tuple[Relaxed, list[Statement]]:
+        """The program of a house's rooms, and all that may be left out of it (``laws``: see ``Relaxed``)."""
+        required = room_requirements(request)
+        reasons = [option("--type", name, request.types) for name in sorted(request.types)]
+        reasons += map(_fixed, request.fixed)
+        reasons += map(Reason, own_requirements(request.plan).values() if request.plan else ())
+        relaxed = Relaxed(
+            self.source,
+            {"rooms": request.rooms},
+            [("house", []), *parts(required)],
+            self._stated(self.walls),
+            laws=laws,
+        )
+        statements = list(relaxed.statements)
+        for reason, requirement in zip(reasons, required, strict=True):
+            statements.append(relaxed.choice(reason, [granted(requirement)]))
+        for type_ in sorted(unfurnishable):
+            statements.append(relaxed.choice(barred(type_), fails=to_furnish(type_, request.rooms)))
+        return relaxed, statements
+
+    def is_furnishable(self, request: Request, type_: str) -> bool:
+        """Whether a room of this type can have what is asked for."""
+        asked = tuple(request.furniture_of(type_))
+        if (type_, asked) not in self._furnishable:
+            _, statements, possible = self.furniture(request, type_)
+            self._furnishable[type_, asked] = possible(statements)
+        return self._furnishable[type_, asked]
+
+    def furniture(
+        self, request: Request, type_: str, laws: bool = False, room: Refuted | None = None
+    ) -> tuple[Relaxed, list[Statement], Callable[[Sequence[Statement]], bool]]:
+        """The program of a room's furniture, all that may be left out of it, and a test of both stages.
+
+        Of a ``room`` of a plan or of one of any size with one door. With ``laws``, see ``Relaxed``.
+        """
+        facts = [(fact, clause) for fact, clause in self._lengths[type_] if not room or fact.name != "reach"]
+        pieces = {fact.arguments[0].name for fact, _ in facts if fact.name == "extent"}
+        asked = [each for each in request.furniture_of(type_) if each[1] in pieces]
+        required = [
+            (option("--piece", name, request.furniture), *requirements("has", {piece: wanted}))
+            for name, piece, wanted in asked
+        ]
+        more = [
+            Function("more", [Function(piece), Number(min(least, MORE))])
+            for _, piece, (least, _) in asked
+            if least
+        ]
+        size = Function("size", [Function(type_)])
+        # How much of a wall a piece takes may depend on the wall, and so on the room.
+        lengths = self._stated(
+            (fact, (clause, size) if fact.name == "extent" else (clause,)) for fact, clause in facts
+        )
+        relaxed = Relaxed(
+            self.source,
+            {"this_room": type_, **(GIVEN if room else {})},
+            [
+                ("room", []),
+                ("plan" if room else "capacity", []),
+                *parts(room.room.doorways() if room else ()),
+                *parts(requirement for _, requirement in required),
+                *parts(more),
+            ],
+            lengths,
+            laws=laws,
+        )
+        statements = list(relaxed.statements)
+        statements += [relaxed.choice(reason, [granted(requirement)]) for reason, requirement in required]
+        if room:
+            relaxed.give(*room.room.given(room.windows))
+
+        def possible(some: Sequence[Statement]) -> bool:
+            stated = {each.literals for each in some}
+            without = {
+                each.clause for each in relaxed.statements if each.clause and each.literals not in stated
+            }
+            while (furniture := relaxed.model(some)) is not None:
+                if room:
+                    conflict = self.placer.loose_conflict(room.room.loose_term(furniture), without)
+                else:
+                    conflict = self._conflict(request, type_, furniture, without)
+                if conflict is None:
+                    return True
+                relaxed.exclude(conflict)
+            return False
+
+        return relaxed, statements, possible
+
+    def _stated(
+        self, facts: Iterable[tuple[Symbol, Sequence[Symbol]]]
+    ) -> list[tuple[Symbol, dict[Symbol, Reason]]]:
+        """Facts with the clauses that they come from, and where these stand; not those that nobody states."""
+        known = list(facts)
+        origins = self.placer.origins({clause for _, clauses in known for clause in clauses})
+        places = {clause: located(*place) for clause, place in origins.items()}
+        return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
+
+    def has_walls(self, relaxed: Relaxed) -> Callable[[Sequence[Statement]], bool]:
+        """A test whether there are rooms under some statements, and places for the walls that they share."""
+
+        def possible(some: Sequence[Statement]) -> bool:
+            stated = {each.literals for each in some}
+            without = {
+                each.clause for each in relaxed.statements if each.clause and each.literals not in stated
+            }
+            while (layout := relaxed.model(some)) is not None:
+                unplaced = self.walls and not self._placed
+                conflict = self.placer.wall_conflict(layout, without) if unplaced else None
+                if conflict is None:
+                    return True
+                relaxed.exclude(conflict)
+            return False
+
+        return possible
+
+    def _conflict(
+        self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]
+    ) -> Conflict | None:
+        """The conflict in a room with this furniture, some clauses left out; None if it has places."""
+        kind = Function(type_)
+        conflict = self.placer.conflict(kind, furniture, without)
+        if conflict is None and request.cell and not without:
+            # Lengths that only have to be linear may fit where whole numbers of cells do not.
+            alone = Layout([RoomLayout(0, kind, Function("north"), furniture)], ())
+            try:
+                self.placer.place(alone, np.random.default_rng(0), INFERENCES)
+            except Infeasible as proof:
+                conflict = proof.conflicts[0]
+        return conflict
+
+
+def option(option: str, name: str, ranges: Mapping[str, Range]) -> Reason:
+    """A choice of the request's as on the command line."""
+    return Reason(f"{option} {name}={as_option(ranges[name])}")
+
+
+def _fixed(fixed: FixedRoom) -> Reason:
+    """A fixed room, in words."""
+    room = fixed.room
+    return Reason(f"keep: the {room.type} at x {room.x:.2f}, y {room.y:.2f} m, {fixed.side} side")
+
+
+def barred(type_: str) -> Reason:
+    """That no room of a type can be furnished, as a statement."""
+    return Reason(f"no room of type {type_} can be furnished")

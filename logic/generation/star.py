@@ -1,0 +1,179 @@
+"""Stars: rooms around a main room, each with one door to it. From a request to such a house.
+
+Stage 1 samples types and sides, then the furniture of each room; stage 2 places all of it at once.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+import msgspec
+import numpy as np
+from clingo import Function, Number, Symbol
+
+from logic.errors import LimitReached, OutOfInferences
+from logic.generation.evidence import NoLayout
+from logic.generation.maker import Maker
+from logic.house.house import House
+from logic.house.parts import Rect
+from logic.house.star import Star, StarRoom
+from logic.layout.account import FURNITURE, LAYOUT
+from logic.layout.program import Nogood, Program
+from logic.layout.terms import to_furnish
+from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
+from logic.request.request import Request
+
+MOST_MISFITS = 200
+"""How often sampled rooms may fail to fit between the fixed rooms, though others might fit."""
+
+
+class StarMaker(Maker):
+    """Makes stars by one grammar."""
+
+    making: Layout | None = None
+    """The layout of the last house."""
+
+    def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
+        """See ``Maker.made``."""
+        nogoods = Nogoods()
+        layout = self.layout(request, rng, nogoods)
+        while True:
+            try:
+                plan = self._placer.place(layout, rng, inferences, minimal=nogoods.count > 1)
+                self.making = layout
+                return house(plan, layout, request)
+            except Misfit as proof:
+                inferences -= proof.inferences
+                self._learn_misfit(proof, layout, request, nogoods)
+                layout = self.layout(request, rng, nogoods)
+            except Infeasible as proof:
+                inferences -= proof.inferences
+                if inferences <= 0:
+                    raise OutOfInferences from None
+                for number, conflict in proof.conflicts.items():
+                    self._placer.account.refuted(conflict.clauses, furniture=True)
+                    program, _ = self._programs.furniture_for(layout.rooms[number].type.name, request)
+                    nogoods.add(program, conflict.atoms)
+                again = self._refurnished(request, layout, proof.conflicts, rng, nogoods)
+                layout = again or self.layout(request, rng, nogoods)
+
+    def layout(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods | None" = None) -> Layout:
+        """Stage 1: sample a layout outside the nogoods; raises ``NoLayout`` where none is left."""
+        nogoods = nogoods or Nogoods()
+        while True:
+            bare = self._sample_rooms(request, rng, nogoods)
+            furnished = self._refurnished(request, bare, range(request.rooms), rng, nogoods)
+            if furnished is not None:
+                return furnished
+
+    def _sample_rooms(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
+        """A layout without furniture, and without the types of room that cannot have any."""
+        program, assumed = self._programs.rooms_for(request)
+        self._placer.account.at(LAYOUT, "the types and sides of the rooms (clingo)")
+        without = [
+            atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
+        ]
+        atoms = program.sample(rng, assumed, without, nogoods.of[program])
+        if atoms is None:
+            raise NoLayout(request, self.feasibility, nogoods.unfurnishable, nogoods.orders)
+        self._placer.account.sampled()
+        named = defaultdict[str, list[Symbol]](list)
+        for atom in atoms:
+            named[atom.name].append(atom)
+        types, sides = (
+            {atom.arguments[0].number: atom.arguments[1] for atom in named[name]} for name in ("room", "side")
+        )
+        fixed = {
+            atom.arguments[1].number: request.fixed[atom.arguments[0].number] for atom in named["numbered"]
+        }
+        rooms = [
+            RoomLayout(number, type_, sides[number], (), fixed=fixed.get(number))
+            for number, type_ in sorted(types.items())
+        ]
+        return Layout(rooms, named["corner"])
+
+    def _refurnished(
+        self,
+        request: Request,
+        layout: Layout,
+        numbers: Iterable[int],
+        rng: np.random.Generator,
+        nogoods: "Nogoods",
+    ) -> Layout | None:
+        """The layout with new furniture in these rooms; None, learnt, where a type of room can have none."""
+        rooms = list(layout.rooms)
+        for number in numbers:
+            if rooms[number].fixed:
+                continue
+            type_ = rooms[number].type.name
+            program, assumed = self._programs.furniture_for(type_, request)
+            self._placer.account.at(FURNITURE, f"the furniture of a {type_} (clingo)")
+            furniture = program.sample(rng, assumed, nogoods=nogoods.of[program])
+            if furniture is None:
+                nogoods.unfurnishable.add(type_)
+                return None
+            rooms[number] = replace(rooms[number], furniture=furniture, seed=int(rng.integers(2**63)))
+        return Layout(rooms, layout.corners)
+
+    def _learn_misfit(self, proof: Misfit, layout: Layout, request: Request, nogoods: "Nogoods") -> None:
+        """Exclude an infeasible order of the rooms; raises ``LimitReached`` after many failures."""
+        self._placer.account.refuted(())
+        if proof.infeasible:
+            order = {Function("side", [Number(room.number), room.side]): True for room in layout.rooms}
+            for room in layout.rooms:
+                if room.fixed:
+                    number = request.fixed.index(room.fixed)
+                    order[Function("numbered", [Number(number), Number(room.number)])] = True
+            order |= dict.fromkeys(layout.corners, True)
+            nogoods.orders.append(order)
+            nogoods.add(self._programs.rooms_for(request)[0], order)
+            return
+        nogoods.misfits += 1
+        if nogoods.misfits == MOST_MISFITS:
+            raise LimitReached(
+                f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though "
+                "smaller ones might: try another seed, fewer rooms or smaller types. "
+                f"{self._placer.account.refutations}"
+            )
+
+
+def house(plan: dict[str, Any], layout: Layout, request: Request) -> House:
+    """The house of a layout with its places, as stage 2 gives them."""
+    floor = msgspec.convert(plan["floor"], Rect)
+    planned = [msgspec.convert(room, StarRoom | None) for room in plan["rooms"]]
+    if request.fixed:
+        floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
+    rooms = tuple(
+        room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
+    )
+    return House.of_star(Star(floor, rooms))
+
+
+class Nogoods:
+    """What is proved infeasible for one house. It ends with that house, so that no other depends on it."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.unfurnishable: set[str] = set()
+        """Types of room that cannot be furnished."""
+        self.orders: list[Nogood] = []
+        """Orders of the rooms that do not fit between the fixed rooms, whatever the sizes."""
+        self.of: dict[Program, list[Nogood]] = defaultdict(list)
+        self.count = 0
+        self.misfits = 0
+
+    def add(self, program: Program, atoms: Nogood) -> None:
+        """No layout of the program in which just these atoms hold, or fail, has a solution."""
+        self.count += 1
+        self.of[program].append(atoms)
+
+
+def _moved(rect: Any, x: float, y: float) -> Any:
+    """A rectangle moved, with all that it holds."""
+    changes: dict[str, Any] = {"x": rect.x + x, "y": rect.y + y}
+    if hasattr(rect, "children"):
+        changes["children"] = tuple(_moved(child, x, y) for child in rect.children)
+    if hasattr(rect, "door"):
+        changes["door"] = _moved(rect.door, x, y)
+    return msgspec.structs.replace(rect, **changes)

@@ -1,0 +1,28 @@
+"""A house of a request, or the proof that there is none."""
+
+from logic.errors import LimitReached, OutOfInferences, Unsatisfiable
+from logic.generation.builder import Builder
+from logic.generation.evidence import NoLayout, NoUnits
+from logic.house.house import House
+from logic.proofs.proof import Prover
+from logic.proofs.units import no_house
+from logic.request.request import Request
+
+
+def house_or_proof(builder: Builder, request: Request, seed: int, index: int, inferences: int) -> House:
+    """As ``Builder.house``; raises ``Unsatisfiable`` where it finds no layout."""
+    try:
+        return builder.house(request, seed, index, inferences)
+    except NoLayout as found:
+        raise unsatisfiable(found) from None
+
+
+def unsatisfiable(found: NoLayout) -> Unsatisfiable:
+    """Why a request has no house, by the evidence that there is no layout."""
+    try:
+        return (
+            no_house(found) if isinstance(found, NoUnits) else Prover(found.feasibility).unsatisfiable(found)
+        )
+    except OutOfInferences:
+        late = "the proof that there is no house reached its limit of inferences"
+        raise LimitReached(f"{late}. {found.feasibility.placer.account}") from None
