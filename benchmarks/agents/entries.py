@@ -1,6 +1,7 @@
 """What the study of agents trains: presets, changes of them, and agents of other libraries."""
 
-from agent.algorithms.presets import PRESETS
+from typing import Any
+
 from benchmarks.agents.records import Entry, External
 
 BUDGET = 15 * 60
@@ -9,11 +10,9 @@ RATES = {"pqn": 46_000, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
 began on; steps a second. Counted in steps, it does not depend on the machine."""
 
 
-def _entry(name: str, preset: str, shows: str, said: str = "", beside: str = "") -> Entry:
-    """An entry with its preset's budget; its targets are the preset's, where no option says otherwise."""
-    options = tuple(said.split())
-    targets = options[options.index("--targets") + 1] if "--targets" in options else PRESETS[preset].targets
-    return Entry(name, preset, options, BUDGET * RATES[preset], targets, shows, beside)
+def _entry(name: str, preset: str, shows: str, beside: str = "", **changes: Any) -> Entry:
+    """An entry with its preset's budget, and changes of the preset."""
+    return Entry(name, preset, BUDGET * RATES[preset], shows, beside, changes)
 
 
 ENTRIES = (
@@ -23,15 +22,15 @@ ENTRIES = (
         "paper",
         "paper",
         "the paper's network, learnt by the paper's method in the paper's simulator, in many houses",
-        "--targets main --num-envs 8 --episodes None",
+        targets="main",
+        num_envs=8,
+        episodes=None,
     ),
     _entry("pqn-recurrent", "pqn-recurrent", "a recurrent layer in place of the averages"),
-    _entry(
-        "pqn-secondary", "pqn", "learnt for targets in secondary rooms", "--targets secondary", beside="pqn"
-    ),
-    _entry("pqn-no-shield", "pqn", "no avoidance layer", "--avoidance none", beside="pqn"),
+    _entry("pqn-secondary", "pqn", "learnt for targets in secondary rooms", "pqn", targets="secondary"),
+    _entry("pqn-no-shield", "pqn", "no avoidance layer", "pqn", avoidance="none"),
 )
-"""What is trained. An entry ``beside`` another is a change of it, by its options, and is compared with it."""
+"""What is trained. An entry ``beside`` another is a change of it and is compared with it."""
 
 
 EXTERNAL_STEPS = 1_000_000

@@ -1,13 +1,17 @@
 """The records of the study of agents, and what they say: differences between an agent and its changes."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 from scipy.stats import trim_mean
 
+from agent.algorithms.presets import PRESETS
 from agent.evaluation.baselines import BASELINES, PAPERS
 from agent.evaluation.result import Result
 from agent.evaluation.statistics import Estimate, paired_difference
+from agent.learning.config import TrainConfig
 
 
 @dataclass(frozen=True)
@@ -16,16 +20,28 @@ class Entry:
 
     name: str
     preset: str
-    options: tuple[str, ...]
-    """What differs from the preset, as options of ``vitruvius train``."""
     steps: int
     """Environment steps of each run."""
-    targets: str
-    """Where targets lie while it learns."""
     shows: str
     """What it is there for, in words."""
     beside: str = ""
     """The entry that it is a change of, and is compared with."""
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    """Values in place of the preset's, by the fields of its config."""
+
+    @property
+    def targets(self) -> str:
+        """Where targets lie while it learns."""
+        return self.config(0).targets
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The changes, as options of ``vitruvius train``."""
+        return options(self.changes)
+
+    def config(self, seed: int) -> TrainConfig:
+        """That of a run by this seed."""
+        return replace(PRESETS[self.preset], steps=self.steps, seed=seed, **self.changes)
 
 
 @dataclass(frozen=True)
@@ -121,6 +137,12 @@ class Difference:
         """Whether there is one: the interval does not hold 0, and no seed is of the other sign."""
         low, high = min(self.all.low, *self.each), max(self.all.high, *self.each)
         return low > 0 or high < 0
+
+
+def options(values: Mapping[str, Any]) -> tuple[str, ...]:
+    """Fields and their values as options of ``vitruvius train``."""
+    words = ((f"--{name.replace('_', '-')}", str(value)) for name, value in values.items())
+    return tuple(chain.from_iterable(words))
 
 
 def difference(study: Study, changed: Entry) -> Difference:

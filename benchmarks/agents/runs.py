@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,15 +12,14 @@ import numpy as np
 from agent.evaluation import scores
 from agent.evaluation.episodes import EpisodeScores
 from agent.evaluation.result import Result
-from agent.learning.config import differences
+from agent.learning.config import TrainConfig, differences
 from agent.runs import checkpoint
 from agent.runs.runs import Folder
 from benchmarks.agents.entries import EXTERNALS
-from benchmarks.agents.records import Entry, External, Outcome
+from benchmarks.agents.records import Entry, External, Outcome, options
 from benchmarks.common.pages import ROOT
 from benchmarks.common.processes import CLI, Job, failure, why
 from logic.errors import RequestError, VitruviusError
-from vitruvius.cli import parse
 
 
 class StudyFailed(VitruviusError):
@@ -64,13 +63,14 @@ class EntryRun:
     def training(self, houses: Path) -> Job:
         """What trains it, or goes on with that."""
         entry, folder = self.entry, self.folder.path
-        command = training_command(houses, folder, entry.preset, entry.name, entry.steps, self.seed)
+        changes = {"steps": entry.steps, "seed": self.seed, **entry.changes}
+        command = training_command(houses, folder, entry.preset, entry.name, changes)
         title = f"{entry.name}, seed {self.seed}, {entry.steps / 1e6:.2f} M steps"
-        return Job(title, (*CLI, *command, *entry.options), folder)
+        return Job(title, (*CLI, *command), folder)
 
     def require_same(self) -> None:
         """Raise ``RequestError`` where a run of another budget or with other options lies in the folder."""
-        require_same(self.folder, self.training(self.out).command)
+        require_same(self.folder, self.entry.config(self.seed))
 
     def record(self) -> Outcome:
         """How it went, as far as it did."""
@@ -145,12 +145,11 @@ class ExternalRun:
 
 
 def training_command(
-    houses: Path, folder: Path, preset: str, name: str, steps: int, seed: int
+    houses: Path, folder: Path, preset: str, name: str, changes: Mapping[str, Any]
 ) -> tuple[str, ...]:
-    """Arguments of ``vitruvius`` that train in a folder, or go on with that."""
-    options = {"preset": preset, "name": name, "steps": steps, "seed": seed, "out": given(folder)}
-    said = (word for option, value in options.items() for word in (f"--{option}", str(value)))
-    return "train", given(houses), *said, "--resume"
+    """Arguments of ``vitruvius`` that train a preset with changes in a folder, or go on with that."""
+    run = options({"preset": preset, "name": name, "out": given(folder)})
+    return "train", given(houses), *run, *options(changes), "--resume"
 
 
 def with_run(result: Result, name: str, run: EpisodeScores) -> Result:
@@ -164,14 +163,11 @@ def finished(folder: Folder, steps: int) -> bool:
     return folder.agent.exists() and checkpoint.load(folder.agent).steps >= steps
 
 
-def require_same(folder: Folder, command: Sequence[str]) -> None:
-    """Raise ``RequestError`` where a run lies in the folder whose config is not the training command's."""
+def require_same(folder: Folder, asked: TrainConfig) -> None:
+    """Raise ``RequestError`` where a run of another config lies in the folder."""
     if not folder.config.exists():
         return
-    kept, asked = (
-        json.loads(folder.config.read_text()),
-        parse(list(command[command.index("train") :])).learning,
-    )
+    kept = json.loads(folder.config.read_text())
     try:
         others = list(differences(checkpoint.config_of(kept["algorithm"], kept["config"]), asked))
     except ValueError as error:

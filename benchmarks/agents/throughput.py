@@ -10,7 +10,7 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
@@ -118,9 +118,9 @@ class Throughput:
         seed, name = self.seeds[number], series.name
         command = [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node"]
         command += [str(series.processes), "-m", "vitruvius.cli"]
-        command += training_command(houses, folder.path, series.preset, name, steps, seed)
-        command += ["--num-envs", str(series.environments)]
-        require_same(folder, command)
+        changes = {"steps": steps, "seed": seed, "num_envs": series.environments}
+        command += training_command(houses, folder.path, series.preset, name, changes)
+        require_same(folder, replace(PRESETS[series.preset], **changes))
         if finished(folder, steps):
             return
         say(f"{name}, seed {seed}, {steps / 1e6:.2f} M steps")

@@ -7,6 +7,7 @@ import runpy
 from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,8 +56,8 @@ def written(one: Result) -> bytes:
     return scores.ScoreFile(scores.Bank(""), 0, scores.modes_of([one])).json()
 
 
-def entry(name: str, beside: str = "", options: tuple[str, ...] = ()) -> Entry:
-    return Entry(name, "pqn", options, 1_000_000, "main", f"what {name} is", beside)
+def entry(name: str, beside: str = "", **changes: Any) -> Entry:
+    return Entry(name, "pqn", 1_000_000, f"what {name} is", beside, changes)
 
 
 def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Outcome:
@@ -76,7 +77,7 @@ def study() -> Study:
         versions="Python 3.11",
         learnt_in="some houses",
         measured_in="other houses",
-        entries=(entry("plain"), entry("other"), entry("bare", "plain", ("--avoidance", "none"))),
+        entries=(entry("plain"), entry("other"), entry("bare", "plain", avoidance="none")),
         runs=(
             run("plain", 0),
             run("other", 0),
@@ -96,7 +97,7 @@ def study() -> Study:
 def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
     job = EntryRun(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
     asked = parse(list(job.command[job.command.index("train") :]))
-    assert (asked.learning.targets, asked.learning.steps, asked.learning.seed) == (one.targets, one.steps, 3)
+    assert asked.learning == one.config(3)
     assert asked.name == one.name
     assert asked.resume
 
@@ -108,11 +109,7 @@ def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
 )
 def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
     [base] = [each for each in ENTRIES if each.name == one.beside]
-    configs = []
-    for entry in (one, base):
-        command = EntryRun(entry, 0, Path("somewhere")).training(Path("houses.jsonl")).command
-        configs.append(parse(list(command[command.index("train") :])).learning)
-    assert len(list(differences(*configs))) == 1
+    assert len(list(differences(one.config(0), base.config(0)))) == 1
 
 
 def test_entries_have_names_of_their_own_and_known_companions() -> None:
@@ -147,8 +144,7 @@ def test_every_external_agent_is_an_example_that_can_be_asked_for(
 
 def kept(training: EntryRun, steps: int) -> None:
     """A run that has come so far."""
-    command = training.training(training.out).command
-    config = parse(list(command[command.index("train") :])).learning
+    config = training.entry.config(training.seed)
     checkpoint.save(Checkpoint(network_of(config), config, steps, training.entry.name), training.folder.agent)
     training.folder.config.write_text(json.dumps({"algorithm": config.algorithm, "config": asdict(config)}))
 
@@ -168,7 +164,7 @@ def test_a_run_of_another_budget_or_with_other_options_is_refused(tmp_path: Path
     training = EntryRun(entry("plain"), 0, tmp_path)
     kept(training, 10)
     training.require_same()
-    other = replace(training.entry, steps=5, options=("--avoidance", "none"))
+    other = replace(training.entry, steps=5, changes={"avoidance": "none"})
     with pytest.raises(RequestError, match=r"a run with other avoidance, steps\. Give"):
         EntryRun(other, 0, tmp_path).require_same()
     training.folder.config.write_text(json.dumps({"algorithm": "pqn", "config": {"colour": 3}}))
