@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import msgspec
-
 from logic.errors import GrammarError, HouseFileError, LimitReached
 from logic.grammar import find
 from logic.house.house import House
 from logic.house.part_names import target_in
 from logic.why.answer import Why
+from logic.workers.messages import Explain, Explained, Open
 from logic.workers.solver import answers
 
 INFERENCES = 100_000_000
@@ -52,15 +51,13 @@ def explained(
         rules = find(grammar or made.grammar)
     except GrammarError as error:
         raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
-    question = {"why": target, "parts": True, "house": house.to_dict(), "inferences": INFERENCES}
-    opening = {"grammar": str(rules.directory), "cell": float(made.request.get("cell", 0.0))}
+    question = Explain(target=target, house=house.to_dict(), inferences=INFERENCES)
+    opening = Open(grammar=str(rules.directory), cell=float(made.request.get("cell", 0.0)))
     late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
     others = tried = found = 0
     try:
-        for answer in answers(opening, question, seconds, late):
-            if answer["why"] is None:
-                break
-            part = msgspec.convert(answer["why"], Why)
+        for answer in answers(opening, question, Explained, seconds, late):
+            part = answer.why
             others, tried = others + part.others, tried + part.tried
             found += sum(not each.known for choice in part.choices for each in choice.instead)
             yield part

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import msgspec
+from msgspec import structs
 
 from logic.errors import (
     Finding,
@@ -24,6 +24,18 @@ from logic.request.fixed_rooms import fixed_rooms
 from logic.request.given_plan import SNAP, OwnPlan, keeping, read_plan
 from logic.request.request import MOST_ROOMS, Count, Request, whole
 from logic.spelling import keywords
+from logic.workers.messages import (
+    Counted,
+    CountLayouts,
+    Done,
+    Judged,
+    Lint,
+    Loaded,
+    Made,
+    MakeHouse,
+    Open,
+    Warn,
+)
 from logic.workers.solver import GRACE, LOADING, START_UP, Idle, Solver
 
 _idle = Idle()
@@ -113,9 +125,9 @@ def generate(
             )
         wanted = replace(wanted, fixed=tuple(fixed_rooms(keep)))
     wanted = replace(wanted, plan=own)
-    question = {"request": wanted.to_dict(), "seed": seed, "inferences": inferences}
+    question = MakeHouse(request=wanted.to_dict(), seed=seed, index=start, inferences=inferences)
     rules = find(grammar)
-    opening = {"grammar": str(rules.directory), "cell": float(cell)}
+    opening = Open(grammar=str(rules.directory), cell=cell)
     return _houses(opening, rules.hash, question, range(start, start + count), workers, seconds)
 
 
@@ -148,25 +160,28 @@ def count_layouts(
     ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})
-    return _layouts({"grammar": str(find(grammar).directory), "cell": 0.0}, wanted, seconds, report)
+    return _layouts(Open(grammar=str(find(grammar).directory)), wanted, seconds, report)
 
 
 def _layouts(
-    opening: dict[str, Any], wanted: Request, seconds: float, report: Callable[[str, int], None]
+    opening: Open, wanted: Request, seconds: float, report: Callable[[str, int], None]
 ) -> Iterator[tuple[str, int, bool]]:
     """The counts, one by one."""
     worker = Solver(opening)
     try:
         worker.loaded()
         end = time.monotonic() + seconds
-        worker.ask({"count": seconds, "request": wanted.to_dict()}, seconds + GRACE)
+        worker.ask(CountLayouts(request=wanted.to_dict(), share=seconds), seconds + GRACE)
         late = f"counting took {seconds:g} s: raise it with --seconds"
-        while count := worker.answer(end + GRACE - time.monotonic(), late, [wanted.rooms])["count"]:
-            name, number, whole = count
-            if whole is None:
-                report(name, number)
-            else:
-                yield name, number, whole
+        while True:
+            left = end + GRACE - time.monotonic()
+            match worker.answer((Counted, Done), left, late, [wanted.rooms]):
+                case Done():
+                    return
+                case Counted(name, number, None):
+                    report(name, number)
+                case Counted(name, number, bool(exact)):
+                    yield name, number, exact
     finally:
         worker.end()
 
@@ -177,16 +192,16 @@ def lint(grammar: str | Path = "family", seconds: float = 60.0) -> list[Finding]
     ``generate`` refuses a grammar with an error. Raises ``GrammarError`` where there is no such grammar, and
     ``LimitReached`` past these seconds.
     """
-    opening = {"grammar": str(find(grammar).directory), "cell": 0.0, "errors": "all"}
+    opening = Open(grammar=str(find(grammar).directory), errors=True)
     end = time.monotonic() + seconds
     worker = Solver(opening)
     try:
         answer = worker.loaded(seconds)
-        if "findings" not in answer:
+        if isinstance(answer, Loaded):
             left = end - time.monotonic()
-            worker.ask({"lint": True}, left)
-            answer = worker.answer(left, f"{grammar}: lint took {seconds:g} s", TRIED)
-        return msgspec.convert(answer["findings"], list[Finding])
+            worker.ask(Lint(), left)
+            answer = worker.answer(Judged, left, f"{grammar}: lint took {seconds:g} s", TRIED)
+        return answer.findings
     except GrammarError as error:
         return [Finding("error", str(error.file), error.line or 1, error.column or 1, error.message)]
     finally:
@@ -198,26 +213,26 @@ def _warn(worker: Solver, rooms: int) -> None:
 
     The rules may take too much for other houses than these: then the process has ended, and nothing is said.
     """
-    worker.ask({"warn": rooms, "processor": LOADING}, START_UP)
+    worker.ask(Warn(rooms=rooms, processor=LOADING), START_UP)
     try:
-        found = worker.answer(START_UP, "")["findings"]
+        found = worker.answer(Judged, START_UP, "").findings
     except VitruviusError:
         return
-    for finding in msgspec.convert(found, list[Finding]):
+    for finding in found:
         warnings.warn(str(finding), GrammarWarning, stacklevel=3)
 
 
 def _houses(
-    opening: dict[str, Any],
+    opening: Open,
     rules: str,
-    request: dict[str, Any],
+    question: MakeHouse,
     indices: range,
     workers: int,
     seconds: float,
 ) -> Iterator[House]:
     """Assign the indices in turn, so that answers come back in the order in which they are asked for."""
-    key = (rules, *opening.values())
-    warn = rules not in _warned and Path(opening["grammar"]).parent != SHIPPED
+    key = (rules, opening)
+    warn = rules not in _warned and Path(opening.grammar).parent != SHIPPED
     _warned.add(rules)
     number = min(workers, len(indices))
     team: list[Solver] = []
@@ -229,13 +244,13 @@ def _houses(
             if worker.unanswered:
                 worker.loaded()
         for turn, worker in enumerate(team):
-            worker.ask(request | {"index": indices[turn]}, seconds)
-        rooms = [request["request"]["rooms"]]
+            worker.ask(structs.replace(question, index=indices[turn]), seconds)
+        rooms = [question.request["rooms"]]
         for turn, index in enumerate(indices):
             worker = team[turn % len(team)]
             late = f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
             try:
-                record = worker.answer(seconds, late, rooms)
+                made = worker.answer(Made, seconds, late, rooms)
             finally:
                 if warn and worker.is_alive():
                     _warn(worker, *rooms)
@@ -244,9 +259,9 @@ def _houses(
                 team[turn % len(team)] = worker = Solver(opening)
                 worker.loaded()
             if turn + len(team) < len(indices):
-                worker.ask(request | {"index": indices[turn + len(team)]}, seconds)
+                worker.ask(structs.replace(question, index=indices[turn + len(team)]), seconds)
             reusable = True
-            yield House.from_dict(record["house"])
+            yield House.from_dict(made.house)
             reusable = False
         reusable = True
     except (Unsatisfiable, RequestError):

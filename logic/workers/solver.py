@@ -5,7 +5,6 @@
 
 import atexit
 import contextlib
-import json
 import os
 import selectors
 import signal
@@ -13,12 +12,31 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec.structs import replace
 
 from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
 from logic.layout.account import GROUNDING
+from logic.workers.messages import (
+    Asked,
+    Done,
+    Failed,
+    Judged,
+    Late,
+    Loaded,
+    Open,
+    Prepare,
+    Prepared,
+    Said,
+    Trying,
+    Working,
+)
+
+Kind = TypeVar("Kind")
 
 START_UP = 60.0
 """Seconds that a solver process may take to load a grammar."""
@@ -58,19 +76,19 @@ where packages are installed: no file in the current folder or beside a script t
 class Solver:
     """A solver process and the two ends of its pipes."""
 
-    def __init__(self, opening: dict[str, Any]) -> None:
-        """Start it; it loads what ``opening`` names. With ``prepare``, a directory, it waits for ``open``."""
+    def __init__(self, opening: Prepare | Open) -> None:
+        """Start it; it loads what ``opening`` names, or is prepared and waits for ``open``."""
         self._interrupted = False
         self._start()
-        if "prepare" in opening:
+        if isinstance(opening, Prepare):
             self.ask(opening, LOADING)
         else:
             self.open(opening)
 
-    def open(self, opening: dict[str, Any]) -> None:
+    def open(self, opening: Open) -> None:
         """Let it load a grammar: what ``opening`` names. A process loads one, once."""
-        self._opening, self._grammar = opening, opening["grammar"]
-        self.ask(opening, START_UP if "trial" in opening else LOADING)
+        self._opening, self._grammar = opening, opening.grammar
+        self.ask(opening, LOADING if opening.trial is None else START_UP)
 
     def _start(self) -> None:
         self._step: VitruviusError | None = None
@@ -95,20 +113,22 @@ class Solver:
         if self._interrupted:
             self._kill()
 
-    def ask(self, question: dict[str, Any], seconds: float) -> None:
+    def ask(self, question: Asked, seconds: float) -> None:
         """Send a request to be answered in these seconds; that the process is gone shows in its answer."""
         self.unanswered += 1
         try:
-            self._questions.write(json.dumps(question | {"seconds": seconds}).encode() + b"\n")
+            self._questions.write(msgspec.json.encode(replace(question, seconds=seconds)) + b"\n")
             self._questions.flush()
         except BrokenPipeError:
             pass
 
     def prepared(self) -> None:
         """Wait until it is ready to load a grammar. Raises ``MissingProgram`` where a solver is missing."""
-        self.answer(START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?")
+        self.answer(
+            Prepared, START_UP, f"a solver process took {START_UP:g} s to start: is the machine overloaded?"
+        )
 
-    def loaded(self, seconds: float = START_UP) -> dict[str, Any]:
+    def loaded(self, seconds: float = START_UP) -> Loaded | Judged:
         """Wait for the answer to the opening: the grammar's versions and warnings, or lint's findings.
 
         Where the grammar ends the process or takes too much, another one tries it step by step, so that the
@@ -117,20 +137,20 @@ class Solver:
         late = f"{self._grammar}: loading took {seconds:g} s: do its rules recur without end?"
         end = time.monotonic() + seconds
         try:
-            return self.answer(seconds, late)
+            return self.answer((Loaded, Judged), seconds, late)
         except VitruviusError as error:
             ended = isinstance(error, LimitReached) or not self.is_alive()
-            if not ended or self._interrupted or "trial" in self._opening:
+            if not ended or self._interrupted or self._opening.trial is not None:
                 raise
         self.end()
         self._start()
-        self.open(self._opening | {"trial": [], "step": STEP})
-        return self.answer(max(0.0, end - time.monotonic()), late)
+        self.open(replace(self._opening, trial=(), step=STEP))
+        return self.answer((Loaded, Judged), max(0.0, end - time.monotonic()), late)
 
     def _suspect(self, rooms: Sequence[int]) -> None:
         """Let another process find out which rule takes too much in houses of so many rooms."""
         if self._trial is None and rooms:
-            self._trial = Solver(self._opening | {"trial": [*rooms], "step": STEP})
+            self._trial = Solver(replace(self._opening, trial=(*rooms,), step=STEP))
 
     def _blamed(self) -> GrammarError | None:
         """What that other process has found so far, if there is one, and anything."""
@@ -138,16 +158,23 @@ class Solver:
         if trial is None:
             return None
         try:
-            trial.answer(-GRACE, "")
+            trial.answer((Loaded, Judged), -GRACE, "")
         except VitruviusError as error:
             return error if isinstance(error, GrammarError) else None
         finally:
             trial.end()
         return None
 
-    def answer(self, seconds: float, late: str, rooms: Sequence[int] = ()) -> dict[str, Any]:
-        """Wait for the answer to the oldest open request; past the seconds ``LimitReached`` says ``late``,
-        what the process was doing, and what a trial with so many ``rooms`` found, if rules were ground.
+    def answer(
+        self,
+        kinds: type[Kind] | tuple[type[Kind], ...],
+        seconds: float,
+        late: str,
+        rooms: Sequence[int] = (),
+    ) -> Kind:
+        """Wait for the answer, of these kinds, to the oldest open question. Past the seconds ``LimitReached``
+        says ``late``, what the process was doing, and what a trial with so many ``rooms`` found, if rules
+        were ground.
         """
         deadline = time.monotonic() + seconds + GRACE
         while True:
@@ -159,22 +186,40 @@ class Solver:
                     raise self._step or self._died(late)
                 self._received += part
             line, self._received = self._received.split(b"\n", 1)
-            record = json.loads(line)
-            if "trial" in record:
-                self._step = record["trial"] and from_record(record["trial"])
-            elif record.get("working") == GROUNDING:
-                self._suspect(rooms)
-            elif "limit" in record:
-                at_fault = self._blamed()
-                raise LimitReached(f"{late}: {at_fault}" if at_fault else f"{late}. {record['limit']}")
-            elif "working" not in record:
-                break
+            match msgspec.json.decode(line, type=Said):
+                case Trying(error):
+                    self._step = from_record(error) if error else None
+                case Working(stage):
+                    if stage == GROUNDING:
+                        self._suspect(rooms)
+                case Late(account):
+                    at_fault = self._blamed()
+                    raise LimitReached(f"{late}: {at_fault}" if at_fault else f"{late}. {account}")
+                case said:
+                    break
         self.unanswered -= 1
         self._blamed()
-        if "error" in record:
-            error = from_record(record["error"])
+        if isinstance(said, Failed):
+            error = from_record(said.error)
             raise (self._step if isinstance(error, LimitReached) else None) or error
-        return record
+        if not isinstance(said, kinds):
+            raise VitruviusError(f"a solver process answered {type(said).__name__}, not {kinds}")
+        return said
+
+    def asked(self, question: Asked, kind: type[Kind], seconds: float, late: str) -> Kind:
+        """Ask, and wait for the answer."""
+        self.ask(question, seconds)
+        return self.answer(kind, seconds, late)
+
+    def series(self, question: Asked, kind: type[Kind], seconds: float, late: str) -> Iterator[Kind]:
+        """Ask a question that has several answers: these, as they come, all in the seconds."""
+        end = time.monotonic() + seconds
+        self.ask(question, seconds)
+        while not isinstance(
+            found := self.answer((kind, Done), max(0.0, end - time.monotonic()), late), Done
+        ):
+            self.unanswered += 1  # There is more to come.
+            yield found
 
     def is_alive(self) -> bool:
         """Whether the process still runs."""
@@ -251,25 +296,11 @@ class Idle:
             self._workers.pop()[1].end()
 
 
-def answered(opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
-    """The answer of a solver process to one question; past the seconds ``LimitReached`` says ``late``."""
-    found = answers(opening, question, seconds, late)
-    try:
-        return next(found)
-    finally:
-        found.close()
-
-
-def answers(
-    opening: dict[str, Any], question: dict[str, Any], seconds: float, late: str
-) -> Generator[dict[str, Any]]:
+def answers(opening: Open, question: Asked, kind: type[Kind], seconds: float, late: str) -> Generator[Kind]:
     """All answers of a solver process to one question, as they come; past the seconds ``LimitReached``."""
     worker = Solver(opening)
     try:
         worker.loaded()
-        deadline = time.monotonic() + seconds
-        worker.ask(question, seconds)
-        while True:
-            yield worker.answer(max(0.0, deadline - time.monotonic()), late)
+        yield from worker.series(question, kind, seconds, late)
     finally:
         worker.end()

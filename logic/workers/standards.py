@@ -12,7 +12,8 @@ from logic.errors import HouseFileError, RequestError
 from logic.grammar import find, shipped
 from logic.house.house import House
 from logic.house.promises import PROMISES, Promises, read_promises
-from logic.workers.solver import answered
+from logic.workers.messages import Open, Promise, Promised
+from logic.workers.solver import Solver
 
 Standard = Promises | Mapping[str, Any] | str | Path
 """What houses are judged by: promises, some of them by name, a JSON file of these, a grammar."""
@@ -90,8 +91,12 @@ def _read(file: Path) -> dict[str, Any]:
 def _of_grammar(directory: str, digest: str, rooms: int) -> Promises:
     """What houses of so many rooms promise, by the rules that have this hash."""
     name, late = Path(directory).name, f"{directory}: its promises took more than {SECONDS:g} s"
-    answer = answered({"grammar": directory, "cell": 0.0}, {"promises": rooms}, SECONDS, late)
-    found = msgspec.convert(answer["promises"], Promises)
+    worker = Solver(Open(grammar=directory))
+    try:
+        worker.loaded()
+        found = worker.asked(Promise(rooms=rooms), Promised, SECONDS, late).promises
+    finally:
+        worker.end()
     return PROMISES[name].beside(found) if digest == _hash_of(name) else found
 
 

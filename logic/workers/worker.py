@@ -1,17 +1,11 @@
 """A solver process, started by ``logic.workers.solver``: JSON lines in and out over pipes.
 
 Rule files can loop, crash, eat memory or halt the process that runs them, so clingo and SWI-Prolog run here,
-confined before a rule is read (``confinement``), and the parent owns deadlines and Ctrl-C. The first
-line names the grammar, after one that says to ``prepare`` for it, if any; each further line asks for one
-house, why one is as it is, what houses promise, or for warnings. Each is answered by: ``{"versions": ...}``,
-``{"house": ...}``, ``{"why": ...}``, ``{"promises": ...}``, ``{"findings": ...}`` or
-``{"error": ...}``; a count of layouts, and why in ``parts``, by several, of which the last is null. Lines
-``{"trial": ...}`` before an answer say what is wrong if it does not come, ``{"working": ...}`` which stage
-is at work on it. ``{"limit": ...}`` instead of an answer says what the process did when its time was over.
+confined before a rule is read (``confinement``), and the parent owns deadlines and Ctrl-C. What is said
+stands in ``messages.py``: the first line names the grammar, after one that says to prepare for it, if any.
 """
 
 import contextlib
-import json
 import os
 import queue
 import signal
@@ -27,6 +21,30 @@ import msgspec
 
 from logic.errors import GrammarError, LimitReached, VitruviusError, to_record
 from logic.workers import confinement
+from logic.workers.messages import (
+    Asked,
+    Counted,
+    CountLayouts,
+    Done,
+    Explain,
+    Explained,
+    Failed,
+    Judged,
+    Late,
+    Lint,
+    Loaded,
+    Made,
+    MakeHouse,
+    Open,
+    Prepare,
+    Prepared,
+    Promise,
+    Promised,
+    Said,
+    Trying,
+    Warn,
+    Working,
+)
 
 EARLY = 4.0
 """Seconds after which it is said which stage is at work, or a fourth of those that there are."""
@@ -50,9 +68,9 @@ def main() -> None:
     worker = Worker()
     parent = Answers(answers)
     while True:
-        request = json.loads(requests.get())
-        with parent.within(worker.seconds(request), worker.account):
-            for answer in _with_errors(worker.answers(request)):
+        question = msgspec.json.decode(requests.get(), type=Asked)
+        with parent.within(worker.seconds(question), worker.account):
+            for answer in _with_errors(worker.answers(question)):
                 parent.write(answer)
 
 
@@ -63,13 +81,13 @@ class Answers:
         """Write to this pipe."""
         self._pipe, self._lock, self._asked = pipe, threading.Lock(), 0
 
-    def write(self, answer: dict[str, Any]) -> None:
+    def write(self, answer: Said) -> None:
         """A line."""
         with self._lock:
             self._line(answer)
 
-    def _line(self, answer: dict[str, Any]) -> None:
-        self._pipe.write(json.dumps(answer) + "\n")
+    def _line(self, answer: Said) -> None:
+        self._pipe.write(msgspec.json.encode(answer).decode() + "\n")
         self._pipe.flush()
 
     @contextlib.contextmanager
@@ -81,7 +99,7 @@ class Answers:
         if seconds is not None:
             early = min(seconds / 4, EARLY)
             timers = [
-                threading.Timer(early, self._say, [self._asked, lambda: {"working": account().stage}]),
+                threading.Timer(early, self._say, [self._asked, lambda: Working(account().stage)]),
                 threading.Timer(seconds, self._end, [self._asked, account]),
             ]
         for timer in timers:
@@ -93,7 +111,7 @@ class Answers:
         for timer in timers:
             timer.cancel()
 
-    def _say(self, asked: int, line: Callable[[], dict[str, Any]]) -> None:
+    def _say(self, asked: int, line: Callable[[], Said]) -> None:
         with self._lock:
             if asked == self._asked:
                 self._line(line())
@@ -101,7 +119,7 @@ class Answers:
     def _end(self, asked: int, account: Callable[[], Any]) -> None:
         with self._lock:
             if asked == self._asked:
-                self._line({"limit": str(account())})
+                self._line(Late(str(account())))
                 os._exit(0)
 
 
@@ -116,95 +134,92 @@ class Worker:
         """What is done: see ``account.py``."""
         return self._builder.account
 
-    def seconds(self, request: dict[str, Any]) -> float | None:
-        """How long a request may take: to load has limits of its own."""
-        return None if self._builder is None else request["seconds"]
+    def seconds(self, question: Asked) -> float | None:
+        """How long a question may take: to load has limits of its own."""
+        return None if self._builder is None else question.seconds
 
-    def answers(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
-        """The lines that answer a request."""
-        if "prepare" in request:
-            _prepare(request["prepare"])
-            yield {"prepared": True}
-            return
-        if self._builder is None:
-            yield from self._loaded(request)
-            return
+    def answers(self, question: Asked) -> Iterator[Said]:
+        """The lines that answer a question."""
+        match question:
+            case Prepare():
+                _prepare(question.grammar)
+                yield Prepared()
+                return
+            case Open():
+                yield from self._loaded(question)
+                return
+        self._builder.account.begin()
+        processor = question.processor if isinstance(question, Warn) else question.seconds
+        confinement.allow_seconds(processor + GRACE)
+        yield from self._answers(question)
+
+    def _answers(self, question: Asked) -> Iterator[Said]:
+        """Those of rules that are loaded."""
+        from logic.language.linter import all_warnings, warnings
+        from logic.proofs.answer import house_or_proof
         from logic.request.request import Request
 
-        self._builder.account.begin()
-        confinement.allow_seconds(request.get("processor", request["seconds"]) + GRACE)
-        if "why" in request:
-            yield from self._why(request)
-            return
-        if "promises" in request:
-            found = self._builder.promises(Request(request["promises"]))
-            yield {"promises": msgspec.to_builtins(found)}
-        elif "lint" in request or "warn" in request:
-            from logic.language.linter import all_warnings, warnings
+        builder = self._builder
+        match question:
+            case MakeHouse():
+                wanted = Request.read(question.request)
+                made = house_or_proof(builder, wanted, question.seed, question.index, question.inferences)
+                yield Made(made.to_dict())
+            case CountLayouts():
+                wanted = Request.read(question.request)
+                builder.require_known(wanted)
+                for name, number, exact in builder.programs.counts(wanted, question.share):
+                    yield Counted(name, number, exact)
+                yield Done()
+            case Explain():
+                yield from self._explained(question)
+                yield Done()
+            case Promise():
+                yield Promised(builder.promises(Request(question.rooms)))
+            case Lint():
+                yield Judged(all_warnings(builder.grammar, builder.loaded))
+            case Warn():
+                yield Judged(warnings(builder.grammar, builder.loaded, question.rooms))
 
-            rules = self._builder.grammar, self._builder.loaded
-            found = all_warnings(*rules) if "lint" in request else warnings(*rules, request["warn"])
-            yield {"findings": msgspec.to_builtins(found)}
-        else:
-            yield from self._made(Request.read(request["request"]), request)
-
-    def _made(self, wanted: Any, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
-        """A house of a request, or counts of its layouts."""
-        if "count" in request:
-            self._builder.require_known(wanted)
-            for count in self._builder.programs.counts(wanted, request["count"]):
-                yield {"count": count}
-            yield {"count": None}
-            return
-        from logic.proofs.answer import house_or_proof
-
-        made = house_or_proof(self._builder, wanted, request["seed"], request["index"], request["inferences"])
-        yield {"house": made.to_dict()}
-
-    def _why(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
-        """Why a house is as it is, in ``parts`` as they are found or whole."""
+    def _explained(self, question: Explain) -> Iterator[Explained]:
+        """Why a house is as it is, in parts as they are found."""
         from logic.house.house import House
         from logic.why.shared_walls import PlanWitness
         from logic.why.star import StarWitness
 
-        until = time.monotonic() + SEARCHED * request["seconds"]
+        until = time.monotonic() + SEARCHED * question.seconds
         kind = PlanWitness if self._builder.grammar.shares_walls else StarWitness
-        witness = kind(self._builder, House.from_dict(request["house"]), request["inferences"])
-        if "parts" not in request:
-            yield {"why": msgspec.to_builtins(witness.why(request["why"], until))}
-            return
-        for part in witness.parts(request["why"], until):
-            yield {"why": msgspec.to_builtins(part)}
-        yield {"why": None}
+        witness = kind(self._builder, House.from_dict(question.house), question.inferences)
+        for part in witness.parts(question.target, until):
+            yield Explained(part)
 
-    def _loaded(self, request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    def _loaded(self, question: Open) -> Iterator[Said]:
         """Load a grammar, or find what is wrong with it, confined; after a trial of its steps if asked to."""
-        _prepare(request["grammar"])
+        _prepare(question.grammar)
         from logic.generation.builder import Builder
         from logic.grammar import find
         from logic.language.linter import errors
         from logic.language.loaded import LoadedGrammar
 
-        grammar = find(request["grammar"])
+        grammar = find(question.grammar)
         confinement.confine([grammar.directory, *_installed()])
-        if "trial" in request:
+        if question.trial is not None:
             from logic.language.trial import steps
 
             last = time.process_time()
-            for error in steps(grammar, request["trial"]):
+            for error in steps(grammar, question.trial):
                 # A step may begin by what those before it did: that is no fault of its own.
                 taken, last = time.process_time() - last, time.process_time()
-                confinement.allow_seconds(request["step"] * (1 if error.line else SHARED) + 2 * taken)
-                yield {"trial": to_record(error)}
-            yield {"trial": None}
-        confinement.allow_seconds(request["seconds"])
-        loaded = LoadedGrammar(grammar, request["cell"], remarks=not request.get("hasty"))
-        if "errors" in request and (wrong := errors(grammar, loaded)):
-            yield {"findings": msgspec.to_builtins(wrong)}
+                confinement.allow_seconds(question.step * (1 if error.line else SHARED) + 2 * taken)
+                yield Trying(to_record(error))
+            yield Trying(None)
+        confinement.allow_seconds(question.seconds)
+        loaded = LoadedGrammar(grammar, question.cell, remarks=question.remarks)
+        if question.errors and (wrong := errors(grammar, loaded)):
+            yield Judged(wrong)
             return
-        self._builder = Builder(grammar, request["cell"], loaded)
-        kinds = {"types": loaded.furniture, "most_rooms": loaded.most_rooms}
-        yield {"versions": self._builder.versions, "kinds": kinds}
+        self._builder = Builder(grammar, question.cell, loaded)
+        yield Loaded(self._builder.versions, loaded.furniture, loaded.most_rooms)
 
 
 def _prepare(directory: str) -> None:
@@ -234,17 +249,17 @@ def _installed() -> Iterator[Path]:
     return (Path(folder) for folder in (Path(__file__).parents[1], *folders) if folder)
 
 
-def _with_errors(answers: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+def _with_errors(answers: Iterator[Said]) -> Iterator[Said]:
     """The answers, the last of which says what ended them, if anything did."""
     try:
         yield from answers
     except VitruviusError as error:
-        yield {"error": to_record(error)}
+        yield Failed(to_record(error))
     except (MemoryError, RecursionError):
         most = f"{confinement.MEMORY >> 30} GiB of memory"
-        yield {"error": to_record(LimitReached(f"the solvers need more than {most}, or nest too deeply"))}
+        yield Failed(to_record(LimitReached(f"the solvers need more than {most}, or nest too deeply")))
     except Exception:
-        yield {"error": to_record(VitruviusError(traceback.format_exc()))}
+        yield Failed(to_record(VitruviusError(traceback.format_exc())))
 
 
 def _private_pipes() -> tuple[TextIO, TextIO]:

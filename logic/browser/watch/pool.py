@@ -3,11 +3,17 @@
 import asyncio
 import contextlib
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+from msgspec.structs import replace
 
 from logic.errors import RequestError, VitruviusError
+from logic.workers.messages import Judged, Loaded, Open, Prepare
 from logic.workers.solver import Solver
+
+Kind = TypeVar("Kind")
 
 SIZE = min(4, os.cpu_count() or 1)
 """Processes that make the houses of a sheet side by side."""
@@ -32,7 +38,7 @@ class Spares:
 
     def __init__(self, directory: Path) -> None:
         """Start them, for a grammar's directory."""
-        self._opening = {"prepare": str(directory)}
+        self._opening = Prepare(grammar=str(directory))
         self._ready: list[Solver] = []
         self._ended = False
         self.refill()
@@ -82,25 +88,25 @@ class Pool:
 
     def __init__(self, directory: Path, spares: Spares) -> None:
         """Let them load a grammar's directory as it is now."""
-        self._opening = {"grammar": str(directory), "cell": 0.0, "errors": "all"}
+        self._opening = Open(grammar=str(directory), errors=True)
         self._spares, self._ended = spares, False
         self._busy: set[Solver] = set()
         self._left = SIZE
         # Or the error that stands in the place of all of them.
         self._free: asyncio.Queue[Solver | VitruviusError | Stale] = asyncio.Queue()
-        self._verdict, *others = (asyncio.ensure_future(self._open(hasty=bool(each))) for each in range(SIZE))
+        self._verdict, *others = (asyncio.ensure_future(self._open(remarks=not each)) for each in range(SIZE))
         for each in (self._verdict, *others):
             each.add_done_callback(_heard)
 
-    async def verdict(self) -> dict[str, Any]:
-        """What is said of the rules: see ``worker.py``. Raises what they raise, and ``Stale``."""
+    async def verdict(self) -> Loaded | Judged:
+        """What is said of the rules. Raises what they raise, and ``Stale``."""
         await asyncio.wait([self._verdict])
         if self._ended:
             raise Stale
         return self._verdict.result()
 
-    async def ask(self, question: dict[str, Any], seconds: float, late: str) -> dict[str, Any]:
-        """The answer to a question; raises ``LimitReached`` with ``late`` past the seconds, and ``Stale``.
+    async def ask(self, asked: Callable[[Solver], Kind]) -> Kind:
+        """What is asked of the first process that is free. Raises what that raises, and ``Stale``.
 
         A caller that is cancelled leaves at once; the process that worked for it is free again soon.
         """
@@ -109,12 +115,8 @@ class Pool:
             self._free.put_nowait(worker)
             raise worker
 
-        def answered() -> dict[str, Any]:
-            worker.ask(question, seconds)
-            return worker.answer(seconds, late)
-
         self._busy.add(worker)
-        answer = asyncio.ensure_future(asyncio.to_thread(answered))
+        answer = asyncio.ensure_future(asyncio.to_thread(asked, worker))
         answer.add_done_callback(_heard)
         answer.add_done_callback(lambda _: self._release(worker))
         try:
@@ -138,15 +140,15 @@ class Pool:
                 worker.end()
         self._free.put_nowait(Stale())
 
-    async def _open(self, hasty: bool = True) -> dict[str, Any]:
+    async def _open(self, remarks: bool = False) -> Loaded | Judged:
         """Add a process, and say what it says of the rules; raises ``Stale`` past the end."""
         if self._ended:
             raise Stale
         worker = self._spares.take()
 
-        def loaded() -> dict[str, Any]:
+        def loaded() -> Loaded | Judged:
             worker.prepared()
-            worker.open(self._opening | {"hasty": hasty})
+            worker.open(replace(self._opening, remarks=remarks))
             return worker.loaded()
 
         self._busy.add(worker)
@@ -155,7 +157,7 @@ class Pool:
         except VitruviusError as error:
             self._lose(worker, error)
             raise
-        if "findings" in answer:
+        if isinstance(answer, Judged):
             self._lose(worker, RequestError("the rules have a mistake"))
         else:
             self._release(worker)

@@ -21,6 +21,7 @@ from logic.house.house import House
 from logic.request.request import MOST_ROOMS, Request
 from logic.why.answer import file_name
 from logic.workers.explain import INFERENCES
+from logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
 
 PLAN = 300
 """CSS pixels: the sides of a plan's square, which the page scales."""
@@ -116,15 +117,16 @@ class Session:
             return {"findings": _named([finding])}
         except VitruviusError as error:
             return {"index": 0, "problem": problem(error)}
-        return {"findings": _named(said["findings"])} if "findings" in said else {"kinds": said["kinds"]}
+        if isinstance(said, Judged):
+            return {"findings": _named(said.findings)}
+        return {"kinds": {"types": said.types, "most_rooms": said.most_rooms}}
 
     async def lint(self, version: int) -> list[dict[str, Any]]:
         """Findings in rules without errors."""
         pool = self._pool_of(version)
-        found = await pool.ask(
-            {"lint": True}, self._seconds, "lint reached its limit: raise it with --seconds"
-        )
-        return _named(found["findings"])
+        late = "lint reached its limit: raise it with --seconds"
+        found = await pool.ask(lambda worker: worker.asked(Lint(), Judged, self._seconds, late))
+        return _named(found.findings)
 
     async def why(self, version: int, house: dict[str, Any], part: str) -> dict[str, Any]:
         """Why a part of a house that these rules made is as it is; raises as ``explain_house`` does."""
@@ -132,10 +134,14 @@ class Session:
             made = House.from_dict(house)
         except ValueError as error:
             raise RequestError(f"house: {error}") from None
-        question = {"why": part, "house": made.to_dict(), "inferences": INFERENCES}
+        question = Explain(target=part, house=made.to_dict(), inferences=INFERENCES)
         late = f"{part} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
-        why = (await self._pool_of(version).ask(question, self._seconds, late))["why"]
-        return _short_names(why)
+        whole, *parts = await self._pool_of(version).ask(
+            lambda worker: [each.why for each in worker.series(question, Explained, self._seconds, late)]
+        )
+        for more in parts:
+            whole = whole.joined(more)
+        return _short_names(msgspec.to_builtins(whole))
 
     def _pool_of(self, version: int) -> Pool:
         if version != self.rules.version:
@@ -147,8 +153,9 @@ class Session:
         late = f"house {index} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         try:
             request = Request.read(msgspec.to_builtins(sheet)).to_dict()
-            question = {"request": request, "seed": sheet.seed, "inferences": INFERENCES, "index": index}
-            house = House.from_dict((await pool.ask(question, self._seconds, late))["house"])
+            question = MakeHouse(request=request, seed=sheet.seed, index=index, inferences=INFERENCES)
+            made = await pool.ask(lambda worker: worker.asked(question, Made, self._seconds, late))
+            house = House.from_dict(made.house)
             drawing = plan(house, PLAN, PLAN, look=style([house], grammar=self._directory))
         except VitruviusError as error:
             return {"index": index, "problem": problem(error)}

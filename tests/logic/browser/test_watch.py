@@ -29,6 +29,7 @@ from logic.drawing.draw import plan
 from logic.drawing.palettes import style
 from logic.grammar import SHIPPED
 from logic.request.request import Request
+from logic.workers.messages import Counted, CountLayouts, Made, MakeHouse
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
 from vitruvius.cli import main
 
@@ -462,8 +463,8 @@ def test_a_process_that_starts_as_its_parent_ends_says_nothing_and_leaves_nothin
     lookup.chmod(0o755)
     parent = (
         "import os, pathlib, time\n"
-        "from logic.workers.solver import Solver\n"
-        "solver = Solver({'prepare': ''})\n"
+        "from logic.workers.messages import Prepare\nfrom logic.workers.solver import Solver\n"
+        "solver = Solver(Prepare(grammar=''))\n"
         f"while not [*pathlib.Path({str(tmp_path)!r}).glob('started.*')]: time.sleep(0.01)\n"
         "os._exit(0)\n"
     )
@@ -567,16 +568,20 @@ def test_a_question_that_nobody_waits_for_gives_its_process_back() -> None:
         spares = Spares(SHIPPED / "family")
         pool = Pool(SHIPPED / "family", spares)
         await pool.verdict()
-        slow = {"count": 1e5, "request": Request(9).to_dict()}
-        counts = [asyncio.ensure_future(pool.ask(slow, 1e5, "late")) for _ in range(2 * SIZE)]
+        slow = CountLayouts(request=Request(9).to_dict(), share=1e5)
+        counts = [
+            asyncio.ensure_future(pool.ask(lambda worker: list(worker.series(slow, Counted, 1e5, "late"))))
+            for _ in range(2 * SIZE)
+        ]
         await asyncio.sleep(0.1)
         for count in counts:
             count.cancel()
-        house = {"request": Request(1).to_dict(), "seed": 0, "inferences": 10**8, "index": 0}
-        assert "house" in await asyncio.wait_for(pool.ask(house, 20, "late"), 20)
+        house = MakeHouse(request=Request(1).to_dict(), seed=0, index=0, inferences=10**8)
+        made = lambda worker: worker.asked(house, Made, 20, "late")  # noqa: E731
+        assert (await asyncio.wait_for(pool.ask(made), 20)).house
         pool.end()
         with pytest.raises(Stale):
-            await pool.ask(house, 20, "late")
+            await pool.ask(made)
         spares.end()
 
     before = {each for each in children(os.getpid()) if is_alive(each)}

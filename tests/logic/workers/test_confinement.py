@@ -10,10 +10,12 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from logic import generate
 from logic.workers import confinement
+from logic.workers.messages import Open
 from tests.logic.workers import attempts
 from tests.logic.workers.test_generate import children
 from vitruvius.cli import main
@@ -46,7 +48,7 @@ class Scene:
         assert worker.stdin
         assert worker.stdout
         worker.stdin.write(
-            json.dumps({"grammar": "family", "cell": 0.0, "errors": True, "seconds": 9}) + "\n"
+            msgspec.json.encode(Open(grammar="family", errors=True, seconds=9)).decode() + "\n"
         )
         worker.stdin.flush()
         found = json.loads(worker.stdout.readline())["findings"]
