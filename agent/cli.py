@@ -10,11 +10,12 @@ import os
 import pkgutil
 import re
 import sys
+import tempfile
 import traceback
 from collections.abc import Sequence
 from typing import Any
 
-from agent import help
+from agent import help, streams
 from benchmarks import STUDIES
 
 COMMANDS = {
@@ -91,17 +92,10 @@ docs/command-line.md has all of it."""
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
-    _open_streams()
+    if arguments is None:
+        streams.read_utf8()
+    streams.prepare()
     sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
-
-
-def _open_streams() -> None:
-    """Let nothing be read or written where a standard stream was closed, as by services: else the next file
-    that is opened takes its place.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as we run
 
 
 def top(width: int | None = None) -> str:
@@ -211,7 +205,7 @@ def _exit_code(arguments: list[str]) -> int:
         arguments = [*arguments[1:], "--help"]
     from logic.commands import say
     from logic.errors import VitruviusError
-    from logic.stopping import at_sigterm, terminate
+    from logic.stopping import ended_by_signals
 
     def failed(error: BaseException, code: int, words: str) -> int:
         """Say it, and with --json answer it."""
@@ -220,11 +214,14 @@ def _exit_code(arguments: list[str]) -> int:
             from logic.answers import encoded, failure
 
             named = arguments[: 1 + (arguments[0] == "bench")]
-            print(encoded(" ".join(named), code, error=failure(error)))
+            try:
+                print(encoded(" ".join(named), code, error=failure(error)), flush=True)
+            except OSError:  # what failed first is said already
+                sys.stdout = None
         return code
 
     try:
-        with at_sigterm(terminate):
+        with ended_by_signals():
             code = _run(arguments)
     except VitruviusError as error:
         fault = error.exit_code == VitruviusError.exit_code
@@ -233,13 +230,26 @@ def _exit_code(arguments: list[str]) -> int:
     except KeyboardInterrupt as end:
         code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
     except OSError as error:
-        if error.filename is None:
+        if streams.is_of_output(error):
             return _unwritten(error)
-        code = failed(error, 5, f"error: {error.filename}: {error.strerror}")
+        code = failed(error, 5, f"error: {error.filename or _what_fails()}: {error.strerror or error}")
     except Exception as error:
         traceback.print_exc()
         code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
     return code
+
+
+def _what_fails() -> str:
+    """What a call of the system that names no file may be about."""
+    try:
+        os.getcwd()
+    except OSError:
+        return "the folder that this was started in is gone: go to another"
+    try:
+        tempfile.TemporaryFile().close()
+    except OSError:
+        return "no temporary file can be made: name a folder for them by TMPDIR"
+    return "the system"
 
 
 def _unwritten(error: OSError) -> int:

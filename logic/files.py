@@ -74,7 +74,11 @@ def opened(path: Path) -> BinaryIO | gzip.GzipFile:
     else:
         file = path.open("rb")
     packed = path.suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED)
-    return gzip.GzipFile(fileobj=file) if packed else file
+    if not packed:
+        return file
+    unpacked = gzip.GzipFile(fileobj=file)
+    unpacked.myfileobj = file  # pyright: ignore[reportAttributeAccessIssue] - closed with it
+    return unpacked
 
 
 def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
