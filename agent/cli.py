@@ -205,7 +205,7 @@ def _exit_code(arguments: list[str]) -> int:
         arguments = [*arguments[1:], "--help"]
     from logic.commands import say
     from logic.errors import VitruviusError
-    from logic.stopping import ended_by_signals
+    from logic.stopping import at_signals, end
 
     def failed(error: BaseException, code: int, words: str) -> int:
         """Say it, and with --json answer it."""
@@ -221,7 +221,7 @@ def _exit_code(arguments: list[str]) -> int:
         return code
 
     try:
-        with ended_by_signals():
+        with at_signals(end):
             code = _run(arguments)
     except VitruviusError as error:
         fault = error.exit_code == VitruviusError.exit_code

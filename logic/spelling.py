@@ -2,6 +2,7 @@
 
 import difflib
 import inspect
+import shlex
 from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import ParamSpec, TypeVar
@@ -54,6 +55,11 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return call
 
     return decorated
+
+
+def quoted(path: object) -> str:
+    """A path as a shell takes it for one word, where a command is named that is to be typed."""
+    return shlex.quote(str(path))
 
 
 def printable(text: str, keep: str = "") -> str:

@@ -4,6 +4,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from types import FrameType
 from typing import Any
 
@@ -21,31 +22,25 @@ class Terminated(KeyboardInterrupt):
         super().__init__("terminated")
 
 
-@contextmanager
-def at_sigterm(act: Callable[[], object]) -> Iterator[None]:
-    """Call ``act`` at the first SIGTERM within the block; the second ends the process at once."""
-    with _at(signal.SIGTERM, act, signal.SIG_DFL):
-        yield
+ENDS = {signal.SIGTERM: Terminated, signal.SIGHUP: Terminated, signal.SIGINT: KeyboardInterrupt}
+"""What a signal raises."""
 
 
 @contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """Raise ``Terminated`` at SIGTERM and SIGHUP within the block, ``KeyboardInterrupt`` at Ctrl-C."""
+def at_signals(act: Callable[[KeyboardInterrupt], object]) -> Iterator[None]:
+    """Call ``act`` with what is to be raised at the first signal of a kind within the block. The second ends
+    the process at once; of Ctrl-C it raises ``KeyboardInterrupt``.
+    """
     with ExitStack() as stack:
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            stack.enter_context(_at(number, terminate, signal.SIG_DFL))
-        stack.enter_context(_at(signal.SIGINT, interrupt, signal.default_int_handler))
+        for number, kind in ENDS.items():
+            then = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+            stack.enter_context(_at(number, partial(act, kind()), then))
         yield
 
 
-def terminate() -> None:
-    """Raise ``Terminated``."""
-    raise Terminated
-
-
-def interrupt() -> None:
-    """Raise ``KeyboardInterrupt``."""
-    raise KeyboardInterrupt
+def end(by: KeyboardInterrupt) -> None:
+    """Raise it."""
+    raise by
 
 
 @contextmanager

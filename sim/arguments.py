@@ -154,7 +154,7 @@ def whole(name: str, value: Any, most: int) -> int:
 
 def require(name: str, value: Any, known: Any) -> None:
     """Raise ``ValueError`` unless the value is one of those known."""
-    if value not in known:
+    if value not in list(known):  # by equality: what is asked for may have no hash
         raise ValueError(unknown(name, value, known))
 
 

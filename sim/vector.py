@@ -46,6 +46,9 @@ MODES = {
 
 
 SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
+MOST_TARGETS = 1 << 16
+"""Of an episode, that ``targets`` says at once."""
+
 KEPT = (*SPACES, "_np_random", "_np_random_seed", "spec")
 """What a pickled environment has beside its arguments and its state: spaces sample at random, too."""
 
@@ -306,7 +309,7 @@ class HouseVectorEnv(VectorEnv):
         self._require_open()
         if not self._ready:
             raise ResetNeeded("call reset() before targets()")
-        return self.world.targets(count)
+        return self.world.targets(whole("count", count, MOST_TARGETS))
 
     @property
     def state(self) -> dict[str, np.ndarray]:
@@ -323,7 +326,8 @@ class HouseVectorEnv(VectorEnv):
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
         kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
-        if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
+        given = {name: np.asarray(array) for name, array in dict(state).items()}
+        if {name: (array.dtype.str, array.shape) for name, array in given.items()} != kinds:
             raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
         houses, cells = state["wholes"][:, HOUSE], state["wholes"][:, :HOUSE]
         if strange := houses[(houses < 0) | (houses >= len(self.houses))].tolist():

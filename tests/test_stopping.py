@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from logic.stopping import Terminated, ended_by_signals
+from logic.stopping import Terminated, at_signals, end
 
 PASSED_OVER = """
 import os
@@ -23,6 +23,7 @@ except BaseException:
 """A module that is imported as a signal comes, as libraries are that try what they can import."""
 
 ENDS = {signal.SIGTERM: Terminated, signal.SIGHUP: Terminated, signal.SIGINT: KeyboardInterrupt}
+"""As docs/command-line.md has the exit codes."""
 
 
 @pytest.mark.parametrize("then", ["pass", "raise ImportError('no such thing') from None"])
@@ -36,7 +37,7 @@ def test_a_signal_during_an_import_is_not_lost(
     before = signal.getsignal(number)
 
     def work() -> None:
-        with ended_by_signals():
+        with at_signals(end):
             __import__("passes_over")
             time.sleep(5)
 
@@ -50,7 +51,7 @@ def test_what_is_made_is_kept_while_it_is_written() -> None:
     written = []
 
     def work() -> None:
-        with ended_by_signals():
+        with at_signals(end):
             try:
                 os.kill(os.getpid(), signal.SIGTERM)
                 time.sleep(5)

@@ -21,6 +21,7 @@ from logic.errors import VitruviusError
 from logic.geojson import from_geojson
 from logic.grammar import find, shipped
 from logic.own_plan import SNAP
+from logic.spelling import quoted
 
 MOST_TEXT = 1 << 20
 """What is read of a run's ``config.json``, and of the end of its reports."""
@@ -127,7 +128,7 @@ def read_run(name: str, path: Path) -> Run:
         )
     except (OSError, KeyError, TypeError, ValueError, AttributeError, msgspec.DecodeError, RecursionError):
         raise UnknownFileError(
-            f"{name}: its config.json is none of a run. Train one: vitruvius train --out {name}"
+            f"{name}: its config.json is none of a run. Train one: vitruvius train --out {quoted(name)}"
         ) from None
 
 

@@ -14,6 +14,7 @@ from rich.progress import TextColumn
 from logic.commands import Repeated, counts, print_answer, progress, progress_bar, say, say_warnings
 from logic.errors import RequestError, VitruviusError
 from logic.house import House
+from logic.spelling import quoted
 
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
@@ -141,7 +142,7 @@ class Generate:
             raise
         if out:
             self._save(houses, out)
-            say(f"{out}: {len(houses)} made. Next: vitruvius draw {out}")
+            say(f"{out}: {len(houses)} made. Next: vitruvius draw {quoted(out)}")
         if self.json:
             shown = [] if out else [house.to_dict() for house in houses]
             self._answer(time.monotonic() - began, made=len(houses), houses=shown)

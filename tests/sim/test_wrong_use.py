@@ -4,6 +4,7 @@ import copy
 import pickle
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from gymnasium.error import ClosedEnvironmentError, Error
 from gymnasium.vector import AutoresetMode
 
 from logic import load
-from sim import HouseEnv, HouseVectorEnv
+from sim import DEFAULT, Cover, HouseEnv, HouseVectorEnv
 from tests import sample_houses
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
@@ -106,6 +107,7 @@ ARGUMENTS = {
     "num_envs is 1000000000000: from 1 to 16,777,216": {"num_envs": 10**12},
     "backend must be a name, one of continuous, grid or module:Class, not None": {"backend": None},
     "there is no autoreset_mode same: did you mean SameStep": {"autoreset_mode": "same"},
+    "there is no preset {'steps': 3}": {"preset": {"steps": 3}},
     "there is no device cuda:1": {"device": torch.device("cuda:1")},
 }
 
@@ -114,6 +116,37 @@ ARGUMENTS = {
 def test_wrong_arguments_are_refused_in_words(message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         HouseVectorEnv(**({"houses": HOUSES} | ARGUMENTS[message]))
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("rays", "40", "a whole number, not '40'"),
+        ("steps", 1e6, "a whole number, not 1000000.0"),
+        ("range", None, "a number, not None"),
+        ("sees_kind", "no", "True or False, not 'no'"),
+    ],
+)
+def test_values_of_a_configuration_are_of_their_fields_type(field: str, value: Any, words: str) -> None:
+    with pytest.raises(ValueError, match=f"{field} must be {words}"):
+        replace(DEFAULT, **{field: value})
+    assert replace(DEFAULT, rays=np.int64(8), noise=np.float32(0.5), sees_kind=np.True_).rays == 8
+
+
+@pytest.mark.parametrize("state", [{}, {"a": 1}])
+def test_a_wrong_state_or_count_is_refused_in_words(envs: HouseVectorEnv, state: Any) -> None:
+    envs.reset(seed=0)
+    with pytest.raises(ValueError, match="a state of other kinds or shapes: here they are"):
+        envs.state = state
+    for count in (-1, 0, "x"):
+        with pytest.raises(ValueError, match="count "):
+            envs.targets(count)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_mask_may_be_a_list(envs: HouseVectorEnv) -> None:
+    covering = Cover(envs)
+    covering.reset(seed=0)
+    covering.reset(options={"reset_mask": [True, False]})
 
 
 def test_torchs_devices_are_devices() -> None:
