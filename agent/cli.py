@@ -80,6 +80,9 @@ EXTRAS = {
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
+NO_MEMORY = re.compile(r"out of memory|(failed|can't|[Cc]annot) (to )?(allocate|map)|allocation .*failed")
+"""What the system, torch and Taichi say where they get none."""
+
 ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
 
 ENDINGS = """\
@@ -234,6 +237,9 @@ def _exit_code(arguments: list[str]) -> int:
             return _unwritten(error)
         code = failed(error, 5, f"error: {error.filename or _what_fails()}: {error.strerror or error}")
     except Exception as error:
+        if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
+            reason = " ".join(str(error).split("\n")[0].split()) or "none is left"
+            return failed(error, 4, f"error: too little memory on this machine, or by ulimit -v: {reason}")
         traceback.print_exc()
         code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
     return code

@@ -199,7 +199,8 @@ class Solver:
         if code == -signal.SIGXCPU:
             return LimitReached(late)
         if code == -signal.SIGKILL:
-            return LimitReached("a solver process was killed from outside, perhaps for want of memory")
+            why = "perhaps for want of memory, or by ulimit -t"
+            return LimitReached(f"a solver process was killed from outside, {why}")
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         why = "look for a directive that halts, or a clause that recurs without end"
         return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)

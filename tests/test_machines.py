@@ -158,6 +158,21 @@ def test_what_a_shell_lacks_is_said_and_no_rule_is_blamed(name: str, folder: Pat
     assert made.stderr.startswith(f"error: {reason}")
 
 
+def test_too_little_memory_is_no_fault_of_ours(folder: Path) -> None:
+    line = 'ulimit -v 1500000; exec "$0" -m agent.cli evaluate pqn'
+    made = subprocess.run(
+        ["bash", "-c", line, sys.executable],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert made.returncode == 4
+    assert made.stderr.startswith("error: too little memory on this machine, or by ulimit -v: ")
+    assert made.stderr.count("\n") == 1
+
+
 BOUNDED = """
 import resource
 from logic import confinement
