@@ -2,6 +2,7 @@
 
 import difflib
 import inspect
+import re
 import shlex
 from collections.abc import Callable, Iterable
 from functools import wraps
@@ -59,7 +60,8 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 def quoted(path: object) -> str:
     """A path as a shell takes it for one word, where a command is named that is to be typed."""
-    return shlex.quote(str(path))
+    text = str(path)
+    return text if re.fullmatch(r"[\w@%+=:,./-]+", text) else shlex.quote(text)  # which quotes ä, too
 
 
 def printable(text: str, keep: str = "") -> str:

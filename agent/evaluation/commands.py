@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import tyro
 
 from agent import banks
-from agent.config import differences
+from agent.config import MOST_SEED, differences
 from agent.released import located
 from logic.commands import print_answer, say
 from logic.errors import RequestError
+from logic.request import MOST, whole
 
 if TYPE_CHECKING:
     from agent.checkpoint import Checkpoint
@@ -82,6 +83,7 @@ class Evaluate:
         for targets in self.targets:
             require_task(targets)
             banks.require_places(targets, self.houses)
+        whole("--seed", self.seed, 0, MOST_SEED)
         if self.episodes < 1:
             raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
         import torch
@@ -223,6 +225,7 @@ class Record:
         """Write the film."""
         from agent.simulator import require_task
 
+        whole("--seed", self.seed, 0, MOST_SEED)
         located(self.agent)
         require_task(self.targets)
         banks.require_places(self.targets, self.houses)
@@ -301,5 +304,6 @@ class Demo:
         from agent.demo import demo
         from logic.files import require_folder
 
+        whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses are made with twice the seed, and one more
         require_folder(self.out)
         return demo(self.out, self.seed)
