@@ -355,3 +355,18 @@ def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     assert parse(["train", *said[:1]]).learning == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
     assert replayed.learning == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
+
+
+@pytest.mark.parametrize("seed", ["-1", "18446744073709551616"])
+@pytest.mark.parametrize(
+    "words",
+    ["train", "evaluate", "record pqn test-v1", "play", "demo", "generate --rooms 1"],
+)
+def test_a_seed_that_nothing_has_is_wrong_usage(
+    words: str, seed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([*words.split(), f"--seed={seed}"])
+    said = capsys.readouterr().err
+    assert (ended.value.code, said.count("\n")) == (2, 1), said
+    assert re.search(r"seed must be (a whole number, 0 or more|at most \d+), not ", said)
