@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from logic.errors import GrammarError
-from logic.spelling import unknown
+from logic.spelling import printable, unknown
 
 SHIPPED = Path(__file__).parent / "grammars"
 RULES = Path(__file__).parent / "rules"
@@ -91,6 +91,10 @@ def find(grammar: str | Path) -> Grammar:
     files = [file for file in sorted(directory.iterdir()) if not (file.name.startswith(".") or file.is_dir())]
     asp, prolog = (tuple(file for file in files if file.suffix == suffix) for suffix in (".lp", ".pl"))
     for file in asp + prolog:
+        if not _is_utf8(file):
+            raise GrammarError(
+                "its name is no UTF-8, which the solvers read: rename it", printable(str(file))
+            )
         # What an error quotes of a rule file may be seen by others than the reader of what the link leads to.
         if Path(os.path.realpath(file)).parent != directory:
             raise GrammarError("is a link out of the grammar's directory: copy the file there", file)
@@ -101,6 +105,14 @@ def find(grammar: str | Path) -> Grammar:
             )
     digest = _hash(asp + prolog)  # Refuses what is not to be read.
     return Grammar(directory.name, directory, asp, *_topology(asp), prolog, digest)
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        os.fsencode(path).decode()
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def folder(grammar: str | Path) -> Path:

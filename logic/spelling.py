@@ -2,6 +2,8 @@
 
 import difflib
 import inspect
+import re
+import shlex
 from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import ParamSpec, TypeVar
@@ -54,6 +56,12 @@ def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return call
 
     return decorated
+
+
+def quoted(path: object) -> str:
+    """A path as a shell takes it for one word, where a command is named that is to be typed."""
+    text = str(path)
+    return text if re.fullmatch(r"[\w@%+=:,./-]+", text) else shlex.quote(text)  # which quotes ä, too
 
 
 def printable(text: str, keep: str = "") -> str:

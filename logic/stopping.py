@@ -1,9 +1,15 @@
-"""SIGTERM, by which schedulers and ``kill`` end a process: it ends a command as Ctrl-C does."""
+"""Signals that ask a process to end: Ctrl-C, SIGTERM of schedulers and ``kill``, SIGHUP of terminals."""
 
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from types import FrameType
+from typing import Any
+
+AGAIN = 0.2
+"""Seconds after which a signal that came during an import is heeded again, if that has passed over it."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -16,28 +22,65 @@ class Terminated(KeyboardInterrupt):
         super().__init__("terminated")
 
 
-@contextmanager
-def at_sigterm(act: Callable[[], object]) -> Iterator[None]:
-    """Call ``act`` at the first SIGTERM within the block; the second ends the process at once.
+ENDS = {signal.SIGTERM: Terminated, signal.SIGHUP: Terminated, signal.SIGINT: KeyboardInterrupt}
+"""What a signal raises."""
 
-    Does nothing outside of the main thread, the only one that signals reach, and where SIGTERM is ignored.
+
+@contextmanager
+def at_signals(act: Callable[[KeyboardInterrupt], object]) -> Iterator[None]:
+    """Call ``act`` with what is to be raised at the first signal of a kind within the block. The second ends
+    the process at once; of Ctrl-C it raises ``KeyboardInterrupt``.
     """
-    before = signal.getsignal(signal.SIGTERM)
+    with ExitStack() as stack:
+        for number, kind in ENDS.items():
+            then = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+            stack.enter_context(_at(number, partial(act, kind()), then))
+        yield
+
+
+def end(by: KeyboardInterrupt) -> None:
+    """Raise it."""
+    raise by
+
+
+@contextmanager
+def _at(number: signal.Signals, act: Callable[[], object], then: Any) -> Iterator[None]:
+    """Call ``act`` at a signal within the block; ``then`` is what heeds a second one.
+
+    While a module is imported, libraries may pass over what is raised, or raise something else for it: then
+    ``act`` is called again. Does nothing outside of the main thread, the only one that signals reach, and
+    where the signal is ignored.
+    """
+    before = signal.getsignal(number)
     if threading.current_thread() is not threading.main_thread() or before == signal.SIG_IGN:
         yield
         return
 
-    def heed(*_: object) -> None:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    def heed(_: int, frame: FrameType | None) -> None:
+        nonlocal importing
+        signal.signal(number, then)
+        if importing := _imports(frame):
+            signal.signal(signal.SIGALRM, heed)
+            signal.setitimer(signal.ITIMER_REAL, AGAIN)
         act()
 
-    signal.signal(signal.SIGTERM, heed)
+    importing = False
+    signal.signal(number, heed)
     try:
         yield
+    except Exception:
+        if importing:
+            act()
+        raise
     finally:
-        signal.signal(signal.SIGTERM, before)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(number, before)
 
 
-def terminate() -> None:
-    """Raise ``Terminated``."""
-    raise Terminated
+def _imports(frame: FrameType | None) -> bool:
+    """Whether a module is imported in this frame, or in one that waits for it."""
+    while frame:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False

@@ -18,18 +18,27 @@ def provide() -> bool:
     named = os.environ.get(VARIABLE)
     home = os.environ.get("HOME")
     usual = Path(named) if named else Path(home) / ".cache" if home else None
-    if usual and usual.is_absolute() and _writable(usual):
+    keeps = bool(usual and usual.is_absolute() and _writable(usual))
+    try:
+        temporary = tempfile.gettempdir()
+    except FileNotFoundError:  # There is none. Taichi's libraries ask for its name as they are imported.
+        tempfile.tempdir = str(usual) if keeps else os.path.abspath(os.sep)
+        if not keeps:
+            os.environ[VARIABLE] = tempfile.tempdir
+        return keeps
+    if keeps:
         return True
-    own = Path(tempfile.gettempdir()) / f"vitruvius-{os.getuid() if hasattr(os, 'getuid') else 0}"
+    own = Path(temporary) / f"vitruvius-{os.getuid() if hasattr(os, 'getuid') else 0}"
     os.environ[VARIABLE] = str(own)
     return _writable(own) and own.stat().st_uid == os.getuid()
 
 
 def _writable(folder: Path) -> bool:
-    """Whether files can be made in a folder, which is made if it is not there."""
+    """Whether files can be written in a folder, which is made if it is not there."""
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()  # permissions do not say it of every file system
+        with tempfile.TemporaryFile(dir=folder, buffering=0) as file:  # permissions do not say it all
+            file.write(b".")
     except OSError:
         return False
     return True

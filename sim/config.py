@@ -1,7 +1,8 @@
 """What the body, its eye, its task and its episodes are like. Metres and degrees."""
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from numbers import Integral, Real
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,6 +15,14 @@ MOST_RAYS = 1024
 
 MOST_KINDS = 64
 """Kinds of pieces that an observation tells apart at most."""
+
+KINDS: dict[Any, tuple[Any, str]] = {
+    bool: ((bool, np.bool_), "True or False"),
+    int: (Integral, "a whole number"),
+    float: (Real, "a number"),
+}
+"""What the values of fields are, by the fields' types; NumPy's numbers are among them."""
+
 MOST_PUSHES = 255
 """Steps that a door may take to open: they are counted in 8 bits."""
 
@@ -89,6 +98,10 @@ class Config:
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for impossible values."""
+        for field in fields(self):
+            kind, words = KINDS.get(field.type, (object, ""))
+            if not isinstance(value := getattr(self, field.name), kind):
+                raise ValueError(f"{field.name} must be {words}, not {value!r}")
         lengths = (*self.body, self.step, self.range, self.target)
         if not all(0 < length < float("inf") for length in lengths):
             raise ValueError("body, step, range and target must be positive lengths in metres")

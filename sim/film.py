@@ -170,7 +170,8 @@ def require_film(path: str | Path) -> None:
     ``ModuleNotFoundError`` for an MP4 without the extra ``film``.
     """
     if Path(path).suffix.lower() not in FILMS:
-        raise ValueError(f"{path}: films are written as .gif or .mp4: use {Path(path).with_suffix('.gif')}")
+        example = Path(path).with_suffix(".gif") if Path(path).name else Path(path, "film.gif")
+        raise ValueError(f"{path}: films are written as .gif or .mp4: use {example}")
     if Path(path).suffix.lower() == FILMS[1]:
         import_module("imageio_ffmpeg")
 

@@ -164,6 +164,8 @@ def _begin(arch: Any, threads: int | None) -> None:
     options |= {"offline_cache": KEEPS_KERNELS, "offline_cache_max_size_of_files": 1 << 30}
     if threads is not None:
         options["cpu_max_num_threads"] = threads
+    if not KEEPS_KERNELS:  # Taichi aborts as it ends where it cannot make its folder: this one is there
+        options["offline_cache_file_path"] = os.path.abspath(os.sep)
     if KEEPS_KERNELS:
         drop_stale_lock(Path(impl.default_cfg().offline_cache_file_path))
     before = _threads()

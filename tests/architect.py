@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterator
 
 from logic.house.house import House
-from logic.house.parts import OUTSIDE
+from logic.house.parts import OUTSIDE, Piece
 
 WAYS = {"hall", "corridor", "commonCorridor", "reception"}
 """Room types that one passes on the way to others: circulation, and where visitors are received."""
@@ -36,8 +36,27 @@ def faults(house: House) -> Iterator[str]:
             yield f"{place}: has no daylight"
         if room.area > LARGEST.get(room.type, room.area) + 1e-6:
             yield f"{place}: is of {room.area:.1f} m²"
+        yield from (f"{place}: {said}" for said in desks_without_chairs(room.children))
         if sum(piece.type == "toilet" for piece in room.pieces) != (room.type in WASHES):
             yield f"{place}: has not one toilet, or has one where it should have none"
+
+
+def desks_without_chairs(pieces: tuple[Piece, ...]) -> Iterator[str]:
+    """Each desk at which no chair stands, in front of it and turned to it."""
+    for desk in pieces:
+        if desk.type == "writingDesk":
+            chairs = [each for each in desk.children if each.type == "chair"]
+            if [in_front(desk, each) for each in chairs] != [True]:
+                yield f"nobody sits at its desk, which has {len(chairs)} chairs"
+
+
+def in_front(piece: Piece, seat: Piece) -> bool:
+    """Whether a seat stands at the middle of a piece's front, and is turned to it."""
+    at = "NESW".index(piece.orientation)
+    (west, north, east, south), (x1, y1, x2, y2) = piece.box, seat.box
+    gap = (north - y2, x1 - east, y1 - south, west - x2)[at]
+    off = (west + east - x1 - x2, north + south - y1 - y2)[at % 2] / 2
+    return max(abs(gap), abs(off)) < 1e-6 and seat.orientation == "NESW"[(at + 2) % 4]
 
 
 def passed(house: House, ways: set[str]) -> dict[str, int]:

@@ -1,6 +1,8 @@
 """Claims about machines without what a person's has, as containers are: a home, open streams."""
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +13,7 @@ import pytest
 
 from agent.banks import TEST
 from logic import RequestError, generate, load, save
+from logic.grammar import SHIPPED
 from logic.request.request import Request, whole
 
 STEP = """
@@ -43,6 +46,30 @@ def test_the_simulator_runs_without_a_home_that_can_be_written(name: str, tmp_pa
     )
     assert (made.returncode, made.stdout) == (0, "(2, 40, 2) True\n"), made.stderr
     assert any(tmp_path.rglob("*.lock")) or any(tmp_path.rglob("ticache"))
+
+
+NOTHING_WRITTEN = {
+    "neither cache nor temporary files": ({"HOME": "/proc"}, False),
+    "a cache that only looks as if": ({}, False),
+}
+
+
+@pytest.mark.parametrize("name", NOTHING_WRITTEN)
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder in which nobody can write")
+def test_the_simulator_runs_where_no_file_can_be_written(name: str, tmp_path: Path) -> None:
+    """As in a container whose file systems are read only, or with a disk that is full."""
+    own, keeps = NOTHING_WRITTEN[name]
+    environment = os.environ | {"HOME": str(tmp_path)} | own
+    environment.pop("XDG_CACHE_HOME", None)
+    made = subprocess.run(
+        ["bash", "-c", 'ulimit -f 0; exec "$0" -c "$1"', sys.executable, STEP],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert (made.returncode, made.stdout) == (0, f"(2, 40, 2) {keeps}\n"), made.stderr
 
 
 def command(words: str, streams: str, folder: Path) -> tuple[int, str]:
@@ -89,6 +116,114 @@ def test_an_output_that_is_full_is_one_line(words: str, folder: Path) -> None:
     code, said = command(words, ">/dev/full", folder)
     assert code == 5
     assert said == "error: the standard output: No space left on device\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "code"), [("check houses.jsonl", 0), ("check absent.jsonl --json >/dev/full", 5), ("chek", 2)]
+)
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_an_error_output_that_is_full_changes_no_exit_code(words: str, code: int, folder: Path) -> None:
+    assert command(words, "2>/dev/full", folder) == (code, "")
+
+
+def test_a_reader_that_ends_early_is_no_error(folder: Path) -> None:
+    assert command("rules", "| head -1 >&2; exit ${PIPESTATUS[0]}", folder)[1] == "# The rules of a grammar\n"
+
+
+SCARCE = {
+    "no folder": ("mkdir gone; cd gone; rmdir ../gone", 5, "the folder that this was started in is gone"),
+    "few files": (
+        "ulimit -n 13",
+        4,
+        "13 files may be open at once, the solvers need 16: raise it by ulimit -n",
+    ),
+    "no files": ("ulimit -n 6", 4, "a solver process cannot be started: Too many open files"),
+}
+
+
+@pytest.mark.parametrize("name", SCARCE)
+def test_what_a_shell_lacks_is_said_and_no_rule_is_blamed(name: str, folder: Path) -> None:
+    shell, code, reason = SCARCE[name]
+    line = f'{shell}; exec "$0" -m vitruvius.cli generate --rooms 1'
+    made = subprocess.run(
+        ["bash", "-c", line, sys.executable],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert (made.returncode, made.stderr.count("\n")) == (code, 1), made.stderr
+    assert made.stderr.startswith(f"error: {reason}")
+
+
+def test_too_little_memory_is_no_fault_of_ours(folder: Path) -> None:
+    line = 'ulimit -v 1500000; exec "$0" -m vitruvius.cli evaluate pqn'
+    made = subprocess.run(
+        ["bash", "-c", line, sys.executable],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert made.returncode == 4
+    assert made.stderr.startswith("error: too little memory on this machine, or by ulimit -v: ")
+    assert made.stderr.count("\n") == 1
+
+
+BOUNDED = """
+import resource
+from logic.workers import confinement
+resource.setrlimit(resource.RLIMIT_CPU, (50, 50))
+confinement.allow_seconds(100)
+print(resource.getrlimit(resource.RLIMIT_CPU))
+try:
+    confinement.require_seconds()
+except confinement.LimitReached as error:
+    print(error)
+"""
+
+
+def test_a_bound_of_processor_time_is_no_rules_fault() -> None:
+    made = subprocess.run([sys.executable, "-c", BOUNDED], capture_output=True, text=True, check=True)
+    assert made.stdout.startswith("(50, 50)\na solver process has 50 s of processor time here")
+
+
+ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+"""What Python then takes for ASCII: names of files, and what is printed."""
+
+
+def test_names_are_read_and_written_without_a_locale(folder: Path) -> None:
+    shutil.copytree(SHIPPED / "home", folder / "Küche")
+    words = ["generate", "--grammar", "Küche", "--rooms", "4", "--out", "Häuser.jsonl"]
+    made = subprocess.run(
+        [sys.executable, "-m", "vitruvius.cli", *words],
+        cwd=folder,
+        env=os.environ | ASCII,
+        capture_output=True,
+        timeout=100,
+        check=False,
+    )
+    assert made.stderr.decode() == "Häuser.jsonl: 1 made. Next: vitruvius draw Häuser.jsonl\n"
+    assert len(load(folder / "Häuser.jsonl")) == 1
+
+
+def test_names_that_are_no_utf_8_are_said_and_answered(folder: Path) -> None:
+    name = b"K\xfcche"
+    shutil.copytree(SHIPPED / "home", os.fsdecode(os.fsencode(folder) + b"/" + name))
+    for words in (["check", name + b".jsonl"], ["generate", "--rooms", "4", "--grammar", name]):
+        made = subprocess.run(
+            [sys.executable, "-m", "vitruvius.cli", *words, "--json"],
+            cwd=folder,
+            capture_output=True,
+            timeout=100,
+            check=False,
+        )
+        assert made.returncode == 5, made.stderr
+        assert b"K\\udcfcche" in made.stderr
+        assert "dcfcche" in str(json.loads(made.stdout)["error"])
 
 
 def test_numbers_of_numpy_are_numbers() -> None:

@@ -10,12 +10,13 @@ import os
 import pkgutil
 import re
 import sys
+import tempfile
 import traceback
 from collections.abc import Sequence
 from typing import Any
 
 from benchmarks import STUDIES
-from vitruvius import help
+from vitruvius import help, streams
 
 COMMANDS = {
     "generate": ("vitruvius.commands.generate:Generate", "Make houses from rules."),
@@ -91,6 +92,9 @@ EXTRAS = {
 }
 """Modules that the base does not install, by the extras of ``pyproject.toml`` that do."""
 
+NO_MEMORY = re.compile(r"out of memory|(failed|can't|[Cc]annot) (to )?(allocate|map)|allocation .*failed")
+"""What the system, torch and Taichi say where they get none."""
+
 ABOUT = "Furnished houses from rules, simulated thousands at a time, explored by agents that plan and learn."
 
 ENDINGS = """\
@@ -103,17 +107,10 @@ docs/command-line.md has all of it."""
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command and exit with its code; errors are one line on stderr (see ``logic.errors``)."""
-    _open_streams()
+    if arguments is None:
+        streams.read_utf8()
+    streams.prepare()
     sys.exit(_exit_code(sys.argv[1:] if arguments is None else arguments))
-
-
-def _open_streams() -> None:
-    """Let nothing be read or written where a standard stream was closed, as by services: else the next file
-    that is opened takes its place.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as we run
 
 
 def top(width: int | None = None) -> str:
@@ -222,7 +219,7 @@ def _exit_code(arguments: list[str]) -> int:
     if arguments[0] == "help":
         arguments = [*arguments[1:], "--help"]
     from logic.errors import VitruviusError
-    from logic.stopping import at_sigterm, terminate
+    from logic.stopping import at_signals, end
     from logic.terminal import say
 
     def failed(error: BaseException, code: int, words: str) -> int:
@@ -232,11 +229,14 @@ def _exit_code(arguments: list[str]) -> int:
             from vitruvius.answers.houses import encoded, failure
 
             named = arguments[: 1 + (arguments[0] == "bench")]
-            print(encoded(" ".join(named), code, error=failure(error)))
+            try:
+                print(encoded(" ".join(named), code, error=failure(error)), flush=True)
+            except OSError:  # what failed first is said already
+                sys.stdout = None
         return code
 
     try:
-        with at_sigterm(terminate):
+        with at_signals(end):
             code = _run(arguments)
     except VitruviusError as error:
         fault = error.exit_code == VitruviusError.exit_code
@@ -245,13 +245,29 @@ def _exit_code(arguments: list[str]) -> int:
     except KeyboardInterrupt as end:
         code = failed(end, getattr(end, "exit_code", 130), str(end) or "interrupted")
     except OSError as error:
-        if error.filename is None:
+        if streams.is_of_output(error):
             return _unwritten(error)
-        code = failed(error, 5, f"error: {error.filename}: {error.strerror}")
+        code = failed(error, 5, f"error: {error.filename or _what_fails()}: {error.strerror or error}")
     except Exception as error:
+        if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
+            reason = " ".join(str(error).split("\n")[0].split()) or "none is left"
+            return failed(error, 4, f"error: too little memory on this machine, or by ulimit -v: {reason}")
         traceback.print_exc()
         code = failed(error, 70, "error, a fault of ours: please report it with the lines above")
     return code
+
+
+def _what_fails() -> str:
+    """What a call of the system that names no file may be about."""
+    try:
+        os.getcwd()
+    except OSError:
+        return "the folder that this was started in is gone: go to another"
+    try:
+        tempfile.TemporaryFile().close()
+    except OSError:
+        return "no temporary file can be made: name a folder for them by TMPDIR"
+    return "the system"
 
 
 def _unwritten(error: OSError) -> int:

@@ -11,6 +11,10 @@ from typing import Annotated, ClassVar, Literal, get_args
 import tyro
 
 from logic.errors import RequestError
+from logic.request.request import whole
+
+MOST_SEED = 2**62 - 1
+"""So that each environment and house has one of its own after it: they have 64 bits."""
 
 TargetMode = Literal["main", "secondary", "mixed"]
 """Where targets lie: in the main room, in secondary rooms, or in both."""
@@ -99,6 +103,7 @@ class TrainConfig:
         for name in self.fractions:
             if not 0 <= getattr(self, name) <= 1:
                 raise RequestError(f"{name} must lie between 0 and 1, not {getattr(self, name)}")
+        whole("seed", self.seed, 0, MOST_SEED)
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from agent.banks import geometry_hash
 from logic import House
 from logic.errors import VitruviusError
 from logic.house.files import write_whole
+from logic.spelling import quoted
 
 ENDINGS = (".jsonl",)
 """How names of files of results end."""
@@ -68,7 +69,7 @@ def load(path: Path) -> list[PlayedGame]:
         except msgspec.DecodeError as error:
             raise ResultsError(f"{path}:{number}: no game: {error}") from None
     if not games:
-        raise ResultsError(f"{path}: holds no game. Play some: vitruvius play HOUSES --out {path}")
+        raise ResultsError(f"{path}: holds no game. Play some: vitruvius play HOUSES --out {quoted(path)}")
     return games
 
 

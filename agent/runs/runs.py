@@ -19,7 +19,6 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from math import inf
 from pathlib import Path
-from threading import Event
 from time import perf_counter
 from typing import Any
 
@@ -43,7 +42,7 @@ from logic import House
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
 from logic.spelling import keywords
-from logic.stopping import Terminated, at_sigterm
+from logic.stopping import Terminated, at_signals
 
 SAVE_EVERY = 30.0
 """Seconds between checkpoints."""
@@ -138,8 +137,8 @@ def run(
     lines.
 
     Raises ``RequestError`` for a folder in use and for another run's, ``Diverged`` where what is learnt is no
-    number any more; the last good checkpoint is kept then. Raises ``Terminated`` once the run is saved after
-    a SIGTERM.
+    number any more; the last good checkpoint is kept then. Raises what a signal is to raise
+    (``logic.stopping``) once the run is saved after it.
     """
     with ranks.joined(config.device):
         folder = Folder(Path(path))
@@ -169,15 +168,15 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
 def _learn(
     learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
 ) -> tuple[Checkpoint, list[Progress]]:
-    """Learn to the end, or to the report after a SIGTERM; save the run then and every half a minute."""
+    """Learn to the end, or to the report after a signal; save the run then and every half a minute."""
     config, houses = learner.config, bank_hash(learner.envs.houses)
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
     made = Checkpoint(learner.network, config, 0, name, houses, command)
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
         write_whole(folder.config, _described(made, learner).encode())
-    saved, terminated = perf_counter(), Event()
-    with progress("training", every if not ranks.rank() else None) as tell, at_sigterm(terminated.set):
+    saved, ends = perf_counter(), list[KeyboardInterrupt]()
+    with progress("training", every if not ranks.rank() else None) as tell, at_signals(ends.append):
         try:
             for now in learner.train():
                 history.append(now)
@@ -186,12 +185,12 @@ def _learn(
                 tell(now.fraction, words)
                 if writer:
                     writer.write(now)
-                age = ranks.first(inf if terminated.is_set() else perf_counter() - saved)
+                age = ranks.first(inf if ends else perf_counter() - saved)
                 if age > SAVE_EVERY:
                     _keep(learner, replace(made, steps=now.steps), folder)
                     saved = perf_counter()
                 if age == inf:
-                    raise Terminated
+                    raise ends[0] if ends else Terminated
         except Diverged as error:
             kept = f"{folder.agent} is the last good one" if folder.agent.exists() else "none was kept before"
             raise Diverged(f"{error}: {kept}. Try a lower --learning-rate") from None

@@ -21,7 +21,7 @@ from logic.errors import HouseFileError, RequestError
 from logic.grammar import shipped
 from logic.house.gallery import Houses
 from logic.house.house import House
-from logic.spelling import closest
+from logic.spelling import closest, quoted
 
 HOUSE_FILES = (".jsonl", ".jsonl.gz", ".json", ".json.gz")
 """How the names of house files end."""
@@ -63,7 +63,8 @@ def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
         reason = getattr(error, "strerror", None) or str(error)
         raise HouseFileError(f"{path}: cannot be read: {reason}") from None
     if not houses:
-        raise HouseFileError(f"{path}: holds no house. Make some with: vitruvius generate --out {path}")
+        made = f"vitruvius generate --rooms 4 --out {quoted(path)}"
+        raise HouseFileError(f"{path}: holds no house. Make some with: {made}")
     return houses
 
 
@@ -74,7 +75,11 @@ def opened(path: Path) -> BinaryIO | gzip.GzipFile:
     else:
         file = path.open("rb")
     packed = path.suffix == ".gz" or file.peek(len(PACKED)).startswith(PACKED)
-    return gzip.GzipFile(fileobj=file) if packed else file
+    if not packed:
+        return file
+    unpacked = gzip.GzipFile(fileobj=file)
+    unpacked.myfileobj = file  # pyright: ignore[reportAttributeAccessIssue] - closed with it
+    return unpacked
 
 
 def _houses(file: BinaryIO | gzip.GzipFile, path: Path, whole_pixels: bool) -> Iterator[House]:
@@ -202,7 +207,7 @@ def _folder(path: Path) -> str:
 
 
 def _grammar(name: Path) -> str:
-    made = f"vitruvius generate --grammar {name} --rooms 6 --out houses.jsonl"
+    made = f"vitruvius generate --grammar {quoted(name)} --rooms 6 --out houses.jsonl"
     return f"is a grammar, and no house file. Make houses of it with: {made}"
 
 
@@ -216,7 +221,9 @@ def _absent(path: Path) -> str:
     if there:
         folder = "this folder" if path.parent == Path() else path.parent
         return f"there is no such file: {folder} has {', '.join(there[:5])}"
-    return f"there is no such file. Make it with: vitruvius generate --rooms 4 --count 100 --out {path}"
+    return (
+        f"there is no such file. Make it with: vitruvius generate --rooms 4 --count 100 --out {quoted(path)}"
+    )
 
 
 def _ends(line: bytes) -> bool:

@@ -89,7 +89,9 @@ stretch_parts(stretch(_,Links,Blocks), Parts) :-
 %   at the start of the next block.
 
 link_parts([], _, _, []).
-link_parts([Link|Links], Blocks, End, [Role-part(Atom,Item,[along-Start])|Placed]) :-
+link_parts([Link|Links], Blocks, End, [Role-part(Atom,Item,[along-Start])|Placed0]) :-
+    link_seat(Link, Seat),
+    ( Seat = With-Sat, With = with(F,K,_,_) -> Placed0 = [with(F-K)-part(With,Sat,[])|Placed] ; Placed0 = Placed ),
     link_gap(Link, Gap), link_role(Link, Role), link_item(Link, Item), link_along(Link, Along), link_why(Link, [Atom|_]),
     (   ( Gap = apart-_ ; End == none )
     ->  Blocks = [block(Start,_,_,_)|Later]

@@ -46,8 +46,13 @@ gap(On, Layout, Kind) -->
 
 piece_link(On, Walls, Layout, Gap, Link) :-
     On = on(F,K,_,_),
-    make_link([gap(Gap),role(piece(K)),item(item(F,L,D,Walls)),along(Along),out(Out),front(Front),why([On|Why])], Link),
-    phrase(facing(On, Layout, L-D, Along-Out, Front), Why).
+    make_link([gap(Gap),role(piece(K)),item(item(F,L,D,Walls)),along(Along),out(Out),front(Front),seat(Seat),why([On|Why])], Link),
+    phrase(facing(On, Layout, L-D, Along-Out, Front), Why),
+    seat(F-K, Walls, Layout, Seat).
+
+seat(F-K, Walls, Layout, Seat) :-
+    With = with(F,K,G,front),
+    ( memberchk(With, Layout) -> Seat = With-item(G,_,_,Walls) ; Seat = none ).
 
 %   facing(+On, +Layout, ?Sizes, -Taken, -Front)//: a turned piece takes its depth of the wall.
 
@@ -63,7 +68,7 @@ facing(on(F,K,_,_), Layout, L-D, Along-Out, Front) -->
 companion(Hand, On, Walls-Layout, Gap0, Gap) -->
     { On = on(F,K,_,_), With = with(F,K,G,Hand) },
     (   { memberchk(With, Layout) }
-    ->  { make_link([gap(Gap0),role(with(F-K)),item(item(G,L,D,Walls)),along(L),out(D),front(out),why([With,On])], Link),
+    ->  { make_link([gap(Gap0),role(with(F-K)),item(item(G,L,D,Walls)),along(L),out(D),front(out),seat(none),why([With,On])], Link),
           Gap = joined-[] },
         [Link]
     ;   { Gap = Gap0 } ).

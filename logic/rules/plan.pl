@@ -67,7 +67,7 @@ block_start(block(Start,_,_,_), Start).
 
 link_plans([], _, _, _, []).
 link_plans([Link|Links], Starts, At, Stands, [Role-Plan|Plans]) :-
-    link_gap(Link, Gap), link_role(Link, Role), link_item(Link, item(F,_,_,_)),
+    link_gap(Link, Gap), link_role(Link, Role), link_item(Link, item(F,_,_,_)), link_seat(Link, Seat),
     link_along(Link, Along), link_out(Link, Out), link_front(Link, Front),
     ( Starts = [Start|Later], ( Gap = apart-_ ; At == 0 ) -> true ; Start = At, Later = Starts ),
     Stands = stands(Frame,Room,Name),
@@ -76,8 +76,9 @@ link_plans([Link|Links], Starts, At, Stands, [Role-Plan|Plans]) :-
     front(Name, Front, Way),
     orientation(Frame, Way, Orientation),
     Plan = Outline.put(_{type:F, orientation:Orientation, children:[]}),
+    ( Seat = with(_,K,_,_)-Item -> seat_plan(Frame, Box, seat(Way,Item), Child), Plans = [with(F-K)-Child|Plans1] ; Plans = Plans1 ),
     End is Start + Along,
-    link_plans(Links, Later, End, Stands, Plans).
+    link_plans(Links, Later, End, Stands, Plans1).
 
 nested(Plans, Piece) :-
     member(piece(K)-Plan, Plans),

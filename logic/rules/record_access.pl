@@ -4,7 +4,7 @@
 
 library(record) defines predicates that read a field of a record and that make one. Where a record is known when a file
 is compiled, a call of them becomes the unification that it stands for: link_out(Link, Out) becomes
-Link = link(_,_,_,_,Out,_,_), which costs no inference.
+Link = link(_,_,_,_,Out,_,_,_), which costs no inference.
 */
 
 :- use_module(library(apply)).

@@ -1,6 +1,6 @@
 :- module(records, [make_room/2, room_type/2, room_width/2, room_depth/2, room_door/2, room_doors/2, room_open/2, room_busy/2, room_core/2, room_stretches/2,
                     room_row/2, room_islands/2, is_room/1,
-                    make_link/2, link_gap/2, link_role/2, link_item/2, link_along/2, link_out/2, link_front/2, link_why/2,
+                    make_link/2, link_gap/2, link_role/2, link_item/2, link_along/2, link_out/2, link_front/2, link_seat/2, link_why/2,
                     make_island/2, island_item/2, island_across/2, island_inwards/2, island_xblock/2, island_yblock/2,
                     island_seats/2, island_front/2]).
 
@@ -25,8 +25,9 @@ Lengths are unbound until they are solved for. Beside the records:
 :- record room(type, width, depth, door, core, stretches, row, islands, doors, open, busy).
 
 % A piece along a wall, or its companion. `gap` is joined-Why or apart-Why, to what is before it; `role` is piece(K) or
-% with(Type-K). It takes `along` of the wall, stands `out` from it, and its front faces out, near or far.
-:- record link(gap, role, item, along, out, front, why).
+% with(Type-K). It takes `along` of the wall, stands `out` from it, and its front faces out, near or far. In front of it is a
+% `seat`: with(Type,K,Companion,front)-Item, or none.
+:- record link(gap, role, item, along, out, front, seat, why).
 
 % A piece in the middle of the room, as large as `across` and `inwards`; with its seats it is a block each way.
 :- record island(item, across, inwards, xblock, yblock, seats, front).

@@ -87,6 +87,7 @@ room_constraints(Room) -->
     { room_stretches(Room, Stretches), room_row(Room, Row), room_islands(Room, Islands) },
     core_constraints(Room),
     all_stretches_constraints(Stretches, Room),
+    fronts_constraints(Stretches),
     island_constraints(Islands, Row).
 
 all_stretches_constraints([], _) --> [].
@@ -100,9 +101,10 @@ all_stretches_constraints([Stretch|Stretches], Room) -->
 %   only the earliest count, see packed_constraints//3.
 
 door_constraints(Room) -->
-    { room_islands(Room, Islands), room_chains(Room, Chains), length_of(passage, P) },
+    { room_stretches(Room, Stretches), room_islands(Room, Islands), room_chains(Room, Chains), length_of(passage, P) },
     core_constraints(Room),
     all_packed_constraints(Chains, P),
+    fronts_constraints(Stretches),
     all_seats_constraints(Islands).
 
 all_packed_constraints([], _) --> [].

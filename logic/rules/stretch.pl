@@ -1,4 +1,4 @@
-:- module(stretch, [stretch/5, stretch_constraints//2, stretch_items/2, filled_between/3, deepest/2]).
+:- module(stretch, [stretch/5, stretch_constraints//2, fronts_constraints//1, stretch_items/2, filled_between/3, deepest/2]).
 
 /** <module> A stretch of wall as a chain of blocks, each of links (links.pl) that are joined to each other
 
@@ -170,9 +170,22 @@ wall_depth(back,  Room, D-Y2) :- room_core(Room, core(_,_,_,Y2)), room_depth(Roo
 
 stand_within([], _) --> [].
 stand_within([Link|Links], Depth) -->
-    { link_out(Link, Out), link_why(Link, Why) },
-    [(Out =< Depth)-Why],
+    { link_out(Link, Out), link_seat(Link, Seat), link_why(Link, Why) },
+    (   { Seat = With-item(_,_,Own,_) }
+    ->  [(Out+Own =< Depth)-[With|Why]]
+    ;   [(Out =< Depth)-Why] ),
     stand_within(Links, Depth).
+
+%!  fronts_constraints(+Stretches)// describes: what is in front of a piece is no longer than the piece.
+
+fronts_constraints([]) --> [].
+fronts_constraints([stretch(_,Links,_)|Stretches]) --> fronts(Links), fronts_constraints(Stretches).
+
+fronts([]) --> [].
+fronts([Link|Links]) -->
+    { link_seat(Link, Seat), link_along(Link, Along), link_why(Link, Why) },
+    ( { Seat = With-item(_,Length,_,_) } -> [(Length =< Along)-[With|Why]] ; [] ),
+    fronts(Links).
 
 %!  stretch_items(+Stretch, -Items) is det.
 %
@@ -181,8 +194,15 @@ stand_within([Link|Links], Depth) -->
 stretch_items(Stretch, Items) :-
     Stretch = stretch(_,Links,_),
     (   filled_between(Stretch, _, _)
-    ->  maplist(filling_item, Links, Items)
-    ;   maplist(free_item, Links, Items) ).
+    ->  maplist(filling_item, Links, Own)
+    ;   maplist(free_item, Links, Own) ),
+    seat_items(Links, Own, Items).
+
+seat_items([], Items, Items).
+seat_items([Link|Links], Own, Items) :-
+    link_seat(Link, Seat),
+    ( Seat = _-Item -> Items = [free-Item|Others] ; Items = Others ),
+    seat_items(Links, Own, Others).
 
 %!  filled_between(+Stretch, -Start, -Last) is semidet.
 %
@@ -200,4 +220,6 @@ filling_item(Link, filling(Along,Out)-Item) :- link_item(Link, Item), link_along
 
 deepest(Links, Out) :- foldl(deeper, Links, 0, Out).
 
-deeper(Link, Out0, Out) :- link_out(Link, Own), Out is max(Out0, Own).
+deeper(Link, Out0, Out) :-
+    link_out(Link, Own), link_seat(Link, Seat),
+    ( Seat = _-item(_,_,Depth,_) -> Out is max(Out0, Own+Depth) ; Out is max(Out0, Own) ).

@@ -24,6 +24,11 @@ from collections.abc import Iterable, Iterator
 from math import ceil
 from pathlib import Path
 
+from logic.errors import LimitReached
+
+FILES = 16
+"""Files that a solver process must be able to open at once: it opens up to 13."""
+
 MEMORY = 4 << 30
 """Bytes of address space that a solver process may take."""
 
@@ -117,10 +122,37 @@ def limit() -> None:
             resource.setrlimit(which, (least, least))
 
 
+def require_files() -> None:
+    """Raise ``LimitReached`` where a process may open fewer files at once than the solvers do, who then take
+    a library that they cannot open for a rule that cannot be solved.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft < FILES <= hard:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (FILES, hard))
+    elif soft < FILES:
+        raise LimitReached(
+            f"{soft} files may be open at once, the solvers need {FILES}: raise it by ulimit -n"
+        )
+
+
 def allow_seconds(seconds: float) -> None:
     """Let the kernel end this process by SIGXCPU once it has used so much more processor time."""
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-    resource.setrlimit(resource.RLIMIT_CPU, (ceil(time.process_time() + seconds), hard))
+    most = ceil(time.process_time() + seconds)
+    resource.setrlimit(
+        resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard)
+    )
+
+
+def require_seconds() -> None:
+    """Raise ``LimitReached`` where processes have a bound of processor time from outside: then it is that,
+    and perhaps no rule, that ends them.
+    """
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    if hard != resource.RLIM_INFINITY:
+        raise LimitReached(
+            f"a solver process has {hard} s of processor time here and needed more: raise it by ulimit -t"
+        )
 
 
 def _machine() -> tuple[int, int, int]:

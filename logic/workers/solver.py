@@ -5,6 +5,7 @@
 
 import atexit
 import contextlib
+import errno
 import os
 import selectors
 import signal
@@ -53,6 +54,9 @@ GRACE = 1.0
 MOST_IDLE = 2
 """Solver processes kept for the next request for the same rules: to start one takes half a second."""
 
+SCARCE = {errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.ENOMEM}
+"""Why a process cannot be started: too many open files or processes, or no memory."""
+
 ENVIRONMENT = {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1"}
 """Rule files are UTF-8 whatever the user's language."""
 
@@ -94,14 +98,24 @@ class Solver:
         self._step: VitruviusError | None = None
         self._trial: Solver | None = None
         package, path = Path(__file__).parents[1] / "__init__.py", os.environ.get("PYTHONPATH", "")
-        # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", START, str(package), *_named(sys.path)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,
-            env=os.environ | ENVIRONMENT | {"PYTHONPATH": os.pathsep.join(_named(path.split(os.pathsep)))},
-        )
+        try:
+            # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", START, str(package), *_named(sys.path)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                start_new_session=True,
+                env=os.environ
+                | ENVIRONMENT
+                | {"PYTHONPATH": os.pathsep.join(_named(path.split(os.pathsep)))},
+            )
+        except OSError as error:
+            if error.filename is not None or error.errno not in SCARCE:
+                raise
+            raise LimitReached(
+                f"a solver process cannot be started: {error.strerror}: raise the limit of this machine or "
+                "shell (ulimit -n for open files, -u for processes), or take fewer --workers"
+            ) from None
         assert self._process.stdin
         assert self._process.stdout
         self._questions, self._output = self._process.stdin, self._process.stdout.fileno()
@@ -230,7 +244,8 @@ class Solver:
         if code == -signal.SIGXCPU:
             return LimitReached(late)
         if code == -signal.SIGKILL:
-            return LimitReached("a solver process was killed from outside, perhaps for want of memory")
+            why = "perhaps for want of memory, or by ulimit -t"
+            return LimitReached(f"a solver process was killed from outside, {why}")
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         why = "look for a directive that halts, or a clause that recurs without end"
         return GrammarError(f"the rules ended the solver process ({how}): {why}", self._grammar)

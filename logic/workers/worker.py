@@ -204,6 +204,7 @@ class Worker:
         grammar = find(question.grammar)
         confinement.confine([grammar.directory, *_installed()])
         if question.trial is not None:
+            confinement.require_seconds()
             from logic.language.trial import steps
 
             last = time.process_time()
@@ -227,6 +228,7 @@ def _prepare(directory: str) -> None:
 
     Here, not above: that a solver is missing is an answer too.
     """
+    confinement.require_files()
     from logic.grammar import RULES, find
     from logic.language.vocabulary import core_words
     from logic.layout import differences

@@ -35,6 +35,15 @@ class StableBaselinesVecEnv(VecEnv):
         self._reset_options()
         return observation
 
+    def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
+        """For the next reset: options of all environments together, or a dictionary for each of them."""
+        if isinstance(options, list):
+            names = dict.fromkeys(name for each in options for name in each)
+            if len(options) != self.num_envs or any(each.keys() != names.keys() for each in options):
+                raise ValueError(f"options: a dictionary with the same keys for each of {self.num_envs}")
+            options = {name: np.array([each[name] for each in options]) for name in names}
+        super().set_options(options)
+
     def step_async(self, actions: np.ndarray) -> None:
         """Keep actions (N, ...) for ``step_wait``."""
         self._actions = actions

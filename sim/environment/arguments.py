@@ -23,7 +23,11 @@ BANK = Path(__file__).with_name("houses.jsonl.gz")
 PAPER_HOUSE = "paper-house"
 """The house of the paper's figures, by name: 2019-2-15, in whole pixels."""
 
-DEVICES = ("cpu", "cuda")
+DEVICES = {"cpu": "cpu", "cuda": "cuda", "cuda:0": "cuda"}
+"""By torch's names, ours: Taichi has one GPU, the first that it can see."""
+
+MOST_ENVIRONMENTS = 1 << 24
+"""Beyond, Taichi's arrays have more elements than it counts."""
 
 ACTIONS = 3
 """Turn left, turn right, forward."""
@@ -43,6 +47,7 @@ class Arguments(NamedTuple):
     backend: type[Backend]
     houses: list[House]
     task: AnyTask
+    device: str
 
 
 def read_arguments(
@@ -60,6 +65,7 @@ def read_arguments(
     ``config`` is the backend's for these houses. Whether they have places for the targets is seen when they
     are packed.
     """
+    device = DEVICES.get(str(device), str(device))  # torch's too: torch.device("cuda:0")
     require("device", device, DEVICES)
     config = configuration(preset, max_episode_steps)
     if render_mode not in (None, *metadata["render_modes"]):
@@ -67,7 +73,7 @@ def read_arguments(
     make, bank = backend_class(backend), house_list(houses)
     wanted = task(targets)
     check_lengths(bank)
-    return Arguments(make.fit(config, bank), make, bank, wanted)
+    return Arguments(make.fit(config, bank), make, bank, wanted, device)
 
 
 def single_spaces(config: Config) -> tuple[spaces.Box, spaces.Discrete]:
@@ -107,6 +113,10 @@ def house_list(houses: Houses) -> list[House]:
 
 def backend_class(name: str) -> type[Backend]:
     """A backend of ours by name, or another as ``module:Class``; ``ValueError`` if there is none."""
+    if not isinstance(name, str):
+        raise ValueError(
+            f"backend must be a name, one of {', '.join(BACKENDS)} or module:Class, not {name!r}"
+        )
     if name in BACKENDS:
         name = BACKENDS[name]
     elif ":" not in name:
@@ -131,15 +141,20 @@ def configuration(preset: str | Config, max_episode_steps: int | None) -> Config
         require("preset", preset, PRESETS)
         preset = PRESETS[preset]
     if max_episode_steps is not None:
-        if isinstance(max_episode_steps, bool) or not isinstance(max_episode_steps, int | np.integer):
-            raise ValueError(f"max_episode_steps must be a whole number, not {max_episode_steps!r}")
-        if not 1 <= max_episode_steps < 2**31:
-            raise ValueError(f"max_episode_steps is {max_episode_steps}: from 1 to {2**31 - 1:,}")
-        preset = replace(preset, steps=int(max_episode_steps))
+        preset = replace(preset, steps=whole("max_episode_steps", max_episode_steps, 2**31 - 1))
     return preset
+
+
+def whole(name: str, value: Any, most: int) -> int:
+    """A number of something, from 1 to ``most``. Raises ``ValueError`` for what is none."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise ValueError(f"{name} must be a whole number, not {value!r}")
+    if not 1 <= value <= most:
+        raise ValueError(f"{name} is {value}: from 1 to {most:,}")
+    return int(value)
 
 
 def require(name: str, value: Any, known: Any) -> None:
     """Raise ``ValueError`` unless the value is one of those known."""
-    if value not in known:
+    if value not in list(known):  # by equality: what is asked for may have no hash
         raise ValueError(unknown(name, value, known))

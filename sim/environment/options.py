@@ -1,5 +1,6 @@
 """The options of a reset, read and checked before anything is changed."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,8 @@ from logic.spelling import unknown
 from sim.world.kernels import KEEP, SAMPLE
 from sim.world.world import World
 
-OPTIONS = "house", "pose", "target", "reset_mask"
+SHAPES = {"house": (), "pose": (3,), "target": (2,), "reset_mask": ()}
+"""Of an environment's options."""
 
 
 @dataclass(frozen=True)
@@ -25,20 +27,41 @@ class ResetOptions:
     """(E, 4) float32: origin of that cell and centre of the target, metres; NaN where they are sampled."""
 
 
-def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOptions:
+def for_one(options: Any) -> dict[str, Any]:
+    """Options of an environment as those of a vector of one. Raises ``ValueError`` for wrong shapes."""
+    batched = {}
+    for option, value in require_mapping(options).items():
+        if value is not None:
+            given = _array(option, value)
+            if given.shape != SHAPES.get(option, given.shape):
+                raise ValueError(f"option {option}: shape {SHAPES[option]}, found {given.shape}")
+            batched[option] = given[None]
+    return batched
+
+
+def require_mapping(options: Any) -> Mapping[str, Any]:
+    """Options, none or a dictionary. Raises ``ValueError`` for anything else."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ValueError(f'options must be a dict, as in {{"house": 0}}, not {options!r}')
+    return options
+
+
+def read_options(options: Mapping[str, Any], world: World, first: bool) -> ResetOptions:
     """Read the options of a world's reset, its ``first`` one or not.
 
     Raises ``ValueError`` for options that are unknown or wrong, ``ResetNeeded`` for a first one of some only.
     """
     for option in options:
-        if option not in OPTIONS:
-            raise ValueError(unknown("reset option", option, OPTIONS))
+        if option not in SHAPES:
+            raise ValueError(unknown("reset option", option, SHAPES))
     count = world.num_envs
     mask = np.ones(count, bool)
     wholes, reals = np.zeros((count, 4), np.int32), np.full((count, 4), np.nan, np.float32)
     wholes[:, 0] = SAMPLE
     if options.get("reset_mask") is not None:
-        mask = np.asarray(options["reset_mask"])
+        mask = _array("reset_mask", options["reset_mask"])
         if mask.shape != (count,) or mask.dtype != bool:
             raise ValueError(f"option reset_mask: {count} bools, found {mask.dtype} {mask.shape}")
         if not mask.any():
@@ -53,30 +76,38 @@ def read_options(options: dict[str, Any], world: World, first: bool) -> ResetOpt
         poses = _floats("pose", options["pose"], (count, 3))
         reals[:, :2], wholes[:, 1:] = world.place(wholes[:, 0], poses)
     if options.get("target") is not None:
-        reals[:, 2:] = _floats("target", options["target"], (count, 2))
+        targets = _floats("target", options["target"], (count, 2))
+        if options.get("house") is not None:
+            _require_indoors(targets, wholes[:, 0], mask, world)
+        reals[:, 2:] = targets
     wholes[~mask, 0] = KEEP
     return ResetOptions(mask, wholes, reals)
 
 
-def read_seeds(seed: Any, count: int) -> np.ndarray:
-    """Seeds (E,) uint64 of environments: ``seed + i`` of a number, or those of a sequence.
+def read_seeds(seed: Any, count: int) -> list[int | None]:
+    """Seeds of environments: ``seed + i`` of a number, or those of a sequence, ``None`` for no new one.
 
     Raises ``ValueError`` for another number of them and, as Gymnasium does, ``Error`` for what is no seed.
     """
-    seeds = [seed] if isinstance(seed, int | float | np.number) else list(seed)
-    for one in seeds:
-        if isinstance(one, bool) or not isinstance(one, int | np.integer) or not 0 <= one < 2**64:
-            raise Error(f"a seed is a whole number from 0 to 2**64 - 1, not {one!r}")
-    if seeds and not np.iterable(seed):
-        seeds = [(int(seed) + i) % 2**64 for i in range(count)]
+    if isinstance(seed, np.ndarray):
+        seed = seed.tolist()
+    if not isinstance(seed, Sequence) or isinstance(seed, str):
+        return [(_seed(seed) + i) % 2**64 for i in range(count)]
+    seeds = [None if one is None else _seed(one) for one in seed]
     if len(seeds) != count:
         raise ValueError(f"{len(seeds)} seeds for {count} environments")
-    return np.array(seeds, np.uint64)
+    return seeds
+
+
+def _seed(one: Any) -> int:
+    if isinstance(one, bool) or not isinstance(one, int | np.integer) or not 0 <= one < 2**64:
+        raise Error(f"a seed is a whole number from 0 to 2**64 - 1, not {one!r}")
+    return int(one)
 
 
 def house_numbers(value: Any, world: World) -> np.ndarray:
     """Numbers (E,) int of houses in a world's bank; ``ValueError`` for others."""
-    given = np.asarray(value)
+    given = _array("house", value)
     if given.shape != (world.num_envs,) or not np.issubdtype(given.dtype, np.integer):
         raise ValueError(f"option house: {world.num_envs} integers, found {given.dtype} {given.shape}")
     if given.min() < 0 or given.max() >= len(world.houses):
@@ -84,8 +115,26 @@ def house_numbers(value: Any, world: World) -> np.ndarray:
     return given
 
 
+def _require_indoors(targets: np.ndarray, houses: np.ndarray, mask: np.ndarray, world: World) -> None:
+    """Raise ``ValueError`` for a target outside of its house, where no body could reach it."""
+    for e in np.flatnonzero(mask):
+        if not world.bank.geometries[houses[e]].holds(targets[e : e + 1])[0]:
+            x, y = targets[e]
+            raise ValueError(f"target {e}: ({x:.3f}, {y:.3f}) m is outside of house {houses[e]}")
+
+
+def _array(name: str, value: Any) -> np.ndarray:
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise ValueError(f"option {name}: its rows differ in length: {value!r}") from None
+
+
 def _floats(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    array = np.asarray(value, np.float64)
+    try:
+        array = _array(name, value).astype(np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"option {name}: finite numbers of shape {shape}, found {value!r}") from None
     if array.shape != shape or not np.isfinite(array).all():
         found = f"shape {array.shape}" if array.shape != shape else "some that are not finite"
         raise ValueError(f"option {name}: finite numbers of shape {shape}, found {found}")

@@ -10,6 +10,7 @@ from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from logic.spelling import keywords
 from sim.config import Config
 from sim.environment.arguments import BANK, METADATA, Houses, read_arguments, single_spaces
+from sim.environment.options import for_one, read_seeds
 from sim.environment.vector import HouseVectorEnv
 from sim.tasks.tasks import Targets
 
@@ -40,7 +41,14 @@ class HouseEnv(gymnasium.Env):
         """See ``HouseVectorEnv``. ``ValueError`` says what is wrong with an argument; of houses without a
         place for a target the first reset does.
         """
+        if render_mode == "human":
+            raise ValueError(
+                "render_mode 'human' of one environment: gymnasium.make shows it in a window; made directly "
+                "it renders as 'rgb_array', and HouseVectorEnv(num_envs=1) shows itself"
+            )
         asked = read_arguments(houses, backend, targets, preset, max_episode_steps, render_mode, device)
+        if seed is not None:
+            read_seeds(seed, 1)
         self._arguments: dict[str, Any] = {
             "houses": asked.houses,
             "backend": backend,
@@ -65,9 +73,11 @@ class HouseEnv(gymnasium.Env):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin a new episode; ``options`` as for ``HouseVectorEnv``: a house, a (3,) pose, a (2,) target."""
         self._require_open()
-        super().reset(seed=seed)
-        batched = {key: np.asarray(value)[None] for key, value in (options or {}).items()}
+        batched = for_one(options)
+        if seed is not None:
+            (seed,) = read_seeds(seed, 1)
         observation, info = self.envs.reset(seed=seed, options=batched)
+        super().reset(seed=seed)
         self._over = False
         return observation[0], _only(info)
 
@@ -76,12 +86,16 @@ class HouseEnv(gymnasium.Env):
         self._require_open()
         if self._over:
             raise ResetNeeded("the episode has ended: call reset()")
-        observation, reward, terminated, truncated, info = self.envs.step(np.asarray(action)[None])
+        action = np.asarray(action)
+        if action.shape:
+            raise ValueError(f"an action is one integer, 0, 1 or 2, not an array of shape {action.shape}")
+        observation, reward, terminated, truncated, info = self.envs.step(action[None])
         self._over = bool(terminated[0] or truncated[0])
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _only(info)
 
     def render(self) -> np.ndarray | None:
         """A picture, (height, width, 3) uint8, where ``render_mode`` is ``rgb_array``."""
+        self._require_open()
         frames = self.envs.render()
         return None if frames is None else frames[0]
 

@@ -9,19 +9,21 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from logic import House
-from logic.spelling import keywords
+from logic.spelling import keywords, unknown
 from sim.backends.backend import Backend
 from sim.config import Config
 from sim.environment.arguments import (
     ACTIONS,
     BANK,
     METADATA_OF_MANY,
+    MOST_ENVIRONMENTS,
     Houses,
     house_list,
     read_arguments,
     single_spaces,
+    whole,
 )
-from sim.environment.options import read_options, read_seeds
+from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
 from sim.environment.window import Window
 from sim.geometry import Geometry
@@ -41,6 +43,14 @@ MODES = {
     AutoresetMode.SAME_STEP: SAME_STEP,
     AutoresetMode.DISABLED: DISABLED,
 }
+
+
+SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
+MOST_TARGETS = 1 << 16
+"""Of an episode, that ``targets`` says at once."""
+
+KEPT = (*SPACES, "_np_random", "_np_random_seed", "spec")
+"""What a pickled environment has beside its arguments and its state: spaces sample at random, too."""
 
 
 class HouseVectorEnv(VectorEnv):
@@ -99,7 +109,8 @@ class HouseVectorEnv(VectorEnv):
     ``sim.tasks.tasks``. The paper's are ``paper-main``, ``paper-secondary`` and ``paper-mixed`` in the house
     ``paper-house``: ``gymnasium.make_vec("sim:Vitruvius/Paper-v0", targets="paper-main")``.
     ``preset``: ``default``, ``doors``, ``long``, ``noisy``, ``paper`` or a ``sim.Config``.
-    ``max_episode_steps``: in place of the preset's.
+    ``max_episode_steps``: in place of the preset's. ``gymnasium.make`` keeps it for a wrapper of its own,
+    which makes episodes shorter, never longer: for those take ``preset=replace(DEFAULT, steps=3000)``.
     ``seed``: of the first reset, if that is given none.
     ``render_mode``: ``rgb_array``, or ``human``, which shows each step in a window (pygame).
     """
@@ -121,16 +132,20 @@ class HouseVectorEnv(VectorEnv):
         by_ray: bool | None = None,
     ) -> None:
         """Pack the houses and compile. ``ValueError`` says what is wrong with an argument or a house."""
-        if num_envs < 1:
-            raise ValueError(f"num_envs is {num_envs}: at least one environment")
+        num_envs = whole("num_envs", num_envs, MOST_ENVIRONMENTS)
+        if seed is not None:
+            read_seeds(seed, num_envs)
         asked = read_arguments(
             houses, backend, targets, preset, max_episode_steps, render_mode, device, METADATA_OF_MANY
         )
+        known = [mode.value for mode in AutoresetMode]
+        if autoreset_mode not in (*AutoresetMode, *known):
+            raise ValueError(unknown("autoreset_mode", autoreset_mode, known))
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = METADATA_OF_MANY | {"autoreset_mode": self.autoreset_mode}
-        self.render_mode, self.num_envs, self.device = render_mode, num_envs, device
+        self.render_mode, self.num_envs, self.device = render_mode, num_envs, asked.device
 
-        start(device)
+        start(self.device)
         self.world = World(
             asked.config,
             asked.backend,
@@ -138,7 +153,7 @@ class HouseVectorEnv(VectorEnv):
             asked.task,
             num_envs,
             mode=MODES[self.autoreset_mode],
-            by_ray=device != "cpu" if by_ray is None else by_ray,
+            by_ray=self.device != "cpu" if by_ray is None else bool(by_ray),
         )
         self.config = self.world.config
 
@@ -184,11 +199,12 @@ class HouseVectorEnv(VectorEnv):
 
         Raises ``ValueError``, and changes nothing, where a house or a target cannot be had.
         """
+        self._require_open()
         self.world.load(house_list(houses), targets)
         self._ready, self._cameras = False, None
 
     def reset(
-        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin a new episode everywhere. With a seed, environment i has ``seed + i`` and episode 0.
 
@@ -198,13 +214,11 @@ class HouseVectorEnv(VectorEnv):
         ones, before anything is changed.
         """
         self._require_open()
-        asked = read_options(options or {}, self.world, first=not self._ready)
+        asked = read_options(require_mapping(options), self.world, first=not self._ready)
         if seed is None and not self._ready:
             seed = self._seed if self._seed is not None else int(self.np_random.integers(2**63))
         if seed is not None:
-            seeds = read_seeds(seed, self.num_envs)
-            super().reset(seed=int(seeds[0]))
-            self.world.seed(seeds, asked.mask)
+            self._take_seeds(read_seeds(seed, self.num_envs), asked.mask)
         self.world.reset(asked.wholes, asked.reals)
         flags = self._outputs.flags()
         flags[:, asked.mask] = False
@@ -212,6 +226,16 @@ class HouseVectorEnv(VectorEnv):
         self._ready = True
         self._show()
         return self._outputs.observation(), self._outputs.info(flags)
+
+    def _take_seeds(self, seeds: Sequence[int | None], mask: np.ndarray) -> None:
+        """Give environments of a mask (E,) bool their seeds; those without one go on with what they have, or
+        begin with a random one.
+        """
+        if seeds[0] is not None:
+            super().reset(seed=seeds[0])
+        given = np.array([seed is not None for seed in seeds])
+        numbers = [int(self.np_random.integers(2**63)) if seed is None else seed for seed in seeds]
+        self.world.seed(np.array(numbers, np.uint64), mask & (given | (not self._ready)))
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One action (E,) for each environment; fresh arrays come back.
@@ -246,7 +270,8 @@ class HouseVectorEnv(VectorEnv):
         """
         import torch
 
-        if actions.dtype != torch.int64 or actions.device.type != self.device:
+        tensor = isinstance(actions, torch.Tensor)
+        if not tensor or actions.dtype != torch.int64 or actions.device.type != self.device:
             raise ValueError(f"actions must be an int64 tensor on the device {self.device!r}")
         # By NumPy where that can be: torch's threads would stay awake, and in the way of those that step.
         given: Any = actions.numpy() if self.device == "cpu" else actions
@@ -281,9 +306,10 @@ class HouseVectorEnv(VectorEnv):
 
         After a reset: what an episode brings in order, whatever the agent does.
         """
+        self._require_open()
         if not self._ready:
             raise ResetNeeded("call reset() before targets()")
-        return self.world.targets(count)
+        return self.world.targets(whole("count", count, MOST_TARGETS))
 
     @property
     def state(self) -> dict[str, np.ndarray]:
@@ -300,7 +326,8 @@ class HouseVectorEnv(VectorEnv):
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
         kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
-        if {name: (array.dtype.str, array.shape) for name, array in state.items()} != kinds:
+        given = {name: np.asarray(array) for name, array in dict(state).items()}
+        if {name: (array.dtype.str, array.shape) for name, array in given.items()} != kinds:
             raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
         houses, cells = state["wholes"][:, HOUSE], state["wholes"][:, :HOUSE]
         if strange := houses[(houses < 0) | (houses >= len(self.houses))].tolist():
@@ -321,6 +348,7 @@ class HouseVectorEnv(VectorEnv):
         ``None`` where ``render_mode`` is, and where it is ``human``: then ``reset`` and ``step`` show the
         pictures in a window. ``sim.film.mosaic`` makes one picture of them.
         """
+        self._require_open()
         if self.render_mode is None:
             return None
         if not self._ready:
@@ -369,10 +397,11 @@ class HouseVectorEnv(VectorEnv):
             raise ClosedEnvironmentError("these environments were closed: make new ones")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the arguments and the state: what is read goes on bit for bit."""
+        """Pickle the arguments and the state: what is read goes on bit for bit, its random numbers too."""
         arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
         state = self.state if self._ready else None
-        return _remade, (type(self), arguments, self._np_random, state, self.closed)
+        kept = {name: self.__dict__[name] for name in KEPT if name in self.__dict__}
+        return _remade, (type(self), arguments, kept, state, self.closed)
 
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, cannot be done now."""
@@ -399,13 +428,13 @@ class HouseVectorEnv(VectorEnv):
 def _remade(
     kind: type[HouseVectorEnv],
     arguments: dict[str, Any],
-    np_random: np.random.Generator | None,
+    kept: dict[str, Any],
     state: dict[str, np.ndarray] | None,
     closed: bool,
 ) -> HouseVectorEnv:
     """The environments that were pickled."""
     envs = kind(**arguments)
-    envs._np_random = np_random
+    envs.__dict__.update(kept)
     if state is not None:
         envs.state = state
     if closed:

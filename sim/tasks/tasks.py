@@ -258,10 +258,10 @@ class Cover(VectorWrapper):
         """See ``HouseVectorEnv.reset``."""
         observation, info = self.env.reset(seed=seed, options=options)  # pyright: ignore[reportArgumentType]
         mask = (options or {}).get("reset_mask")
-        if mask is None or mask.all():
+        if mask is None or np.all(mask):
             self._survey()
             mask = np.ones(self.num_envs, bool)
-        self._begin(mask, info)
+        self._begin(np.asarray(mask), info)
         return observation, info | {"covered": self._covered.copy()}
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:

@@ -277,7 +277,7 @@ def test_a_full_disk_keeps_what_fits_and_is_named(tmp_path: Path, monkeypatch: p
 
 def test_the_command_line_imports_no_library_of_a_command() -> None:
     libraries = {"torch", "taichi", "gymnasium", "clingo", "pyswip", "matplotlib", "pytest"}
-    code = f"import sys, agent.cli; print(sorted({libraries} & set(sys.modules)))"
+    code = f"import sys, vitruvius.cli; print(sorted({libraries} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 
@@ -355,3 +355,18 @@ def test_a_preset_runs_by_name_and_what_is_said_beside_it_comes_first() -> None:
     assert parse(["train", *said[:1]]).learning == PRESETS["pqn"]
     replayed = parse(["train", "houses.jsonl", "--preset=paper", "--batch-size", "700", "--lr-decay", "0"])
     assert replayed.learning == replace(PRESETS["paper"], batch_size=700, lr_decay=0)
+
+
+@pytest.mark.parametrize("seed", ["-1", "18446744073709551616"])
+@pytest.mark.parametrize(
+    "words",
+    ["train", "evaluate", "record pqn test-v1", "play", "demo", "generate --rooms 1"],
+)
+def test_a_seed_that_nothing_has_is_wrong_usage(
+    words: str, seed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([*words.split(), f"--seed={seed}"])
+    said = capsys.readouterr().err
+    assert (ended.value.code, said.count("\n")) == (2, 1), said
+    assert re.search(r"seed must be (a whole number, 0 or more|at most \d+), not ", said)

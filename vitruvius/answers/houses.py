@@ -117,7 +117,20 @@ class Written(msgspec.Struct, frozen=True):
 def encoded(command: str, exit_code: int, answer: Any = None, error: Failure | None = None) -> str:
     """An answer as a line of JSON; numbers that are no finite ones are null."""
     record = {"format": FORMAT, "command": command, "exit_code": exit_code}
-    return msgspec.json.encode(record | {"answer": answer, "error": error}).decode()
+    record |= {"answer": answer, "error": error}
+    try:
+        return msgspec.json.encode(record).decode()
+    except UnicodeEncodeError:  # by a name of a file that is no UTF-8
+        return msgspec.json.encode(_escaped(msgspec.to_builtins(record))).decode()
+
+
+def _escaped(value: Any) -> Any:
+    """A value of JSON whose texts are UTF-8, other bytes of names escaped as messages have them."""
+    if isinstance(value, dict):
+        return {_escaped(key): _escaped(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_escaped(each) for each in value]
+    return value.encode(errors="backslashreplace").decode() if isinstance(value, str) else value
 
 
 def failure(error: BaseException) -> Failure:

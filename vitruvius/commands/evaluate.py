@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import tyro
 
 from agent import banks
-from agent.learning.config import differences
+from agent.learning.config import MOST_SEED, differences
 from agent.runs.released import located
 from logic.errors import RequestError
+from logic.request.request import MOST, whole
 from logic.terminal import say
 from vitruvius.commands.common import print_answer
 
@@ -83,6 +84,7 @@ class Evaluate:
         for targets in self.targets:
             require_task(targets)
             banks.require_places(targets, self.houses)
+        whole("--seed", self.seed, 0, MOST_SEED)
         if self.episodes < 1:
             raise RequestError(f"--episodes must be 1 or more, not {self.episodes}")
         import torch
@@ -221,6 +223,7 @@ class Record:
         """Write the film."""
         from agent.learning.simulator import require_task
 
+        whole("--seed", self.seed, 0, MOST_SEED)
         located(self.agent)
         require_task(self.targets)
         banks.require_places(self.targets, self.houses)
@@ -299,5 +302,6 @@ class Demo:
         from logic.house.files import require_folder
         from vitruvius.demo import demo
 
+        whole("--seed", self.seed, 0, (MOST - 1) // 2)  # houses are made with twice the seed, and one more
         require_folder(self.out)
         return demo(self.out, self.seed)

@@ -13,6 +13,7 @@ from rich.progress import TextColumn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house.house import House
+from logic.spelling import quoted
 from logic.terminal import progress, progress_bar, say
 from vitruvius.commands.common import Repeated, counts, print_answer, say_warnings
 
@@ -142,7 +143,7 @@ class Generate:
             raise
         if out:
             self._save(houses, out)
-            say(f"{out}: {len(houses)} made. Next: vitruvius draw {out}")
+            say(f"{out}: {len(houses)} made. Next: vitruvius draw {quoted(out)}")
         if self.json:
             shown = [] if out else [house.to_dict() for house in houses]
             self._answer(time.monotonic() - began, made=len(houses), houses=shown)

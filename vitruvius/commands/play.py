@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import tyro
 
 from agent import banks
+from agent.learning.config import MOST_SEED
 from agent.runs.released import located
 from logic import House
 from logic.errors import MissingProgram, RequestError
+from logic.request.request import whole
 from logic.terminal import say
 
 if TYPE_CHECKING:
@@ -66,8 +68,7 @@ class Play:
 
         if not 1 <= self.seconds <= 3600:
             raise RequestError(f"--seconds {self.seconds:g}: a game lasts from 1 to 3600 seconds")
-        if not 0 <= self.seed < 2**62:
-            raise RequestError(f"--seed {self.seed}: a whole number from 0 to 2**62 - 1")
+        whole("--seed", self.seed, 0, MOST_SEED)
         if self.race:
             located(self.race)
         require_task(self.targets)

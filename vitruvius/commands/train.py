@@ -17,7 +17,7 @@ import tyro
 from agent.algorithms.presets import LEARNT_IN, PRESETS
 from agent.learning.config import PQNConfig, TrainConfig
 from logic.errors import RequestError
-from logic.spelling import unknown
+from logic.spelling import quoted, unknown
 from vitruvius.commands.common import print_answer
 from vitruvius.options import options_of
 from vitruvius.settings import read, written
@@ -125,7 +125,8 @@ class Train(Generic[Kind]):
         _say(
             f"{agent}: {made.steps / 1e6:.2f} M steps in {last.seconds:.0f} s "
             f"(simulator {last.simulator:,.0f}, learner {last.learner:,.0f} steps a second), "
-            f"{last.targets:.1f} targets per 1500 steps while learning. Next: vitruvius evaluate {agent}"
+            f"{last.targets:.1f} targets per 1500 steps while learning. "
+            f"Next: vitruvius evaluate {quoted(agent)}"
         )
         return 0
 
@@ -186,7 +187,7 @@ class ImportKeras:
         checkpoint.save(made, self.out)
         if self.json:
             print_answer("import-keras", Written([str(self.out)]))
-        _say(f"{self.out}. Next: vitruvius evaluate {self.out}")
+        _say(f"{self.out}. Next: vitruvius evaluate {quoted(self.out)}")
         return 0
 
 

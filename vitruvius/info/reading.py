@@ -20,6 +20,7 @@ from logic.errors import VitruviusError
 from logic.grammar import find, shipped
 from logic.request.geojson import from_geojson
 from logic.request.given_plan import SNAP
+from logic.spelling import quoted
 from vitruvius.info.kinds import Agent, Games, Grammar, Houses, Keras, Plan, Run, Scores, Settings, Trace
 
 MOST_TEXT = 1 << 20
@@ -127,7 +128,7 @@ def read_run(name: str, path: Path) -> Run:
         )
     except (OSError, KeyError, TypeError, ValueError, AttributeError, msgspec.DecodeError, RecursionError):
         raise UnknownFileError(
-            f"{name}: its config.json is none of a run. Train one: vitruvius train --out {name}"
+            f"{name}: its config.json is none of a run. Train one: vitruvius train --out {quoted(name)}"
         ) from None
 
 

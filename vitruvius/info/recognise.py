@@ -18,7 +18,7 @@ from logic import HouseFileError, load
 from logic.grammar import shipped
 from logic.house.files import HOUSE_FILES, PACKED, STANDARD, opened
 from logic.request.geojson import is_geojson
-from logic.spelling import closest, unknown
+from logic.spelling import closest, quoted, unknown
 from vitruvius import settings
 from vitruvius.info.kinds import Kind
 from vitruvius.info.reading import (
@@ -117,7 +117,9 @@ def _file(name: str, path: Path) -> Kind:
         preset, config, _ = settings.read(path)
         return read_settings(name, preset, config)
     if path.suffix in (".lp", ".pl"):
-        raise UnknownFileError(f"{name}: a rule file: look at its grammar, vitruvius info {path.parent}")
+        raise UnknownFileError(
+            f"{name}: a rule file: look at its grammar, vitruvius info {quoted(path.parent)}"
+        )
     if start.startswith(PACKED) or start.removeprefix(BOM_UTF8).lstrip()[:1] == b"{":
         return _json(name, path)
     raise _unknown(name)

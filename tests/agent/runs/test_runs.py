@@ -136,18 +136,22 @@ def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monke
     assert same(tmp_path / "stopped", tmp_path / "whole")
 
 
-def test_a_run_that_is_terminated_is_saved_at_the_next_report(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("number", "end"),
+    [(signal.SIGTERM, Terminated), (signal.SIGHUP, Terminated), (signal.SIGINT, KeyboardInterrupt)],
+)
+def test_a_run_that_is_ended_is_saved_at_the_next_report(number, end, tmp_path, monkeypatch):
     reports, iterate = [], PQN.iterate
 
     def terminated(learner: PQN):
         reports.append(iterate(learner))
         if len(reports) == 3:
-            os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), number)
         return reports[-1]
 
     monkeypatch.setattr(PQN, "iterate", terminated)
     monkeypatch.setattr(runs, "SAVE_EVERY", 1e9)
-    with pytest.raises(Terminated):
+    with pytest.raises(end):
         run(HOUSES, CONFIG, tmp_path / "run")
     assert checkpoint.load(tmp_path / "run/agent.safetensors").steps == 384
     made, history = run(HOUSES, CONFIG, tmp_path / "run", resume=True)

@@ -1,6 +1,8 @@
 """The topology of the shipped clinic: rooms along a corridor, from 14 rooms on in wings too."""
 
 from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from logic.house.parts import OUTSIDE, Room
 from logic.layout.programs import Programs
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
+from tests.logic.workers import in_process
 
 INFERENCES = 10**8
 
@@ -74,6 +77,35 @@ def test_one_enters_by_the_reception_and_waits_beside_it_and_not_beside_a_ward(c
         assert frozenset({"waiting", "reception"}) in doors
         waiting, wards = ([r for r in house.rooms if r.type == each] for each in ("waiting", "ward"))
         assert not any(share_a_wall(one, other) for one in waiting for other in wards)
+
+
+SERVICE = """
+topology(corridor).
+type(corridor; office; toilet).
+opens(outside,corridor).  opens(corridor,(office; toilet)).
+central(corridor).  oblong(corridor).  degree(corridor,1,40).  lit(office).  empty(corridor; office; toilet).
+#program house.
+:- { room(_,corridor) } != 1.
+:- { room(_,toilet) } != (rooms+1)/4.
+"""
+SIZES = """
+door_width(0.8).  door_margin(0.1).  window_margin(0.3).
+door_clearance(0.45).  passage(0.42).  room_gap(0.0).
+room_size(corridor, W, D) :- { W >= 1.5, W =< 2.0, D >= 4.0, D =< 40.0 }.
+room_size(office,   W, D) :- { W >= 3.0, W =< 6.0, D >= 5.0, D =< 6.0 }.
+room_size(toilet,   W, D) :- { W >= 1.6, W =< 3.0, D >= 1.6, D =< 3.0 }.
+window_size(_, L, Wall) :- { L >= 0.6, L =< 0.6*Wall }.
+"""
+
+
+def test_rooms_that_need_no_window_may_be_less_deep_than_those_beside_them(tmp_path: Path) -> None:
+    (tmp_path / "rooms.lp").write_text(SERVICE)
+    (tmp_path / "sizes.pl").write_text(SIZES)
+    for house in chain.from_iterable(in_process.generate(n, grammar=tmp_path, count=4) for n in (8, 14)):
+        assert check(house) == []
+        sizes = {kind: [r.box for r in house.rooms if r.type == kind] for kind in ("office", "toilet")}
+        assert all(5.0 <= south - north <= 6.0 + 1e-9 for _, north, _, south in sizes["office"])
+        assert all(south - north <= 3.0 + 1e-9 for _, north, _, south in sizes["toilet"])
 
 
 def test_hardly_two_clinics_have_the_same_topology(clinic: Builder) -> None:

@@ -87,6 +87,19 @@ def test_nothing_stands_in_front_of_a_piece_whose_front_a_grammar_states_to_be_c
     assert obstructed(clear) == 0 < obstructed("family")
 
 
+@pytest.mark.parametrize("cell", [0.0, 0.3])
+def test_who_goes_with_a_piece_at_a_wall_is_in_front_of_it(tmp_path: Path, cell: float) -> None:
+    mine = Path(shutil.copytree(BASE, tmp_path / "mine"))
+    (mine / "seats.lp").write_text("around(cupboard,chair,0,1).  around(desk,chair,1,1).")
+    seats: dict[str, set[int]] = {"cupboard": set(), "desk": set()}
+    for house in in_process.generate(8, grammar=mine, cell=cell, count=8):
+        assert check(house) == []
+        for piece in (each for room in house.rooms for each in room.children if each.type in seats):
+            seats[piece.type].add(len(piece.children))
+            assert cell or all(architect.in_front(piece, each) for each in piece.children)
+    assert seats == {"cupboard": {0, 1}, "desk": {1}}
+
+
 # Rule by rule: without it, the independent check finds violations.
 
 

@@ -32,6 +32,10 @@ test(that_it_is_not_joined_is_a_reason_too, Why == [not(joined(crate,1)),on(crat
 test(companions_stand_at_its_hands, Roles == [with(crate-1),piece(1),with(crate-1)]) :-
     links_on(left, [on(crate,1,left,1)], [with(crate,1,stool,far),with(crate,1,stool,near)], _, Links),
     maplist(link_role, Links, Roles).
+test(who_sits_in_front_of_a_piece_takes_nothing_of_the_wall, Roles-Seats == [piece(1)]-[with(crate,1,stool,front)]) :-
+    links_on(left, [on(crate,1,left,1)], [with(crate,1,stool,front)], _, Links),
+    maplist(link_role, Links, Roles),
+    findall(With, ( member(Link, Links), link_seat(Link, With-item(stool,_,_,_)) ), Seats).
 test(the_first_of_a_group_has_the_gap_and_the_others_are_joined, Kinds == [apart,joined,joined]) :-
     links_on(left, [on(crate,1,left,1)], [with(crate,1,stool,far),with(crate,1,stool,near)], _, Links),
     findall(Kind, ( member(Link, Links), link_gap(Link, Kind-_) ), Kinds).

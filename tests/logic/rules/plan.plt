@@ -15,8 +15,10 @@
 room(Stretches, Islands, Room) :-
     make_room([type(cell),width(4.0),depth(3.0),door(1.0),core(core(0,4,0,3)),stretches(Stretches),row(across),islands(Islands)], Room).
 
-link(Gap, Role, Type, Front, Link) :-
-    make_link([gap(Gap-[]),role(Role),item(item(Type,1.0,0.5,_)),along(1.0),out(0.5),front(Front),why([])], Link).
+link(Gap, Role, Type, Front, Link) :- link(Gap, Role, Type, Front, none, Link).
+
+link(Gap, Role, Type, Front, Seat, Link) :-
+    make_link([gap(Gap-[]),role(Role),item(item(Type,1.0,0.5,_)),along(1.0),out(0.5),front(Front),seat(Seat),why([])], Link).
 
 island(Front, Seats, Island) :-
     make_island([item(item(crate,1.0,0.5,_)),across(1.0),inwards(0.5),xblock(block(1.5,1.0,[],[])),yblock(block(1.0,0.5,[],[])),
@@ -64,6 +66,13 @@ test(a_seat_stands_at_the_middle_of_its_side_and_faces_it, Boxes == [[2.5,-1.45,
     island(none, [seat(left,item(stool,0.4,0.4,_))], Island), room([], [Island], Room), planned(north, Room, Plan),
     [Piece] = Plan.children,
     findall(Rounded-O, ( member(C, Piece.children), box(C, Box), maplist(hundredths, Box, Rounded), O = C.orientation ), Boxes).
+test(so_does_one_in_front_of_a_piece_at_a_wall, Boxes == [[1.8,-0.9,0.4,0.4]-"S",[1.5,-1.2,0.4,0.4]-"W",[1.8,-2.5,0.4,0.4]-"N"]) :-
+    findall(Rounded-O,
+            ( member(Name, [front_left,left,back]),
+              link(apart, piece(1), crate, out, with(crate,1,stool,front)-item(stool,0.4,0.4,_), Link),
+              room([stretch(Name,[Link],[block(0.5,1.0,[],[])])], [], Room), planned(north, Room, Plan), [Piece] = Plan.children,
+              [Seat] = Piece.children, box(Seat, Box), maplist(hundredths, Box, Rounded), O = Seat.orientation ),
+            Boxes).
 test(on_a_grid_the_plan_is_in_metres_all_the_same, [setup(set_cell(0.5)), cleanup(set_cell(0)), true(Box == [0.0,0.0,6.0,5.0])]) :-
     house_plan(main(12,10), [], [], Plan), box(Plan.floor, Box).
 

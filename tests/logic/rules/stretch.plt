@@ -63,10 +63,14 @@ test(a_joint_beside_a_busy_corner_keeps_a_passage, true(( X =:= 0.4, Y =:= 0 )))
     Ons = [on(crate,1,left,1),joined(crate,1),on(crate,2,left,2),joined(crate,2),last(left,2)],
     of(left, [on(crate,3,front_left,1),last(front_left,1)|Ons], stretch(_,_,[block(_,_,[_,at_least(_+X-_)-_|_],_)])),
     of(left, Ons, stretch(_,_,[block(_,_,[_,at_least(_+Y-_)-_|_],_)])).
+test(the_core_begins_behind_a_seat, true(memberchk(with(crate,1,stool,front), Why))) :-
+    of(left, [on(crate,1,left,1),with(crate,1,stool,front),busy(left),last(left,1)], Stretch), Stretch = stretch(_,[Link],_),
+    make_room([core(core(X1,_,_,_)),width(4.0),depth(3.0)], Room), link_out(Link, Out), link_seat(Link, _-item(_,_,Own,_)),
+    phrase(stretch_constraints(Stretch, Room), [(Sum =< Before)-Why|_]), Sum == Out+Own, Before == X1.
 test(an_empty_stretch_has_no_constraint, Constraints == []) :- phrase(stretch_constraints(stretch(left,[],[]), _), Constraints).
 test(a_stretch_joined_at_both_ends_is_filled_by_sizes_alone, Kinds == [filling,free]) :-
     of(back, [on(beam,1,back,1),joined(beam,1),end(back),last(back,1)], Full), stretch_items(Full, [Kind-_]), functor(Kind, A, _),
     of(back, [on(beam,1,back,1),joined(beam,1),last(back,1)], Part), stretch_items(Part, [B-_]), Kinds = [A,B].
-test(the_deepest_link_counts, Out == 0.5) :- deepest([link(_,_,_,_,0.2,_,_),link(_,_,_,_,0.5,_,_)], Out).
+test(the_deepest_link_counts, Out == 0.5) :- deepest([link(_,_,_,_,0.2,_,none,_),link(_,_,_,_,0.5,_,none,_)], Out).
 
 :- end_tests(stretch).

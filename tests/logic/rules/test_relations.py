@@ -47,6 +47,10 @@ class Plan:
         )
         return side
 
+    def leads_out(self, opening: Box, room: int) -> bool:
+        """Whether no other room is behind an opening of a room."""
+        return not any(shared(opening, box) for other, box in enumerate(self.boxes) if other != room)
+
     def free(self, room: int, side: str) -> tuple[float, float]:
         """How long a side is, and how much of it no other room shares."""
         k = SIDES[side]
@@ -84,18 +88,23 @@ def from_(plan: Plan) -> None:
 def entrance(plan: Plan) -> None:
     (found,) = [(box, room) for box, (room, other) in plan.doors if other == OUTSIDE]
     assert plan.said("entrance", 2) == {(found[1], plan.side_of(*found))}
+    assert plan.leads_out(*found)
 
 
 def window(plan: Plan) -> None:
     assert plan.said("window", 2) == {(room, plan.side_of(box, room)) for box, room in plan.windows}
+    assert all(plan.leads_out(*each) for each in plan.windows)
 
 
 def outer(plan: Plan) -> None:
     for room in range(len(plan.boxes)):
         for side in SIDES:
             whole, free = plan.free(room, side)
-            said = (room, side) in plan.said("outer", 2)
-            assert free == pytest.approx(whole if said else 0, abs=1e-5), (room, side)
+            assert ((room, side) in plan.said("outer", 2)) == (free > 1e-5), (room, side)
+            assert plan.said("niche", 1) or min(free, whole - free) == pytest.approx(0, abs=1e-5), (
+                room,
+                side,
+            )
 
 
 def runs(plan: Plan) -> None:
@@ -148,6 +157,8 @@ def in_row(plan: Plan) -> None:
             assert plan.beyond(room, int(wing), side)
     for wing, side, _ in plan.said("wing", 3):
         assert plan.beyond(wing, 0, side)
+    for (room,) in plan.said("niche", 1):
+        assert any(whole - free == 0 < free for whole, free in (plan.free(room, side) for side in SIDES))
 
 
 def cut(plan: Plan) -> None:

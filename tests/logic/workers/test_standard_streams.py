@@ -3,6 +3,7 @@
 import gzip
 import json
 import os
+import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -76,6 +77,36 @@ def test_a_grammar_in_the_place_of_a_house_file_is_named_with_the_command_that_m
     assert code == 5
     assert f"{name}: is a grammar" in err
     assert f"vitruvius generate --grammar {name} --rooms 6 --out houses.jsonl" in err
+
+
+NAMED = "a b/it's mine.jsonl"
+
+HINTS = {
+    "generate --rooms 1 --out FILE": "vitruvius draw FILE",
+    "check FILE": "vitruvius generate --rooms 4 --out FILE",
+    "check FILE.json": "vitruvius generate --rooms 4 --count 100 --out FILE.json",
+    "draw FILE/rules": "vitruvius generate --grammar FILE/rules --rooms 6 --out houses.jsonl",
+}
+
+
+@pytest.mark.parametrize("words", HINTS)
+def test_a_command_that_is_advised_can_be_typed_as_it_stands(words: str, command: Command) -> None:
+    """Judged as a shell reads it."""
+    if words == "check FILE":
+        Path("a b").mkdir()
+        Path(NAMED).write_text('{"stopped": "before the first"}\n')
+    elif words.endswith("rules"):
+        Path(NAMED, "rules").mkdir(parents=True)
+        Path(NAMED, "rules", "rooms.lp").write_text("type(a).")
+    _, _, err = command(*(word.replace("FILE", NAMED) for word in words.split()))
+    advised = shlex.split(err[err.index("vitruvius ") :])
+    assert advised == [word.replace("FILE", NAMED) for word in HINTS[words].split()]
+
+
+@pytest.mark.parametrize("out", [".", "film.avi", "film"])
+def test_a_film_says_how_its_name_ends(out: str, command: Command) -> None:
+    code, _, err = command("record", "pqn", str(PLANS), "--out", out)
+    assert (code, err.count("use film.gif, or .trace.json for an episode to play\n")) == (2, 1)
 
 
 def test_a_folder_names_the_house_file_in_it(command: Command) -> None:

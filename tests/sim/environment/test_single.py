@@ -361,7 +361,9 @@ WRONG_ARGUMENTS = {
     "unknown render_mode 'ansi'": {"render_mode": "ansi"},
     "there is no device tpu: did you mean cpu": {"device": "tpu"},
     "device 'cuda' cannot be had": {"device": "cuda"},
-    "'Sometimes' is not a valid AutoresetMode": {"autoreset_mode": "Sometimes"},
+    "there is no autoreset_mode Sometimes: there are NextStep, SameStep, Disabled": {
+        "autoreset_mode": "Sometimes"
+    },
 }
 
 

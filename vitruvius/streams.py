@@ -1,0 +1,79 @@
+"""The standard streams of a command: one that is closed, full or of another encoding changes no answer."""
+
+import codecs
+import contextlib
+import io
+import os
+import sys
+from collections.abc import Iterator
+
+
+class _Output(io.TextIOWrapper):
+    """A standard output that knows its own errors: other calls of the system name no file either."""
+
+    error: OSError | None = None
+
+    def write(self, text: str, /) -> int:
+        """Write a text."""
+        with self._noted():
+            return super().write(text)
+
+    def flush(self) -> None:
+        """Write what is left."""
+        with self._noted():
+            super().flush()
+
+    @contextlib.contextmanager
+    def _noted(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.error = error
+            raise
+
+
+class _Unheard(io.TextIOWrapper):
+    """A standard error where what cannot be written is not said: the exit code says how the work ended."""
+
+    def write(self, text: str, /) -> int:
+        """Write a text, or nothing."""
+        with contextlib.suppress(OSError):
+            super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Write what is left, or nothing."""
+        with contextlib.suppress(OSError):
+            super().flush()
+
+
+def prepare() -> None:
+    """Let nothing be read or written where a stream was closed, as by services: else the next file that is
+    opened takes its place. What a terminal's encoding lacks is written as Python escapes it.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as we run
+    for name, kind in (("stdout", _Output), ("stderr", _Unheard)):
+        stream = getattr(sys, name)
+        if stream is getattr(sys, f"__{name}__"):  # not one that a caller of ours has put there
+            stream.flush()
+            file = io.BufferedWriter(io.FileIO(stream.fileno(), "w", closefd=False))
+            lines = stream.line_buffering or stream.write_through
+            made = kind(file, stream.encoding, "backslashreplace", line_buffering=lines)
+            setattr(sys, name, made)
+
+
+def is_of_output(error: OSError) -> bool:
+    """Whether it is the standard output that could not be written."""
+    own = not isinstance(sys.stdout, _Output) and error.filename is None
+    return own or getattr(sys.stdout, "error", None) is error
+
+
+def read_utf8() -> None:
+    """Begin again in Python's UTF-8 mode where names of files would be read as ASCII, as with ``LC_ALL=C``
+    and ``PYTHONUTF8=0``: house files and rules are UTF-8, and so are their names.
+    """
+    if codecs.lookup(sys.getfilesystemencoding()).name == "ascii":
+        os.environ["PYTHONUTF8"] = "1"
+        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])
