@@ -6,38 +6,41 @@
 
 The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
-    written.pl         a grammar's .pl files as they are written: read once, as terms
-    lint.pl            what must not be in them; braces.pl: in constraints
-    grammar_files.pl   the same terms, stated as clauses
-    origins.pl         where their clauses stand
-    grid.pl            metres, or cells of a grid
-    lengths.pl         the grammar's lengths, and the extremes of its sizes
-    reports.pl         whether they can be used; agreement.pl: together
-    faults.pl          why not, in the words of their author: paths.pl: a clause step by step; nonlinear.pl
-    laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
-
-    records.pl         what a room consists of; record_access.pl: its fields, compiled to unifications
-    reasons.pl         why a constraint binds
-    room.pl            a room's furniture, as a linear system
-    links.pl           what stands along a wall; stretch.pl: as a chain; island.pl: what stands in the middle
-    chain.pl           things in a row, at least a gap apart: furniture along a wall, rooms along a side
-    linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
-    exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
-    sample.pl          random numbers
-    filled.pl          how long a wall can be that furniture fills
-    furnish.pl         a random solution for a room, or why it has none
-    solution.pl        the same where every size is unknown
-    bounds.pl          why a solution is as it is: what else it could be, and which constraints bind
-    main_room.pl       the rooms around the main room
-    shape.pl           the stretches of wall that a room's doors leave
-    plan.pl            from the rooms' frames to the house's plan
-
-    plans.pl           plans where rooms share walls: what Python asks for them; plan_bounds.pl: why their lengths are so
-    walls.pl           where the walls are; areas.pl (regions.pl), openings.pl: doors and windows in them; contacts.pl
-    own_plan.pl        doors and windows in rooms that a user gives
-    given_rooms.pl     furniture for rooms whose sizes and doors are given
-
-    promised.pl        what houses keep of the lengths, as they are written
+    language/          what a grammar's .pl files state
+        written.pl         as they are written: read once, as terms
+        lint.pl            what must not be in them; braces.pl: in constraints
+        grammar_files.pl   the same terms, stated as clauses
+        origins.pl         where their clauses stand
+        lengths.pl         the grammar's lengths, and the extremes of its sizes
+        reports.pl         whether they can be used; agreement.pl: together
+        faults.pl          why not, in the words of their author: paths.pl: a clause step by step; nonlinear.pl
+        laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
+        promised.pl        what houses keep of the lengths, as they are written
+    linear/            constraints and random numbers
+        grid.pl            metres, or cells of a grid
+        sample.pl          random numbers
+        linear.pl          linear constraints as data: posted to CLP(R), or searched for a conflict
+        exact.pl           what CLP(R) refutes, confirmed in rational arithmetic
+        chain.pl           things in a row, at least a gap apart: furniture along a wall, rooms along a side
+        regions.pl         sizes of some area, as linear constraints
+    room/              a room's furniture
+        records.pl         what a room consists of; record_access.pl: its fields, compiled to unifications
+        reasons.pl         why a constraint binds
+        room.pl            as a linear system
+        links.pl           what stands along a wall; stretch.pl: as a chain; island.pl: what stands in the middle
+        shape.pl           the stretches of wall that a room's doors leave
+        filled.pl          how long a wall can be that furniture fills
+        furnish.pl         a random solution for a room, or why it has none
+        solution.pl        the same where every size is unknown
+        given_rooms.pl     the same where sizes and doors are given
+        plan.pl            from the rooms' frames to the house's plan
+    star/main_room.pl  the rooms around the main room
+    shared_walls/      plans where rooms share walls
+        plans.pl           what Python asks for them
+        walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them; contacts.pl
+        own_plan.pl        doors and windows in rooms that a user gives
+    why/bounds.pl      why a solution is as it is: what else it could be, and which constraints bind
+    why/plan_bounds.pl the same of walls that rooms share
     answers.pl         answers as JSON
 */
 
@@ -46,27 +49,27 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- reexport(agreement).
+:- reexport(language/agreement).
 :- use_module(answers).
-:- use_module(bounds).
-:- use_module(exact).
-:- use_module(faults).
-:- use_module(furnish).
-:- use_module(grammar_files).
-:- use_module(grid).
-:- use_module(lengths).
-:- reexport(given_rooms).
-:- use_module(main_room).
-:- use_module(origins).
-:- use_module(plan).
-:- reexport(promised).
-:- reexport(own_plan).
-:- reexport(plans).
-:- reexport(plan_bounds).
-:- use_module(record_access).
-:- use_module(records).
-:- use_module(reports).
-:- use_module(solution).
+:- use_module(why/bounds).
+:- use_module(linear/exact).
+:- use_module(language/faults).
+:- use_module(room/furnish).
+:- use_module(language/grammar_files).
+:- use_module(linear/grid).
+:- use_module(language/lengths).
+:- reexport(room/given_rooms).
+:- use_module(star/main_room).
+:- use_module(language/origins).
+:- use_module(room/plan).
+:- reexport(language/promised).
+:- reexport(shared_walls/own_plan).
+:- reexport(shared_walls/plans).
+:- reexport(why/plan_bounds).
+:- use_module(room/record_access).
+:- use_module(room/records).
+:- use_module(language/reports).
+:- use_module(room/solution).
 
 %!  grammar_problems(+Files, +Walls, +Cell, -Json) is det.
 %

@@ -86,7 +86,8 @@ def _rules() -> dict[str, object]:
 
 
 def _rule_files(folder: Path) -> list[Path]:
-    return sorted(file for file in folder.rglob("*") if file.suffix in {".lp", ".pl"})
+    files = (file for file in folder.rglob("*") if file.suffix in {".lp", ".pl"})
+    return sorted(files, key=lambda file: file.name)  # as a grammar's hash takes them
 
 
 def _others(folder: Path) -> dict[str, str]:

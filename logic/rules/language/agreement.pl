@@ -9,11 +9,11 @@ then the text names both.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
-:- use_module(answers).
+:- use_module('../answers').
 :- use_module(faults).
 :- use_module(grammar_files).
 :- use_module(lengths).
-:- use_module(regions).
+:- use_module('../linear/regions').
 :- use_module(reports).
 :- use_module(sizes).
 

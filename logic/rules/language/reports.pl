@@ -11,7 +11,7 @@ used; or null where the grammar has no clause.
 :- use_module(library(lists)).
 :- use_module(faults).
 :- use_module(grammar_files).
-:- use_module(grid).
+:- use_module('../linear/grid').
 :- use_module(lengths).
 :- use_module(nonlinear).
 
