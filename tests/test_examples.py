@@ -150,9 +150,8 @@ def test_a_behaviour_layer_forbids_turns_where_the_way_ahead_is_free_and_an_agen
     assert int(under.split(", ")[-1].split()[0]) > int(without.split(", ")[-1].split()[0])
 
 
-def test_the_readme_shows_the_behaviour_layer_of_the_example() -> None:
-    shown = re.findall(
-        r"```python\n(def stride.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL
-    )
+def test_the_page_of_use_shows_the_behaviour_layer_of_the_example() -> None:
+    page = (EXAMPLES.parent / "docs" / "use.md").read_text()
+    shown = re.findall(r"```python\n(def stride.*?)```", page, re.DOTALL)
     assert shown
     assert shown[0] in (EXAMPLES / "own_behaviour.py").read_text()

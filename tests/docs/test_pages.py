@@ -42,13 +42,36 @@ ELSEWHERE = {
     "evaluate",
     "bench",
 }
-"""Commands of the README that take minutes or a window: other tests run them, and the tutorials in small."""
+"""Commands of these pages that take minutes or a window: other tests run them, and the tutorials in small."""
 
 
-def test_the_readme_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its commands with fewer houses; ``test_examples`` has its layer of behaviour."""
+def test_the_first_page_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     reader = Reader(tmp_path, monkeypatch)
-    use, rules = (section(ROOT / "README.md", title) for title in ("## Use", "## Your own rules"))
+    sh, python = blocks((ROOT / "README.md").read_text())
+    assert {line.split()[1] for line in commands(sh.text)} <= ELSEWHERE
+    assert not reader.python(python.text)[0]
+
+
+def test_the_first_page_is_short_and_its_results_are_those_of_the_page_of_results() -> None:
+    text = (ROOT / "README.md").read_text()
+    assert len(text.splitlines()) <= 110
+    first, all_of_them = rows(text, "| agent |"), rows((DOCS / "results.md").read_text(), "| agent or")
+    assert len(first) <= 6
+    for agent, (knows, *ratios) in first.items():
+        assert [knows, *ratios] == [cell.partition(" [")[0] for cell in all_of_them[agent]]
+
+
+def rows(text: str, head: str) -> dict[str, list[str]]:
+    """The rows of the table with this head, by their first cells."""
+    _, _, *lines = text[text.index(head) :].partition("\n\n")[0].splitlines()
+    cells = ([cell.strip() for cell in line.split("|")[1:-1]] for line in lines)
+    return {first: others for first, *others in cells}
+
+
+def test_the_page_of_use_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With fewer houses. ``test_libraries`` has its simulator, ``test_examples`` its layer of behaviour."""
+    reader = Reader(tmp_path, monkeypatch)
+    use, rules = (section(DOCS / "use.md", title) for title in ("## Commands", "## Your own rules"))
     for block in use:
         for line in commands(block.text) if block.language == "sh" else ():
             for command in line.replace("--count 100", "--count 2").split(" && "):

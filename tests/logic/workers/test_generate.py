@@ -122,7 +122,7 @@ def test_a_house_says_where_it_comes_from() -> None:
 
 
 def test_a_new_room_type_needs_two_files_and_no_python(edited: Edit) -> None:
-    """As README tells: the type and its furniture in a .lp file, their sizes in a .pl file."""
+    """As docs/use.md tells: the type and its furniture in a .lp file, their sizes in a .pl file."""
     folder = edited("furniture.lp", "may(bedroom,bed,1,2).", "may(bedroom,bed,1,2).")
     for file, lines in (
         ("furniture.lp", "type(study).\nmay(study,lectern,1,1).      stands(lectern, (back; left)).\n"),

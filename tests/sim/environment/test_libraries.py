@@ -288,11 +288,10 @@ def test_torchrl_refuses_the_next_step_mode_by_name():
         envs.GymWrapper(houses(NEXT))
 
 
-def test_the_readmes_examples_run(folder, monkeypatch):
+def test_the_examples_of_the_page_of_use_run(folder, monkeypatch):
     """Those of the simulator; ``tests/test_examples.py`` runs the examples with other libraries."""
-    page = (
-        (Path(__file__).parents[3] / "README.md").read_text().split("## The simulator")[1].split("\n## ")[0]
-    )
+    page = (Path(__file__).parents[3] / "docs" / "use.md").read_text()
+    page = page.split("## The simulator")[1].split("\n## ")[0]
     (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert "make_vec" in program
     monkeypatch.chdir(folder)
