@@ -1,14 +1,21 @@
-"""A browser and a display for the tests of pages and windows, which ``./run test`` installs."""
+"""Both parts of the tests; a browser and a display for those of pages and windows, which ``./run test``
+installs.
+"""
 
 import os
 import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.second_part import of_second_part
+
+TESTS = Path(__file__).parent
 
 # A browser of tests alone: no sandbox, which root may not have, and no talk with its maker.
 FLAGS = (
@@ -20,6 +27,28 @@ FLAGS = (
     "--disable-component-update",
     "--disable-sync",
 )
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--all``: the second part too."""
+    parser.addoption("--all", action="store_true", help="the second part of the tests too")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave the second part out, unless it is asked for: by ``--all``, or by its path."""
+    if config.getoption("--all"):
+        return
+    asked = [Path(each.partition("::")[0]).resolve() for each in config.args]
+    named = [path for path in asked if path.is_relative_to(TESTS) and path != TESTS]
+
+    def is_left_out(item: pytest.Item) -> bool:
+        test = f"{item.path.relative_to(TESTS).as_posix()}{item.nodeid[item.nodeid.index('::') :]}"
+        return of_second_part(test) and not any(item.path.is_relative_to(path) for path in named)
+
+    left_out = [item for item in items if is_left_out(item)]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if not is_left_out(item)]
 
 
 @pytest.fixture(scope="module")
