@@ -18,14 +18,13 @@ from sim.config import DEFAULT, PAPER, Config
 from sim.conformance import check_autoreset_modes, check_vector_env
 from sim.environment.single import HouseEnv
 from sim.environment.vector import HouseVectorEnv
-from sim.tasks.tasks import Collect, Cover, FixedTask, Points, Reach, Rooms, Task
+from sim.tasks.tasks import Collect, FixedTask, Points, Reach, Rooms, Task
 
 __all__ = [
     "DEFAULT",
     "PAPER",
     "Collect",
     "Config",
-    "Cover",
     "FixedTask",
     "HouseEnv",
     "HouseVectorEnv",

@@ -146,7 +146,7 @@ def test_taichi_is_imported_in_one_place() -> None:
 def test_the_public_names_of_the_simulator_are_these() -> None:
     """What needs another library is imported by its own name, as ``sim.adapters.stable_baselines``."""
     tasks = ["Points", "Reach", "Rooms", "Task"]
-    classes = ["Collect", "Config", "Cover", "FixedTask", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
+    classes = ["Collect", "Config", "FixedTask", "HouseEnv", "HouseVectorEnv", "Oracle", *tasks]
     functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
     assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
     assert all(hasattr(sim, name) for name in sim.__all__)

@@ -10,8 +10,6 @@ from agent.algorithms.map_completion.foresight import Foresight
 from agent.algorithms.map_completion.network import CompletionNetwork
 from agent.algorithms.map_completion.truth import GROUND
 from agent.algorithms.paper import PaperNetwork
-from agent.algorithms.viewpoint_q.config import ViewpointQConfig
-from agent.algorithms.viewpoint_q.network import Chooser, ViewpointNetwork
 from agent.learning.config import PaperConfig, PQNConfig, QLearningConfig, TrainConfig
 from agent.learning.environments import layer_of, shield
 from agent.learning.simulator import simulator
@@ -33,8 +31,6 @@ def network_of(config: TrainConfig) -> Any:
     with seeded(config.seed):
         if isinstance(config, CompletionConfig):
             return CompletionNetwork(len(GROUND) + len(config.kinds), len(world.kinds), config.channels)
-        if isinstance(config, ViewpointQConfig):
-            return ViewpointNetwork(world.steps)
         assert isinstance(config, QLearningConfig)
         if isinstance(config, PQNConfig) and config.network == "recurrent":
             return RecurrentQNetwork(world.rays, world.channels)
@@ -50,8 +46,6 @@ def policy_of(network: Any, config: TrainConfig, envs: HouseVectorEnv, seed: int
         return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
     generator = torch.Generator().manual_seed(seed)
     layer = layer_of(config, envs, generator)
-    if isinstance(config, ViewpointQConfig):
-        return Explorer(layer, envs.config, chooser=Chooser(network))
     if isinstance(config, PaperConfig) and config.plays_as_original:
         return QPolicy(network, layer, generator, config.final_epsilon, config.forward, homing=True)
     return QPolicy(network, layer, generator)

@@ -7,7 +7,6 @@ from agent.algorithms.dqn import DQN
 from agent.algorithms.map_completion.learner import MapCompletion
 from agent.algorithms.paper import Paper
 from agent.algorithms.pqn import PQN
-from agent.algorithms.viewpoint_q.learner import ViewpointQ
 from agent.learning.learner import Learner
 from sim import HouseVectorEnv
 
@@ -16,6 +15,5 @@ LEARNERS: dict[str, Callable[[Any, HouseVectorEnv], Learner]] = {
     "dqn": DQN,
     "paper": Paper,
     "map-completion": MapCompletion,
-    "viewpoint-q": ViewpointQ,
 }
 """The class of each algorithm, made of a config of ``presets.ALGORITHMS`` and environments."""

@@ -6,11 +6,10 @@ Cheap to import: the learners, which need torch, are in ``agent.algorithms.learn
 from dataclasses import replace
 
 from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.viewpoint_q.config import ViewpointQConfig
 from agent.learning.config import DQNConfig, PaperConfig, PQNConfig, TrainConfig
 
 ALGORITHMS: dict[str, type[TrainConfig]] = {
-    kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig, CompletionConfig, ViewpointQConfig)
+    kind.algorithm: kind for kind in (PQNConfig, DQNConfig, PaperConfig, CompletionConfig)
 }
 """The config of each algorithm."""
 
@@ -22,7 +21,6 @@ PRESETS: dict[str, TrainConfig] = {
     "map-completion": CompletionConfig(
         targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3
     ),
-    "viewpoints": ViewpointQConfig(targets="secondary", num_envs=64, steps=20_000_000, epsilon=0.1),
     "pqn-recurrent": replace(PQN, network="recurrent", half_lives=(), steps=4_500_000),
     "dqn": DQNConfig(
         num_envs=64, learning_rate=5e-4, final_lr_fraction=0.1, epsilon=1.0, exploration_fraction=0.1

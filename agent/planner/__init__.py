@@ -66,8 +66,8 @@ class Planner:
     numbers. The same memory after every step."""
 
     offered: Tensor
-    """(E, ``CHOICE``) float32, of the last step: how many were offered, 0 where none was chosen; whether it
-    can go forward; and what all candidates count. The same memory after every step."""
+    """(E, ``CHOICE``) float32, of the last step: how many were offered, 0 where none was chosen; and whether
+    it can go forward. The same memory after every step."""
 
     def __init__(
         self,

@@ -13,22 +13,15 @@ NAMES = (
     "node",  # where it is
     "look",  # its heading
     "distance",  # nodes of the path there
-    "turns",  # on the way and there, about
     "cost",  # steps, the turns and a constant among them: what the gain is divided by
     "gain",  # candidates that it shows
-    "unseen",  # those of them that were never seen
-    "around",  # candidates that all eight headings show from there
-    "east",  # cells from the start
-    "south",
-    "here",  # whether it lies in the start room
-    "away",  # cells from the last goal, along the longer axis
 )
 OFFER = len(NAMES)
 OF = {name: k for k, name in enumerate(NAMES)}
 """The numbers of an offer, and where each is."""
 
-CHOICE = 3
-"""Numbers of a choice: how many offers, whether the body can go forward, what all candidates count."""
+CHOICE = 2
+"""Numbers of a choice: how many offers, and whether the body can go forward."""
 
 
 @ti.data_oriented
@@ -44,7 +37,6 @@ class Offers:
         """No choice was made as yet."""
         memory.offered[CHOICE * e] = 0.0
         memory.offered[CHOICE * e + 1] = ti.cast(forward, ti.f32)
-        memory.offered[CHOICE * e + 2] = 0.0
 
     @ti.func
     def number(self, memory: ti.template(), e):
@@ -73,7 +65,7 @@ class Offers:
 
     @ti.func
     def note(self, viewpoints: ti.template(), memory: ti.template(), tables: ti.template(), state, base,
-             listed, total, best, goal, look, within):  # fmt: skip
+             listed, best, goal, look, within):  # fmt: skip
         """Note the choice of ``goal``, whose gain for its cost is ``best``, and others of the viewpoints that
         are ``listed``; none where no view was chosen.
         """
@@ -102,40 +94,32 @@ class Offers:
                     self.describe(viewpoints, memory, tables, state, base, self.at(e, number), node, -1, far)
                     number += 1
         memory.offered[CHOICE * e] = ti.cast(number, ti.f32)
-        memory.offered[CHOICE * e + 2] = ti.cast(total, ti.f32) / CERTAIN
 
     @ti.func
     def apart(self, memory: ti.template(), e, number, node):
-        """Whether a node is far enough from those that were noted (i32)."""
-        clear = 1
+        """Whether a node is far enough from those that were noted, along an axis at least (i32)."""
+        clear, x, y = 1, self.occupancy.across(node), self.occupancy.down(node)
         for slot in range(number):
             other = ti.cast(memory.offers[self.at(e, slot)], ti.i32)
-            clear &= ti.cast(self.between(node, other) >= self.config.offer_apart, ti.i32)
+            far = ti.max(
+                ti.abs(self.occupancy.apart(x, self.occupancy.across(other))),
+                ti.abs(self.occupancy.apart(y, self.occupancy.down(other))),
+            )
+            clear &= ti.cast(far >= self.config.offer_apart, ti.i32)
         return clear
-
-    @ti.func
-    def between(self, one, other):
-        """Nodes from one to another, along the longer axis."""
-        return ti.max(
-            ti.abs(self.occupancy.apart(self.occupancy.across(one), self.occupancy.across(other))),
-            ti.abs(self.occupancy.apart(self.occupancy.down(one), self.occupancy.down(other))),
-        )
 
     @ti.func
     def describe(self, viewpoints: ti.template(), memory: ti.template(), tables: ti.template(), state, base,
                  at, node, look, distance):  # fmt: skip
         """Write the numbers of a viewpoint, with the heading ``look``, or at -1 with the best one."""
-        x, y = self.occupancy.across(node), self.occupancy.down(node)
-        gains, unseen = ti.Vector([0.0] * 8), ti.Vector([0.0] * 8)
+        gains = ti.Vector([0.0] * 8)
         for octant in ti.static(range(8)):
-            gain, never = viewpoints.gain(memory, tables, base, node, octant, 2)
-            gains[octant] = gain / CERTAIN
-            unseen[octant] = ti.cast(never, ti.f32) * ti.static(viewpoints.weight / CERTAIN)
+            gains[octant] = viewpoints.gain(memory, tables, base, node, octant, 0)[0] / CERTAIN
         bearing = state.heading
         if distance > 0:
             bearing = viewpoints.bearing(
-                2 * self.occupancy.apart(x, state.x >> 1) - (state.x & 1),
-                2 * self.occupancy.apart(y, state.y >> 1) - (state.y & 1),
+                2 * self.occupancy.apart(self.occupancy.across(node), state.x >> 1) - (state.x & 1),
+                2 * self.occupancy.apart(self.occupancy.down(node), state.y >> 1) - (state.y & 1),
             )
         way, best, most = viewpoints.candidates.steps(distance), -1.0, ti.static(float(self.config.gain_most))
         for h in ti.static(range(8)):
@@ -145,15 +129,7 @@ class Offers:
             if ((look < 0) & (gain / cost > best)) | (look == h):
                 best = gain / cost
                 memory.offers[at + 1] = h
-                memory.offers[at + 3] = ti.cast(turns, ti.f32)
-                memory.offers[at + 4] = cost
-                memory.offers[at + 5] = gain
-                memory.offers[at + 6] = unseen[h] + unseen[(h + 1) % 8] + unseen[(h + 7) % 8]
-        room = viewpoints.candidates.belief.start_room(memory, base)
+                memory.offers[at + 3] = cost
+                memory.offers[at + 4] = gain
         memory.offers[at] = ti.cast(node, ti.f32)
         memory.offers[at + 2] = ti.cast(distance, ti.f32)
-        memory.offers[at + 7] = gains.sum()
-        memory.offers[at + 8] = ti.cast(self.occupancy.apart(x, 0), ti.f32)
-        memory.offers[at + 9] = ti.cast(self.occupancy.apart(y, 0), ti.f32)
-        memory.offers[at + 10] = ti.cast(viewpoints.candidates.belief.within(room, x, y), ti.f32)
-        memory.offers[at + 11] = ti.cast(self.between(node, state.goal), ti.f32)

@@ -8,7 +8,7 @@ import numpy as np
 
 from agent.planner.candidates import NOT_COMPUTED, Candidates
 from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.occupancy import FLAGS, OCCUPIED, SOLID, Occupancy
+from agent.planner.occupancy import OCCUPIED, SOLID, Occupancy
 from agent.planner.offers import Offers
 from sim.runtime import ti
 
@@ -115,7 +115,7 @@ class Viewpoints:
                             ti.min(highest, float(NOT_COMPUTED - 1)), ti.u16
                         )
         if ti.static(self.offers.most):
-            self.offers.note(self, memory, tables, state, base, number, total, best, goal, look, within)
+            self.offers.note(self, memory, tables, state, base, number, best, goal, look, within)
         for k in range(listed):
             i = first + ti.cast(memory.queue[base + self.candidates.listed + k], ti.i32)
             memory.candidates[i] = memory.candidates[i] & ti.cast(TRIED, ti.u8)
@@ -149,8 +149,7 @@ class Viewpoints:
     @ti.func
     def gain(self, memory: ti.template(), tables: ti.template(), base, node, octant, try_: ti.template()):
         """The information gain of an octant from a node: what the candidates count that its rays meet, each
-        for the ground about it, as far as the next. With ``try_`` 1 these are tried now: what they counted.
-        With 2, how much of the gain is by what was never seen, in the unit of neither.
+        for the ground about it, as far as the next. With ``try_`` these are tried now: what they counted.
 
         With a prior, sight may end wherever there may be a wall: a candidate counts by the probability that
         the ray reaches it.
@@ -179,10 +178,7 @@ class Viewpoints:
                         gain += share * ti.cast(k * here, ti.f32)
                     else:
                         gain += k * here
-                    if ti.static(try_ == 2):  # noqa: SIM102 - ``and`` would compute both sides
-                        if ti.cast(memory.cells[base + there], ti.i32) < 1 << FLAGS:
-                            count += k * here
-                    if ti.static(try_ == 1) and here > 0:
+                    if ti.static(try_) and here > 0:
                         count += here
                         memory.candidates[i] = ti.cast(TRIED, ti.u8)
         return ti.cast(gain, ti.f32) * ti.static(self.weight), count

@@ -67,8 +67,8 @@ class Step(nn.Module):
 def export(network: Any, path: str | Path) -> None:
     """Write the network with its memory to an ONNX file, whole or not at all, for batches of any size.
 
-    Raises ``RequestError`` for a network that works on a planner's map, of viewpoints or map completion, and
-    ``NoExporter`` where the packages ``onnx`` and ``onnxscript`` are missing.
+    Raises ``RequestError`` for a network that works on a planner's map, as map completion, and ``NoExporter``
+    where the packages ``onnx`` and ``onnxscript`` are missing.
     """
     if not hasattr(network, "memory"):
         raise RequestError("only a Q-network over moves can be exported: this needs a planner's whole map")

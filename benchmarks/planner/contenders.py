@@ -36,7 +36,7 @@ TRUTH = "truth"
 """The explorer that foresees the truth: the most that map completion can add."""
 
 SOURCES = (
-    *("planner", "map_completion", "viewpoint_q"),
+    *("planner", "map_completion"),
     *("policies.py", "avoidance.py", "network.py", "recurrent.py", "memory.py", "build.py"),
 )
 """Folders and files of ``agent`` that decide how its agents play."""

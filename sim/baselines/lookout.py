@@ -156,22 +156,10 @@ class Lookout:
         seen.flags.writeable = False
         return seen
 
-    def forget(self, chosen: np.ndarray, last: np.ndarray | None = None) -> None:
-        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms. With
-        their ``last`` targets (E, 2), metres, spots so near to these that the next is sampled elsewhere count
-        as looked at.
-        """
+    def forget(self, chosen: np.ndarray) -> None:
+        """Forget the spots that the chosen (E,) bool environments have looked at, but not their rooms."""
         seen, counts = (self.arrays[name].view() for name in ("seen", "counts"))
-        seen = seen.reshape(self.world.num_envs, -1)
-        seen[chosen], counts[chosen] = 0, 0
-        if last is None or not chosen.any():
-            return
-        houses, apart = self._houses, self.world.kernels.episodes.apart
-        for e in np.flatnonzero(chosen):
-            near = np.abs(self.spots[houses[e]] - last[e]).max(axis=1) < apart
-            if not near.all():  # where all are, the next target is among them
-                bits = np.packbits(near, bitorder="little")
-                seen[e].view(np.uint8)[: len(bits)], counts[e] = bits, near.sum()
+        seen.reshape(self.world.num_envs, -1)[chosen], counts[chosen] = 0, 0
 
     def look(self) -> None:
         """Look from where the bodies are now."""

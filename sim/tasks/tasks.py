@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 
 from logic import House
 from logic.spelling import unknown
@@ -234,74 +233,3 @@ def named(name: str) -> Any:
     """What ``module:attribute`` names; ``ImportError`` or ``AttributeError`` where there is no such thing."""
     module, _, attribute = name.partition(":")
     return getattr(importlib.import_module(module), attribute)
-
-
-class Cover(VectorWrapper):
-    """Cover the house: a reward of 1 for each square of floor that the eye is over for the first time in its
-    episode, in place of the environment's. The one where it starts earns nothing.
-
-    The info says how many there are: ``covered`` (E,) int64. All autoreset modes are right, as are banks
-    that are swapped by ``set_houses``.
-    """
-
-    def __init__(self, env: VectorEnv, cell: float = 0.5) -> None:
-        """Over a ``HouseVectorEnv``, or wrappers of one; ``cell`` is the side of a square, metres."""
-        if not 0 < cell < float("inf"):
-            raise ValueError(f"cell is {cell}: a square's side in metres")
-        super().__init__(env)
-        self.cell = cell
-        self._over = np.zeros(self.num_envs, bool)
-
-    def reset(
-        self, *, seed: int | Sequence[int] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[np.ndarray, dict[str, Any]]:
-        """See ``HouseVectorEnv.reset``."""
-        observation, info = self.env.reset(seed=seed, options=options)  # pyright: ignore[reportArgumentType]
-        mask = (options or {}).get("reset_mask")
-        if mask is None or np.all(mask):
-            self._survey()
-            mask = np.ones(self.num_envs, bool)
-        self._begin(np.asarray(mask), info)
-        return observation, info | {"covered": self._covered.copy()}
-
-    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """See ``HouseVectorEnv.step``."""
-        observation, _, terminated, truncated, info = self.env.step(actions)
-        ended, mode = terminated | truncated, self.env.metadata["autoreset_mode"]
-        if mode is AutoresetMode.NEXT_STEP:
-            self._begin(self._over, info)
-        pose, house = info["pose"], info["house"]
-        if "final_info" in info:
-            pose = np.where(ended[:, None], info["final_info"]["pose"], pose)
-            house = np.where(ended, info["final_info"]["house"], house)
-        reward = self._visit(pose, house).astype(np.float32)
-        self._over = ended
-        if "final_info" in info:
-            final = {"covered": self._covered.copy(), "_covered": ended.copy()}
-            info["final_info"] = info["final_info"] | final
-            self._begin(ended, info)
-        return observation, reward, terminated, truncated, info | {"covered": self._covered.copy()}
-
-    def _survey(self) -> None:
-        """Divide the bank's houses into squares."""
-        envs: Any = self.env.unwrapped
-        bounds = np.array([shape.bounds for shape in envs.geometries])
-        self._corner = bounds[:, :2]
-        self._size = np.ceil((bounds[:, 2:] - bounds[:, :2]) / self.cell).astype(int)
-        self._visited = np.zeros((self.num_envs, *self._size.max(axis=0)), bool)
-        self._covered = np.zeros(self.num_envs, np.int64)
-
-    def _begin(self, mask: np.ndarray, info: dict[str, Any]) -> None:
-        """Forget what these environments (E,) bool covered, but for where they are."""
-        self._visited[mask], self._covered[mask] = False, 0
-        self._visit(info["pose"], info["house"], mask)
-        self._over = self._over & ~mask
-
-    def _visit(self, pose: np.ndarray, house: np.ndarray, mask: np.ndarray | None = None) -> np.ndarray:
-        """Note where these environments are; whether they are there for the first time (E,) bool."""
-        square = ((pose[:, :2] - self._corner[house]) / self.cell).astype(int)
-        at = (np.arange(self.num_envs), *np.clip(square, 0, self._size[house] - 1).T)
-        new = ~self._visited[at] if mask is None else ~self._visited[at] & mask
-        self._visited[at] |= new
-        self._covered += new
-        return new

@@ -22,7 +22,7 @@ from vitruvius.commands.common import print_answer
 from vitruvius.options import options_of
 from vitruvius.settings import read, written
 
-Preset = Literal["pqn", "map-completion", "viewpoints", "pqn-recurrent", "dqn", "paper"]
+Preset = Literal["pqn", "map-completion", "pqn-recurrent", "dqn", "paper"]
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 

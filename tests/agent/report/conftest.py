@@ -3,7 +3,7 @@
 import pytest
 
 from agent.algorithms.build import network_of
-from agent.algorithms.viewpoint_q.config import ViewpointQConfig
+from agent.algorithms.map_completion.config import CompletionConfig
 from agent.learning.config import PQNConfig
 from agent.recording import trace
 from agent.recording.film import watch
@@ -23,7 +23,7 @@ def untrained() -> Checkpoint:
 
 def with_planner() -> Checkpoint:
     """An agent that keeps a map and has learnt nothing of it."""
-    config = ViewpointQConfig()
+    config = CompletionConfig()
     return Checkpoint(network_of(config), config, 0, "with planner", "")
 
 

@@ -68,20 +68,6 @@ def test_what_one_environment_forgets_the_others_keep():
     np.testing.assert_array_equal(lookout.seen, before * np.array([[1], [0], [1]], np.uint64))
 
 
-def test_spots_near_to_the_last_target_count_as_seen_where_others_are_left():
-    tiny = sample_houses.drawn("aa\na+\n..\n..", cell=0.6)
-    envs = HouseVectorEnv([HOUSE, tiny], num_envs=2, targets="secondary")
-    envs.reset(seed=0, options={"house": np.arange(2)})
-    lookout = Lookout(envs)
-    lookout.begin()
-    last = np.array([spots[len(spots) // 2] for spots in lookout.spots])
-    lookout.forget(np.ones(2, bool), last)
-    near = np.abs(lookout.spots[0] - last[0]).max(axis=1) < envs.config.target + max(envs.config.body)
-    np.testing.assert_array_equal(bits(lookout.seen[0], len(near)), near)
-    assert 0 < near.sum() < len(near)
-    assert lookout.counts().tolist() == [near.sum(), 0]
-
-
 def test_a_room_counts_once_the_eye_is_in_it():
     envs = HouseVectorEnv(
         [sample_houses.drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], num_envs=2, targets="mixed"

@@ -15,7 +15,7 @@ from gymnasium.error import ClosedEnvironmentError, Error
 from gymnasium.vector import AutoresetMode
 
 from logic import load
-from sim import DEFAULT, Cover, HouseEnv, HouseVectorEnv
+from sim import DEFAULT, HouseEnv, HouseVectorEnv
 from tests import sample_houses
 
 HOUSES = [sample_houses.drawn(sample_houses.ONE_ROOM)]
@@ -144,9 +144,8 @@ def test_a_wrong_state_or_count_is_refused_in_words(envs: HouseVectorEnv, state:
 
 
 def test_a_mask_may_be_a_list(envs: HouseVectorEnv) -> None:
-    covering = Cover(envs)
-    covering.reset(seed=0)
-    covering.reset(options={"reset_mask": [True, False]})
+    envs.reset(seed=0)
+    envs.reset(options={"reset_mask": [True, False]})
 
 
 def test_torchs_devices_are_devices() -> None:

@@ -1,4 +1,4 @@
-"""Tasks: where their targets lie, when they end, which targets come next; covering a house, by hand."""
+"""Tasks: where their targets lie, when they end, which targets come next, by hand."""
 
 import json
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from logic import House, save
-from sim import DEFAULT, Cover, HouseVectorEnv, Oracle, Points, Reach
+from sim import DEFAULT, HouseVectorEnv, Oracle, Points, Reach
 from sim.baselines.searcher import Searcher
 from sim.tasks.tasks import Box
 from tests import sample_houses
@@ -184,50 +184,3 @@ def test_a_task_by_its_name_goes_through_the_spec(tmp_path: Path) -> None:
 def test_an_object_that_is_no_task_is_refused(targets, message):
     with pytest.raises(ValueError, match=message):
         HouseVectorEnv([ONE], targets=targets)
-
-
-@pytest.mark.parametrize("mode", AutoresetMode)
-def test_each_new_square_of_floor_is_covered_once(mode):
-    cell = 0.4
-    bare = HouseVectorEnv(HOUSES, num_envs=COUNT, max_episode_steps=23, autoreset_mode=mode)
-    envs, rng = Cover(bare, cell), np.random.default_rng(0)
-    corners = np.array([shape.bounds[:2] for shape in bare.world.bank.geometries])
-
-    def squares(info: dict[str, Any]) -> list[tuple[float, ...]]:
-        return [
-            tuple(row) for row in np.floor((info["pose"][:, :2] - corners[info["house"]]) / cell).tolist()
-        ]
-
-    _, info = envs.reset(seed=3)
-    been, over = [{square} for square in squares(info)], np.zeros(COUNT, bool)
-    total = 0
-    for _ in range(80):
-        if mode is AutoresetMode.DISABLED and over.any():
-            _, info = envs.reset(options={"reset_mask": over})
-            for e in np.flatnonzero(over):
-                been[e] = {squares(info)[e]}
-            over[:] = False
-        _, reward, terminated, truncated, info = envs.step(rng.choice(3, p=[0.1, 0.1, 0.8], size=COUNT))
-        ended = terminated | truncated
-        last = squares(info["final_info"]) if "final_info" in info else squares(info)
-        now = squares(info)
-        for e in range(COUNT):
-            if mode is AutoresetMode.NEXT_STEP and over[e]:
-                been[e], expected = {now[e]}, 0
-            else:
-                at = last[e] if ended[e] else now[e]
-                expected = int(at not in been[e])
-                been[e].add(at)
-            if mode is AutoresetMode.SAME_STEP and ended[e]:
-                assert info["final_info"]["covered"][e] == len(been[e])
-                been[e] = {now[e]}
-            assert reward[e] == expected
-            assert info["covered"][e] == len(been[e])
-            total += expected
-        over = ended
-    assert total > 5 * COUNT
-
-
-def test_cover_refuses_a_square_without_a_size():
-    with pytest.raises(ValueError, match="cell is 0"):
-        Cover(HouseVectorEnv([ONE]), 0)
