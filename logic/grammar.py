@@ -16,23 +16,23 @@ from logic.spelling import printable, unknown
 SHIPPED = Path(__file__).parent / "grammars"
 RULES = Path(__file__).parent / "rules"
 
-TOPOLOGIES = RULES / "topologies"
+TOPOLOGIES, SHARED_WALLS = RULES / "topologies", RULES / "shared_walls"
 STAR = TOPOLOGIES / "star.lp"
 """The topology of a grammar that names none."""
 
-ADJACENT = RULES / "plans" / "adjacent.lp"
+ADJACENT = SHARED_WALLS / "adjacent.lp"
 """Which rooms share a wall: read where a rule names ``adjacent``, since it takes choices of its own."""
 
-GUARD = RULES / "plans" / "topology.lp"
+GUARD = SHARED_WALLS / "topology.lp"
 """What a topology of the user's own keeps, whatever it says."""
 
-PLANS = tuple(file for file in sorted((RULES / "plans").glob("*.lp")) if file not in (ADJACENT, GUARD))
+PLANS = tuple(SHARED_WALLS / name for name in ("access.lp", "differences.lp", "stated.lp"))
 """What all other topologies share: rooms that share walls, and doors in them."""
 
-STATED = RULES / "plans" / "stated.lp"
+STATED = SHARED_WALLS / "stated.lp"
 """What a topology states, and no other file of a grammar."""
 
-ACCESS, OWN = RULES / "plans" / "access.lp", RULES / "own.lp"
+ACCESS, OWN = SHARED_WALLS / "access.lp", SHARED_WALLS / "own.lp"
 """What a plan of the user's has in the place of a topology."""
 
 COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
@@ -40,6 +40,17 @@ COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
 
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
+
+IN_PROLOG = {
+    **dict.fromkeys((*LENGTHS, "door_margin", "window_margin", "unit_depth"), 1),
+    "house_size": 2,
+    **dict.fromkeys(("room_size", "room_area", "window_size"), 3),
+    "piece_size": 4,
+}
+"""All predicates that ``.pl`` files may state, and how many arguments each has."""
+
+CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
+"""What is said of a choice of ``option/3``, by its name."""
 
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
@@ -154,7 +165,7 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
 def _hash(files: tuple[Path, ...]) -> str:
     """SHA-256 of the grammar's files and of the shared core's: the rules that made a house."""
     digest, left = hashlib.sha256(), MOST_BYTES
-    for file in (*files, *sorted(RULES.rglob("*.[lp][lp]"))):
+    for file in (*files, *sorted(RULES.rglob("*.[lp][lp]"), key=lambda file: file.name)):
         try:
             # Not to wait where it is a pipe: what is read is what was opened.
             with open(file, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK)) as rules:

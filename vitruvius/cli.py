@@ -15,9 +15,8 @@ import traceback
 from collections.abc import Sequence
 from typing import Any
 
-from agent import streams
 from benchmarks import STUDIES
-from vitruvius import help
+from vitruvius import help, streams
 
 COMMANDS = {
     "generate": ("vitruvius.commands.generate:Generate", "Make houses from rules."),

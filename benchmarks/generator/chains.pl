@@ -5,7 +5,7 @@
 :- use_module(library(apply)).
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
-:- use_module('../../logic/rules/chain').
+:- use_module('../../logic/rules/linear/chain').
 
 %!  starts(+Count, +Length, +Whole, +Seeds, -Json) is det.
 %

@@ -3,9 +3,9 @@
 /** <module> The linear systems of houses' rooms, every size unknown, kept so that their solution alone is timed */
 
 :- use_module(library(apply)).
-:- use_module('../../logic/rules/solution').
-:- use_module('../../logic/rules/linear').
-:- use_module('../../logic/rules/sample').
+:- use_module('../../logic/rules/room/solution').
+:- use_module('../../logic/rules/linear/linear').
+:- use_module('../../logic/rules/linear/sample').
 
 %   system(?House, ?System): constraints as in linear.pl, of one room.
 

@@ -269,7 +269,7 @@ def test_sample_with_highs(benchmark: Any, builder: Builder, rooms: int, systems
 
 
 def matrices(rows: list[Any]) -> System:
-    """Rows as rules/linear.pl tells them: pairs of an unknown and its factor, a constant, a relation."""
+    """Rows as rules/linear/linear.pl tells them: pairs of an unknown and its factor, a constant, a relation."""
     count = 1 + max((unknown for pairs, _, _ in rows for unknown, _ in pairs), default=0)
     parts: list[Any] = []
     for relation in ("=<", "="):

@@ -32,7 +32,7 @@ WALLS = {
 """The walls of a room in its own frame, and the stretches before its first and behind its last door."""
 
 STEP, BITS = 0.016, 9
-"""Metres and the bits of their number: how short a wall is, as ``rules/doors.lp`` knows it."""
+"""Metres and the bits of their number: how short a wall is, as ``rules/room/doors.lp`` knows it."""
 
 Span = tuple[float, float]
 """Metres along a wall, from and to: from the left, or from the front."""
@@ -160,7 +160,7 @@ class Frame:
         return self.doors
 
     def given(self, windows: bool = True) -> tuple[list[Symbol], list[Symbol]]:
-        """What ``rules/doors.lp`` is to assume of the room: atoms that hold, and that do not.
+        """What ``rules/room/doors.lp`` is to assume of the room: atoms that hold, and that do not.
 
         Nothing of ``windows`` where they may be anywhere.
         """
@@ -176,7 +176,7 @@ class Frame:
         return holds[True], holds[False]
 
     def shape(self) -> Term:
-        """Its size and doors for ``rules/given_rooms.pl``."""
+        """Its size and doors for ``rules/room/given_rooms.pl``."""
         doors = [
             [Term("-", float(start), float(end - start)) for start, end in spans]
             for spans in self.doors.values()
@@ -184,7 +184,7 @@ class Frame:
         return Term("given", Term("-", float(self.width), float(self.depth)), Term("doors", *doors))
 
     def term(self, number: int, type_: str, furniture: Sequence[Symbol], seed: int) -> Term:
-        """The room for ``rules/given_rooms.pl``."""
+        """The room for ``rules/room/given_rooms.pl``."""
         frame = Term("frame", self.side, float(self.x), float(self.y))
         return Term("room", number, type_, furniture, seed, *self.shape().arguments, frame)
 

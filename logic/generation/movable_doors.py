@@ -58,7 +58,7 @@ class LooseRoom(Frame):
         return {wall: sorted(spans) for wall, spans in doors.items()}
 
     def loose_term(self, furniture: Iterable[Symbol]) -> Term:
-        """The room for ``rules/given_rooms.pl``."""
+        """The room for ``rules/room/given_rooms.pl``."""
         doors: dict[str, list[Term]] = {wall: [] for wall in self.doors}
         for place in sorted(range(len(self._places)), key=lambda place: self._places[place][1]):
             (wall, (start, end)), span = self._places[place], self._spans[place]

@@ -1,6 +1,6 @@
 """Plans: houses whose rooms share walls, of any topology but a star. From a request to such a house.
 
-Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``rules/walls.pl``), and then
+Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``rules/shared_walls/walls.pl``), and then
 the rooms are furnished at these sizes (``given_rooms.py``).
 """
 

@@ -1,7 +1,7 @@
 """What a plan by a topology of the user's own must be in the end, whatever its rules say.
 
 Rooms lie side by side, leave no gap, and have doors, windows and the entrance where these lead. Rules
-keep most of it (``rules/plans/topology.lp``). That rooms fill a plan is no linear constraint, so it is
+keep most of it (``rules/shared_walls/topology.lp``). That rooms fill a plan is no linear constraint, so it is
 looked at in each plan, by the same geometry as in the check.
 """
 

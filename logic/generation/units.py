@@ -51,7 +51,7 @@ class Unit:
     inner: frozenset[str]
 
     def known(self, steps: Sequence[Symbol]) -> dict[bool, list[Symbol]]:
-        """What holds of it and what does not, as ``rules/units.lp`` has it, with these steps of depth."""
+        """What holds of it and what does not, as ``rules/shared_walls/units.lp`` has it, with these steps of depth."""
         atoms: dict[bool, list[Symbol]] = {True: [], False: []}
         for name, some in (("inner", self.inner), ("access", {self.access})):
             for side in SIDES:

@@ -70,7 +70,7 @@ class Facts:
         return next((error for error in errors if error.line), errors[0])
 
     def wrong(self, probe: Program, strange: Set[str]) -> tuple[list[Mistake], list[Mistake]]:
-        """What the core's own rules find wrong with the grammar's facts (``rules/grammar.lp``): with values,
+        """What the core's own rules find wrong with the grammar's facts (``rules/language/grammar.lp``): with values,
         which explain the ``strange`` names among them, and with what is not there. Of several facts that name
         one unknown thing, the first.
         """

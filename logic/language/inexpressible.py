@@ -12,7 +12,7 @@ READ = "docs/rules.md#what-cannot-be-said"
 @cache
 def entries() -> list[dict]:
     """Each with its ``topic``, the ``words`` that ask for it, and what the user is to know (``says``)."""
-    return json.loads((RULES / "inexpressible.json").read_text(encoding="utf-8"))
+    return json.loads((RULES / "language" / "inexpressible.json").read_text(encoding="utf-8"))
 
 
 def inexpressible(*names: str) -> str:

@@ -105,8 +105,8 @@ def asp_entries(*topologies: str) -> dict[str, list[Entry]]:
 
 
 def prolog_entries() -> list[Entry]:
-    """The predicates of a grammar's ``.pl`` files, which ``rules/grammar_files.pl`` declares."""
-    source = (RULES / "grammar_files.pl").read_text(encoding="utf-8")
+    """The predicates of a grammar's ``.pl`` files, which ``rules/language/grammar_files.pl`` declares."""
+    source = (RULES / "language" / "grammar_files.pl").read_text(encoding="utf-8")
     declared = set(re.findall(r"grammar:(\w+)/", source))
     found = re.findall(r"^%!  (\w+)\((.*)\).*\n((?:%.*\n)*?)((?:%       .*\n)*)\n", source, re.M)
     return [
@@ -122,8 +122,10 @@ def _entry(name: str, arguments: str, text: str, example: str) -> Entry:
 
 
 def goals() -> list[str]:
-    """What a clause of a grammar's ``.pl`` files may call, as ``rules/lint.pl`` lists it."""
-    return re.findall(r"\bpure\(\(?(\S+?)\)?/\d\)\.", (RULES / "lint.pl").read_text(encoding="utf-8"))
+    """What a clause of a grammar's ``.pl`` files may call, as ``rules/language/lint.pl`` lists it."""
+    return re.findall(
+        r"\bpure\(\(?(\S+?)\)?/\d\)\.", (RULES / "language" / "lint.pl").read_text(encoding="utf-8")
+    )
 
 
 def page() -> str:
@@ -133,7 +135,7 @@ def page() -> str:
     parts["goals"] = ", ".join(f"`{goal}`" for goal in goals())
     groups = groupby(recipes(), _about)
     parts["recipes"] = "\n\n".join("\n\n".join([f"### {about}", *map(str, group)]) for about, group in groups)
-    limits = json.loads((RULES / "inexpressible.json").read_text(encoding="utf-8"))
+    limits = json.loads((RULES / "language" / "inexpressible.json").read_text(encoding="utf-8"))
     parts["inexpressible"] = "\n".join(f"| {each['topic']} | {each['says']} |" for each in limits)
     return re.sub("<!-- (\\w+) -->", lambda place: parts[place[1]], PAGE.read_text(encoding="utf-8"))
 

@@ -1,6 +1,6 @@
 """Difference constraints in stage 1: clingo's own theory of them, where the rules state any.
 
-``&diff { a - b } <= c`` in ``rules/plans/differences.lp`` says what lengths forbid while the walls are still
+``&diff { a - b } <= c`` in ``rules/shared_walls/differences.lp`` says what lengths forbid while the walls are still
 being chosen (clingo-dl: Janhunen, Kaminski, Ostrowski, Schaub, Schellhorn and Wanko, TPLP 17, 2017). Stage 2
 has these constraints too, beside those that are no differences: the theory saves time and excludes nothing
 that fits.
@@ -16,7 +16,7 @@ from clingo.ast import AST, ProgramBuilder, parse_files
 
 from logic.grammar import ADJACENT, GUARD, RULES
 
-DIFFERENCES, HOUSE = RULES / "plans" / "differences.lp", "house"
+DIFFERENCES, HOUSE = RULES / "shared_walls" / "differences.lp", "house"
 """The file that states differences, and its part that does so."""
 
 STATING = DIFFERENCES, ADJACENT, GUARD

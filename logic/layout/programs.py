@@ -22,7 +22,7 @@ from logic.layout.terms import (
 from logic.request.request import Request
 
 GIVEN = {"in_a_row": 4, "fuller": 2}
-"""Constants of ``rules/room.lp`` for rooms of given sizes."""
+"""Constants of ``rules/room/room.lp`` for rooms of given sizes."""
 
 
 class Programs:

@@ -7,7 +7,7 @@ is assumed. Without the assumption the statement may hold or not: that leaves al
 adds some, so leaving more out never makes a house impossible, and "take one away and there is a house" means
 something. The lengths of the ``.pl`` files enter in the same way, in both stages: without its clause a length
 is anything from nothing to very much. What a fact bounds or allows is wider without it, and what no fact
-allows can be added, as ``rules/left_out.lp`` says: so the fact that stands there, or that does not, is among
+allows can be added, as ``rules/why/left_out.lp`` says: so the fact that stands there, or that does not, is among
 the reasons.
 """
 
@@ -34,7 +34,7 @@ from logic.layout.program import CORE, Conflict, Endless, Instances, Literals, P
 BEGIN = ast.Position("<explanation>", 1, 1)
 HERE = ast.Location(BEGIN, BEGIN)
 
-LEFT_OUT = RULES / "left_out.lp"
+LEFT_OUT = RULES / "why" / "left_out.lp"
 """What there could be where a fact is left out or added."""
 
 Signature = tuple[str, int]
@@ -296,7 +296,7 @@ def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
 
 @cache
 def _left_out_facts() -> set[Signature]:
-    """The facts that ``rules/left_out.lp`` asks for."""
+    """The facts that ``rules/why/left_out.lp`` asks for."""
     found = set[Signature]()
 
     def take(statement: ast.AST) -> None:

@@ -41,12 +41,12 @@ def room_requirements(request: Request) -> list[Symbol]:
 
 
 def shared_requirements(request: Request) -> list[Symbol]:
-    """All that a request requires of the rooms of a house of units: see ``rules/units.lp``."""
+    """All that a request requires of the rooms of a house of units: see ``rules/shared_walls/units.lp``."""
     return requirements("shared", request.types)
 
 
 def own_requirements(plan: OwnPlan) -> dict[Symbol, str]:
-    """The requirements of a plan of the user's, each in words: see ``rules/own.lp``."""
+    """The requirements of a plan of the user's, each in words: see ``rules/shared_walls/own.lp``."""
     found = {}
     ends = [max(line[side][1] for line in plan.lines) for side in ("east", "south")]
     for number, (room, lines) in enumerate(zip(plan.rooms, plan.lines, strict=True)):
@@ -111,7 +111,7 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
 def wall_facts(
     extremes: Iterable[Sequence[Any]], doorway: float, contact: float
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-    """What stage 1 knows of walls (``rules/plans/differences.lp``), each fact with the clauses it comes from.
+    """What stage 1 knows of walls (``rules/shared_walls/differences.lp``), each fact with the clauses it comes from.
 
     ``extremes``: see ``logic.placement.placer.Placer.wall_lengths``; ``doorway``, ``contact``: metres. Clauses
     that only stage 2 knows have a fact too.
@@ -135,7 +135,7 @@ def wall_facts(
 
 
 def depth_steps(least: float, most: float) -> list[Symbol]:
-    """What is known of the depths of units, metres: facts of ``rules/units.lp``."""
+    """What is known of the depths of units, metres: facts of ``rules/shared_walls/units.lp``."""
     first, last = floor(1000 * least / STEP), ceil(1000 * most / STEP)
     return [Function("step", [Number(STEP * number)]) for number in range(first, last + 1)]
 

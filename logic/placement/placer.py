@@ -26,7 +26,7 @@ from logic.request.given_plan import OwnPlan
 class RoomLayout:
     """One room of a layout: its number, type and side, the atoms that furnish it, the seed of its lengths.
 
-    ``given`` is what is known of it before, its size and doors: see ``rules/given_rooms.pl``.
+    ``given`` is what is known of it before, its size and doors: see ``rules/room/given_rooms.pl``.
     """
 
     number: int
@@ -174,7 +174,7 @@ class Placer:
     def walls(
         self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()
     ) -> dict[str, Any]:
-        """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``rules/plans.pl``.
+        """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``rules/shared_walls/plans.pl``.
 
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
         arithmetic, ``LimitReached`` past this number of inferences.
@@ -212,7 +212,7 @@ class Placer:
         return None if reasons is None else _conflict(reasons)
 
     def own_plan_faults(self, plan: OwnPlan, types: Iterable[str]) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-        """What the lengths forbid in a user's plan: facts of ``rules/own.lp``, each with its clauses."""
+        """What the lengths forbid in a user's plan: facts of ``rules/shared_walls/own.lp``, each with its clauses."""
         rooms = [
             Term("room", number, float(room.width), float(room.height))
             for number, room in enumerate(plan.rooms)
@@ -228,14 +228,14 @@ class Placer:
         return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
 
     def own_openings(self, plan: OwnPlan, layout: Sequence[Symbol], seed: int) -> dict[str, Any]:
-        """Doors and windows with their places in a plan of the user's, metres: see ``rules/own_plan.pl``."""
+        """Doors and windows with their places in a plan of the user's, metres: see ``rules/shared_walls/own_plan.pl``."""
         types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
         return self._ask("own_openings", layout, types, _walls(plan), seed)
 
     def furnish(
         self, rooms: Sequence[Any], inferences: int, minimal: bool = True
     ) -> tuple[list[Any], dict[int, Conflict], int]:
-        """Furnish rooms of given sizes, terms as in ``rules/given_rooms.pl``.
+        """Furnish rooms of given sizes, terms as in ``rules/room/given_rooms.pl``.
 
         Gives the pieces of each room, as in a house file, or None; the conflict in each room that cannot have
         its furniture, by its place in ``rooms``; and the Prolog inferences that it took. Raises

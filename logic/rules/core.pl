@@ -46,27 +46,27 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- reexport(agreement).
+:- reexport(language/agreement).
 :- use_module(answers).
-:- use_module(bounds).
-:- use_module(exact).
-:- use_module(faults).
-:- use_module(furnish).
-:- use_module(grammar_files).
-:- use_module(grid).
-:- use_module(lengths).
-:- reexport(given_rooms).
-:- use_module(main_room).
-:- use_module(origins).
-:- use_module(plan).
-:- reexport(promised).
-:- reexport(own_plan).
-:- reexport(plans).
-:- reexport(plan_bounds).
-:- use_module(record_access).
-:- use_module(records).
-:- use_module(reports).
-:- use_module(solution).
+:- use_module(why/bounds).
+:- use_module(linear/exact).
+:- use_module(language/faults).
+:- use_module(room/furnish).
+:- use_module(language/grammar_files).
+:- use_module(linear/grid).
+:- use_module(language/lengths).
+:- reexport(room/given_rooms).
+:- use_module(star/main_room).
+:- use_module(language/origins).
+:- use_module(room/plan).
+:- reexport(language/promised).
+:- reexport(shared_walls/own_plan).
+:- reexport(shared_walls/plans).
+:- reexport(why/plan_bounds).
+:- use_module(room/record_access).
+:- use_module(room/records).
+:- use_module(language/reports).
+:- use_module(room/solution).
 
 %!  grammar_problems(+Files, +Walls, +Cell, -Json) is det.
 %

@@ -148,12 +148,12 @@ def as_text(parts: Iterable[Why]) -> Iterator[str]:
 
 
 def place(reason: Reason) -> str:
-    """As in ``rooms.lp:9``; of the core ``rules/room.lp:9``."""
+    """As in ``rooms.lp:9``; of the core ``rules/room/room.lp:9``."""
     return f"{file_name(reason.file or '')}:{reason.line}"
 
 
 def file_name(file: str | Path) -> str:
-    """A rule file in short: ``rooms.lp``, or ``rules/room.lp`` of the core."""
+    """A rule file in short: ``rooms.lp``, or ``rules/room/room.lp`` of the core."""
     file = Path(file)
     return f"rules/{file.relative_to(RULES)}" if RULES in file.parents else file.name
 
@@ -244,5 +244,5 @@ def _reasons(reasons: Sequence[Reason], label: str) -> Iterator[str]:
         lines += textwrap.wrap(
             f"{'with ' if lines else ''}{', '.join(atoms)}", 100, subsequent_indent="     "
         )
-    for number, line in enumerate(lines or ["the core alone: rules/room.pl"]):
+    for number, line in enumerate(lines or ["the core alone: rules/room/room.pl"]):
         yield f"    {label if number == 0 else ' ' * len(label)}{line}"

@@ -104,7 +104,7 @@ class StarWitness(Witness):
         return Search(*relaxed, self._support_in(room).chosen, layout.furniture)
 
     def _main_room(self, target: str) -> Why:
-        """Why the main room has its sizes: rules/main_room.pl."""
+        """Why the main room has its sizes: rules/star/main_room.pl."""
         floor, rooms = self._house.main, fixed_rooms(self._house)
         about = f"the main room, {floor.width:.3f} by {floor.height:.3f} m ({self._origin})"
         if self._request.fixed:

@@ -136,7 +136,7 @@ class Witness(ABC):
         return self._bounds(self._builder.placer.bounds(room, target), names)
 
     def _bounds(self, found: Mapping[str, Any], names: Mapping[str, str]) -> Lengths:
-        """Lengths and tight bounds as SWI-Prolog gives them (``rules/bounds.pl``), with names in words."""
+        """Lengths and tight bounds as SWI-Prolog gives them (``rules/why/bounds.pl``), with names in words."""
         lengths = tuple(
             Length(name, value, least, greatest, self._reasons(no_less), self._reasons(no_more))
             for name, value, least, no_less, greatest, no_more in found["lengths"]

@@ -144,7 +144,7 @@ def count_layouts(
 
     Each is a name, a number, and whether that is exact: it is False where ``seconds`` ran out and there are
     more. Each count has its share of the seconds that are left. Room layouts say types, sides, corners;
-    furniture layouts all that ``rules/room.lp`` shows.
+    furniture layouts all that ``rules/room/room.lp`` shows.
     ``report`` is called once a second with a name and the number so far. Raises as ``generate`` does.
     """
     wanted = Request.read({"rooms": rooms, "types": types or {}, "furniture": furniture or {}})

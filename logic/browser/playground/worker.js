@@ -24,7 +24,7 @@ async function load() {
     }),
     clingo.load(),
   ]);
-  const core = Object.entries(bundle.rules).filter(([path]) => /^[^/]*\.pl$/.test(path));
+  const core = Object.entries(bundle.rules).filter(([path]) => path.endsWith(".pl"));
   return new Houses(bundle, clingo, new Prolog(swipl, Object.fromEntries(core), json));
 }
 

@@ -232,7 +232,7 @@ def _named(findings: list[Any]) -> list[dict[str, Any]]:
 
 
 def _short_names(record: Any) -> Any:
-    """The same JSON with rule files in short, as in ``rooms.lp`` and ``rules/room.lp``."""
+    """The same JSON with rule files in short, as in ``rooms.lp`` and ``rules/room/room.lp``."""
     if isinstance(record, dict):
         return {
             key: file_name(value) if key == "file" and value else _short_names(value)

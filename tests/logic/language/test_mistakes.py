@@ -69,7 +69,9 @@ def of_the_core(grammar: str) -> set[tuple[str, int]]:
     """Each predicate with an atom in any program of the core, grounded with a grammar, and not its own."""
     types = [Function("bedroom" if grammar != "clinic" else "ward"), Function("bed")]
     terms = {"t": types[0], "f": types[1], "s": Function("north"), "i": Number(0), "b": Number(9)}
-    text = "".join(file.read_text() for file in RULES.glob("*.lp"))
+    text = "".join(
+        file.read_text() for part in (".", "language", "room") for file in (RULES / part).glob("*.lp")
+    )
     parts = [
         (name, [terms.get(each, Number(1)) for each in arguments.split(",") if each])
         for name, arguments in re.findall(r"#program (\w+)\(?([\w,]*)\)?\.", text)

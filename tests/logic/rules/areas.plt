@@ -1,8 +1,8 @@
 % Sizes and areas: what the linear constraints let in has the area that is stated, and where any size has it, some are let in.
-:- use_module('../../../logic/rules/areas').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/linear').
-:- use_module('../../../logic/rules/regions').
+:- use_module('../../../logic/rules/shared_walls/areas').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/linear/linear').
+:- use_module('../../../logic/rules/linear/regions').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

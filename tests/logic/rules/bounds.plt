@@ -1,7 +1,7 @@
 % What the lengths of a tiny room could have been, and which of its constraints bind.
-:- use_module('../../../logic/rules/bounds').
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/grid').
+:- use_module('../../../logic/rules/why/bounds').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/grid').
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).

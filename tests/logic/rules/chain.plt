@@ -1,7 +1,7 @@
 % Things in a row.
-:- use_module('../../../logic/rules/chain').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/linear').
+:- use_module('../../../logic/rules/linear/chain').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/linear/linear').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

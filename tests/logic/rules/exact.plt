@@ -1,7 +1,7 @@
 % What CLP(R) refutes falsely has a solution in CLP(Q), and what has none is a conflict.
-:- use_module('../../../logic/rules/exact').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/linear').
+:- use_module('../../../logic/rules/linear/exact').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/linear/linear').
 :- use_module(library(clpq), []).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

@@ -1,9 +1,9 @@
 % Why a clause cannot be used: the paths through it, minimal conflicts, constraints that are not linear.
-:- use_module('../../../logic/rules/faults').
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/nonlinear').
-:- use_module('../../../logic/rules/paths').
-:- use_module('../../../logic/rules/written').
+:- use_module('../../../logic/rules/language/faults').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/language/nonlinear').
+:- use_module('../../../logic/rules/language/paths').
+:- use_module('../../../logic/rules/language/written').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

@@ -1,12 +1,12 @@
 % The sizes of a room where furniture fills a wall from end to end.
-:- use_module('../../../logic/rules/filled').
-:- use_module('../../../logic/rules/furnish').
-:- use_module('../../../logic/rules/solution').
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/laws').
-:- use_module('../../../logic/rules/linear').
-:- use_module('../../../logic/rules/records').
-:- use_module('../../../logic/rules/room').
+:- use_module('../../../logic/rules/room/filled').
+:- use_module('../../../logic/rules/room/furnish').
+:- use_module('../../../logic/rules/room/solution').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/language/laws').
+:- use_module('../../../logic/rules/linear/linear').
+:- use_module('../../../logic/rules/room/records').
+:- use_module('../../../logic/rules/room/room').
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

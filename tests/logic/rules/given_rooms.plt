@@ -1,6 +1,6 @@
 % Rooms whose sizes and doors are given.
-:- use_module('../../../logic/rules/given_rooms').
-:- use_module('../../../logic/rules/grammar_files').
+:- use_module('../../../logic/rules/room/given_rooms').
+:- use_module('../../../logic/rules/language/grammar_files').
 :- use_module(library(http/json)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

@@ -1,7 +1,7 @@
 % Loading a grammar's files: every mistake is a problem by its place.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/lengths').
-:- use_module('../../../logic/rules/written').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/language/lengths').
+:- use_module('../../../logic/rules/language/written').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

@@ -1,5 +1,5 @@
 % Metres and cells.
-:- use_module('../../../logic/rules/grid').
+:- use_module('../../../logic/rules/linear/grid').
 :- use_module(library(plunit)).
 
 :- begin_tests(grid, [cleanup(set_cell(0))]).

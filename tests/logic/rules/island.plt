@@ -1,7 +1,7 @@
 % Islands: their sizes as they face, their seats, their rows.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/island').
-:- use_module('../../../logic/rules/records').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/room/island').
+:- use_module('../../../logic/rules/room/records').
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).

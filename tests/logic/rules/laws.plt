@@ -1,7 +1,7 @@
 % How two sizes depend on each other.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/laws').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/language/laws').
 :- use_module(library(apply)).
 :- use_module(library(plunit)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).

@@ -1,7 +1,7 @@
 % A grammar's lengths, and the extremes of its sizes.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/lengths').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/language/lengths').
 :- use_module(library(clpr)).
 :- use_module(library(plunit)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).

@@ -1,5 +1,5 @@
 % Linear systems as data.
-:- use_module('../../../logic/rules/linear').
+:- use_module('../../../logic/rules/linear/linear').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

@@ -1,7 +1,7 @@
 % What stands along a stretch, as links.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/links').
-:- use_module('../../../logic/rules/records').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/room/links').
+:- use_module('../../../logic/rules/room/records').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

@@ -1,6 +1,6 @@
 % What must not stand in a grammar's files, found before anything of them is run.
-:- use_module('../../../logic/rules/lint').
-:- use_module('../../../logic/rules/written').
+:- use_module('../../../logic/rules/language/lint').
+:- use_module('../../../logic/rules/language/written').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

@@ -1,6 +1,6 @@
 % Where the grammar's clauses stand.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/origins').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/language/origins').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

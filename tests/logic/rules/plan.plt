@@ -1,8 +1,8 @@
 % From the rooms' frames to the house's plan.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/plan').
-:- use_module('../../../logic/rules/records').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/room/plan').
+:- use_module('../../../logic/rules/room/records').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

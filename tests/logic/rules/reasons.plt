@@ -1,6 +1,6 @@
 % Reasons as a DCG describes them.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/reasons').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/room/reasons').
 :- use_module(library(plunit)).
 :- prolog_load_context(directory, Here), atom_concat(Here, '/grammar.pl', File), load_grammar([File], []).
 

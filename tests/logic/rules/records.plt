@@ -1,6 +1,6 @@
 % Records: their fields by name, and calls of them as unifications.
-:- use_module('../../../logic/rules/record_access').
-:- use_module('../../../logic/rules/records').
+:- use_module('../../../logic/rules/room/record_access').
+:- use_module('../../../logic/rules/room/records').
 :- use_module(library(plunit)).
 
 out_of_link(Link, Out) :- link_out(Link, Out).

@@ -1,7 +1,7 @@
 % Whether a grammar's clauses can be used: what is reported of good ones and of bad ones.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/reports').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/language/reports').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

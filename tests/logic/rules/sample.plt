@@ -1,6 +1,6 @@
 % Random numbers: with a given state the numbers are given.
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/sample').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/linear/sample').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

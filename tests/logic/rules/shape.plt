@@ -1,5 +1,5 @@
 % The stretches of wall that a room's doors leave.
-:- use_module('../../../logic/rules/shape').
+:- use_module('../../../logic/rules/room/shape').
 :- use_module(library(lists)).
 :- use_module(library(plunit)).
 

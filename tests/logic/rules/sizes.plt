@@ -1,8 +1,8 @@
 % The constraints of sizes as data: they mean what the clauses say.
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/grid').
-:- use_module('../../../logic/rules/linear').
-:- use_module('../../../logic/rules/sizes').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/grid').
+:- use_module('../../../logic/rules/linear/linear').
+:- use_module('../../../logic/rules/language/sizes').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

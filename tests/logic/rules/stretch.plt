@@ -1,10 +1,10 @@
 % A stretch of wall as a chain of blocks: where they may start at the extremes.
-:- use_module('../../../logic/rules/solution').
-:- use_module('../../../logic/rules/grammar_files').
-:- use_module('../../../logic/rules/linear').
-:- use_module('../../../logic/rules/records').
-:- use_module('../../../logic/rules/room').
-:- use_module('../../../logic/rules/stretch').
+:- use_module('../../../logic/rules/room/solution').
+:- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/linear/linear').
+:- use_module('../../../logic/rules/room/records').
+:- use_module('../../../logic/rules/room/room').
+:- use_module('../../../logic/rules/room/stretch').
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).

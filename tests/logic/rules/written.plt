@@ -1,6 +1,6 @@
 % A grammar's files as they are written, and what stands in braces and is no linear constraint.
-:- use_module('../../../logic/rules/braces').
-:- use_module('../../../logic/rules/written').
+:- use_module('../../../logic/rules/language/braces').
+:- use_module('../../../logic/rules/language/written').
 :- use_module(library(apply)).
 :- use_module(library(lists)).
 :- use_module(library(plunit)).

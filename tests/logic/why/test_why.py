@@ -504,7 +504,7 @@ def test_the_answer_reads_as_sections_with_files_and_lines(family: Explained) ->
         " m, of ",
     ):
         assert words in text
-    assert re.search(r"\n +pick\(count\(\w+\),\d\) +picked out of .*; rules/room.lp:\d+: option\(", text)
+    assert re.search(r"\n +pick\(count\(\w+\),\d\) +picked out of .*; rules/room/room.lp:\d+: option\(", text)
     assert re.search(r"\n +may\(\w+,\w+,\d,\d\) +furniture.lp:\d+: may\(", text)
 
 

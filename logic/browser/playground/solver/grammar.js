@@ -5,9 +5,10 @@ import { closest, derivedNames, objection, statements, usedNames } from "./state
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
-const ADJACENT = "plans/adjacent.lp"; // read where a rule names adjacent
-const GUARD = "plans/topology.lp"; // read with a topology of the user's own
-const DIFFERENCES = "rules/plans/differences.lp";
+const PLANS = ["access", "differences", "stated"].map((name) => `shared_walls/${name}.lp`);
+const ADJACENT = "shared_walls/adjacent.lp"; // read where a rule names adjacent
+const GUARD = "shared_walls/topology.lp"; // read with a topology of the user's own
+const DIFFERENCES = "rules/shared_walls/differences.lp";
 const NOTHING = { rooms: 1, types: {}, furniture: {} };
 /** clingo's greatest number: no bound. */
 export const MOST = 2 ** 31 - 1;
@@ -46,7 +47,7 @@ function topologyOf(own, rules) {
   if (!named.length) return { name: "star", files: withIncludes(rules, "topologies/star.lp") };
   const [{ topology, file, line, column }] = named;
   const mine = own.some(({ name }) => name === `${topology}.lp`);
-  const plans = Object.keys(rules).filter((path) => /^plans\/.*\.lp$/.test(path) && (path !== ADJACENT || adjacent) && (path !== GUARD || mine)).sort().flatMap((path) => withIncludes(rules, path));
+  const plans = [...PLANS, ...(adjacent ? [ADJACENT] : []), ...(mine ? [GUARD] : [])].sort().flatMap((path) => withIncludes(rules, path));
   if (mine) return { name: topology, files: plans };
   if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
   if (!rules[`topologies/${topology}.lp`]) {

@@ -155,7 +155,7 @@ class Frame {
     }
   }
 
-  /** What rules/doors.lp is to assume of the room. */
+  /** What rules/room/doors.lp is to assume of the room. */
   given() {
     const holds = [], fails = [];
     for (const [what, length] of this.lengths()) {
@@ -169,7 +169,7 @@ class Frame {
     return { holds, fails };
   }
 
-  /** The room for rules/given_rooms.pl. */
+  /** The room for rules/room/given_rooms.pl. */
   term(number, type, furniture, seed) {
     const pair = (a, b) => `${real(a)}-${real(b)}`;
     const doors = Object.values(this.doors).map((spans) => spans.map(([start, end]) => pair(start, end - start)));

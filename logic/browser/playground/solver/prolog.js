@@ -1,7 +1,7 @@
 /** Stage 2 in SWI-Prolog for WebAssembly: predicates of the core, called with terms, answer in JSON. */
 
 export class Prolog {
-  /** `swipl` is what swipl-wasm's factory gives; `core` the .pl files of the core by name. */
+  /** `swipl` is what swipl-wasm's factory gives; `core` the .pl files of the core by path. */
   constructor(swipl, core, json) {
     this.swipl = swipl;
     swipl.FS.mkdirTree("/swipl/library/http");
@@ -12,8 +12,11 @@ export class Prolog {
 
   /** Write files, by name, into a directory. */
   write(directory, files) {
-    this.swipl.FS.mkdirTree(directory);
-    for (const [name, text] of Object.entries(files)) this.swipl.FS.writeFile(`${directory}/${name}`, text);
+    for (const [name, text] of Object.entries(files)) {
+      const file = `${directory}/${name}`;
+      this.swipl.FS.mkdirTree(file.slice(0, file.lastIndexOf("/")));
+      this.swipl.FS.writeFile(file, text);
+    }
   }
 
   /** What a predicate of the core answers in its last argument; the others are texts of terms. */

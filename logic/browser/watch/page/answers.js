@@ -117,7 +117,7 @@ function reasonList(reasons) {
   const atoms = reasons.filter((each) => !each.file).map((each) => each.text);
   const items = stated.map((each) => element("li", {}, reason(each)));
   if (atoms.length) items.push(element("li", {}, stated.length ? "with " : "", element("code", {}, atoms.join(", "))));
-  if (!items.length) items.push(element("li", {}, "the core alone: rules/room.pl"));
+  if (!items.length) items.push(element("li", {}, "the core alone: rules/room/room.pl"));
   return element("ul", { className: "reasons" }, ...items);
 }
 

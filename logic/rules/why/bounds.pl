@@ -11,14 +11,14 @@ the atom of stage 1 that puts a piece or a companion where it is: on(F,K,P,N), w
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
 :- use_module(library(yall)).
-:- use_module(answers).
-:- use_module(furnish).
-:- use_module(grid).
-:- use_module(linear).
-:- use_module(record_access).
-:- use_module(records).
-:- use_module(room).
-:- use_module(solution).
+:- use_module('../answers').
+:- use_module('../room/furnish').
+:- use_module('../linear/grid').
+:- use_module('../linear/linear').
+:- use_module('../room/record_access').
+:- use_module('../room/records').
+:- use_module('../room/room').
+:- use_module('../room/solution').
 
 %!  room_parts(+Type, +Layout, +Shape, -Parts) is det.
 %

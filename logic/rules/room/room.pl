@@ -12,9 +12,9 @@ stretch.pl) and in its middle (island.pl).
 :- use_module(library(apply_macros)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
-:- use_module(chain).
+:- use_module('../linear/chain').
 :- use_module(island).
-:- use_module(lengths).
+:- use_module('../language/lengths').
 :- use_module(links).
 :- use_module(reasons).
 :- use_module(record_access).

@@ -21,12 +21,12 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module(library(pairs)).
 :- use_module(areas).
 :- use_module(contacts).
-:- use_module(exact).
-:- use_module(grid).
-:- use_module(lengths).
-:- use_module(linear).
+:- use_module('../linear/exact').
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../linear/linear').
 :- use_module(openings).
-:- use_module(sample).
+:- use_module('../linear/sample').
 
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %

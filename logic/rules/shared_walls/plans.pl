@@ -9,14 +9,14 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
-:- use_module(answers).
+:- use_module('../answers').
 :- use_module(areas).
 :- use_module(contacts).
-:- use_module(exact).
-:- use_module(grammar_files).
-:- use_module(grid).
-:- use_module(linear).
-:- use_module(lengths).
+:- use_module('../linear/exact').
+:- use_module('../language/grammar_files').
+:- use_module('../linear/grid').
+:- use_module('../linear/linear').
+:- use_module('../language/lengths').
 :- use_module(walls).
 
 %!  plan_placed(+Plan, +Limit, -Json) is det.

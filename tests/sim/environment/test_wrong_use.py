@@ -211,4 +211,4 @@ def test_options_of_stable_baselines_may_be_one_for_each() -> None:
 def test_a_packed_file_is_closed_when_it_is_read() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        load(Path(__file__).parents[2] / "sim" / "houses.jsonl.gz")
+        load(Path(__file__).parents[3] / "sim" / "houses.jsonl.gz")

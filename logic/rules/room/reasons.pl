@@ -6,7 +6,7 @@ A nonterminal that says why a constraint binds describes its reasons: the atoms 
 not hold, and the grammar's clauses length(Name), size(RoomType) and size(RoomType,Piece).
 */
 
-:- use_module(lengths).
+:- use_module('../language/lengths').
 
 %!  holds(?Atom, +Layout)// is semidet.
 %

@@ -10,10 +10,10 @@ no other room there, so that two never overlap. Rooms are those of walls.pl.
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
-:- use_module(grammar_files).
-:- use_module(grid).
-:- use_module(lengths).
-:- use_module(sample).
+:- use_module('../language/grammar_files').
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../linear/sample').
 
 :- table window_walls/3.
 

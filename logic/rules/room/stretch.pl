@@ -9,8 +9,8 @@ either closed or opens onto the core by at least a passage, so no floor is shut 
 :- use_module(library(apply)).
 :- use_module(library(apply_macros)).
 :- use_module(library(lists)).
-:- use_module(chain).
-:- use_module(lengths).
+:- use_module('../linear/chain').
+:- use_module('../language/lengths').
 :- use_module(reasons).
 :- use_module(record_access).
 :- use_module(records).

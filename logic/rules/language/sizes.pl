@@ -9,7 +9,7 @@ An item is item(Piece,Length,Depth,Walls): what has a size by piece_size/4, in a
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(grammar_files).
-:- use_module(grid).
+:- use_module('../linear/grid').
 :- use_module(lengths).
 
 :- table clause_system/4.                 % a clause is solved once, whatever the wall

@@ -2,7 +2,7 @@
 
 /** <module> What a grammar's clauses say of lengths and areas, as it is written: houses keep it, whatever their grid */
 
-:- use_module(answers).
+:- use_module('../answers').
 :- use_module(grammar_files).
 :- use_module(lengths).
 

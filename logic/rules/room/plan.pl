@@ -9,8 +9,8 @@ frame(Side,X,Y): that of a room on this side of its front wall, whose front left
 :- use_module(library(apply)).
 :- use_module(library(apply_macros)).
 :- use_module(library(lists)).
-:- use_module(grid).
-:- use_module(lengths).
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(shape).

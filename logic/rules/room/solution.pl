@@ -13,16 +13,16 @@ samples a solution where there is one after all.
 :- use_module(library(lists)).
 :- use_module(library(pairs)).
 :- use_module(library(yall)).
-:- use_module(chain).
-:- use_module(exact).
-:- use_module(grid).
-:- use_module(lengths).
-:- use_module(linear).
+:- use_module('../linear/chain').
+:- use_module('../linear/exact').
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../linear/linear').
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(room).
-:- use_module(sample).
-:- use_module(sizes).
+:- use_module('../linear/sample').
+:- use_module('../language/sizes').
 
 %!  solution_sample(?Room, +Constraints, +Proof, -Answer)// is det.
 %

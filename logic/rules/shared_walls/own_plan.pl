@@ -7,15 +7,15 @@ A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a roo
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(answers).
+:- use_module('../answers').
 :- use_module(areas).
-:- use_module(grammar_files).
-:- use_module(lengths).
-:- use_module(linear).
+:- use_module('../language/grammar_files').
+:- use_module('../language/lengths').
+:- use_module('../linear/linear').
 :- use_module(openings).
 :- use_module(plans).
-:- use_module(sample).
-:- use_module(sizes).
+:- use_module('../linear/sample').
+:- use_module('../language/sizes').
 
 %!  own_plan_faults(+Outline, +Rooms, +Walls, +Doors, +Types, -Json) is det.
 %

@@ -7,7 +7,7 @@ There they `share` a part of the wall, or R ends `before` Q begins, or `after` i
 */
 
 :- use_module(library(lists)).
-:- use_module(grid).
+:- use_module('../linear/grid').
 :- use_module(openings).
 
 %!  least_contact(-Metres) is det.

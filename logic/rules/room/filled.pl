@@ -7,8 +7,8 @@ greatest of these. In a longer or shorter room every try would fail.
 */
 
 :- use_module(library(apply)).
-:- use_module(grid).
-:- use_module(lengths).
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(room).

@@ -7,12 +7,12 @@ What bounds.pl says of furniture, for walls that rooms share, and for the doors 
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(answers).
+:- use_module('../answers').
 :- use_module(bounds).
-:- use_module(grid).
-:- use_module(lengths).
-:- use_module(openings).
-:- use_module(walls).
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../shared_walls/openings').
+:- use_module('../shared_walls/walls').
 
 %!  plan_room_lengths(+Atoms, +Boxes, +Room, -Json) is det.
 %

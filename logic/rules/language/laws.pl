@@ -15,7 +15,7 @@ A law is in metres, and is what can be sampled without the solver:
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(grammar_files).
-:- use_module(grid).
+:- use_module('../linear/grid').
 :- use_module(lengths).
 
 :- table room_law/2, piece_law/3.         % a few simplex runs each, needed in every room

@@ -10,11 +10,11 @@ area allow any room, they leave one: see anchor/5.
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(grammar_files).
-:- use_module(grid).
-:- use_module(lengths).
-:- use_module(regions).
-:- use_module(sizes).
+:- use_module('../language/grammar_files').
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../linear/regions').
+:- use_module('../language/sizes').
 
 :- table room_template/4, house_template/3.          % a clause is solved once
 

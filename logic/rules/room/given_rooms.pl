@@ -4,11 +4,11 @@
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- use_module(answers).
-:- use_module(exact).
+:- use_module('../answers').
+:- use_module('../linear/exact').
 :- use_module(furnish).
-:- use_module(grid).
-:- use_module(lengths).
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
 :- use_module(plan).
 :- use_module(solution).
 

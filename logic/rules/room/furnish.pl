@@ -13,16 +13,16 @@ Places are sampled last, by the gap law of chain.pl.
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(filled).
-:- use_module(grammar_files).
-:- use_module(grid).
-:- use_module(laws).
-:- use_module(lengths).
-:- use_module(linear).
+:- use_module('../language/grammar_files').
+:- use_module('../linear/grid').
+:- use_module('../language/laws').
+:- use_module('../language/lengths').
+:- use_module('../linear/linear').
 :- use_module(record_access).
 :- use_module(records).
 :- use_module(room).
-:- use_module(sample).
-:- use_module(sizes).
+:- use_module('../linear/sample').
+:- use_module('../language/sizes').
 :- use_module(solution).
 
 %!  furnished(+Type, +Layout, +Proof, -Answer)// is det.

@@ -9,7 +9,7 @@ Low-High: a `range` is in metres, an `extent` is the same in the house's own uni
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
 :- use_module(grammar_files).
-:- use_module(grid).
+:- use_module('../linear/grid').
 
 :- table room_extent/3, piece_extent/4.   % a few simplex runs each, needed in every room
 

@@ -11,11 +11,11 @@ from that house's origin.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
-:- use_module(chain).
-:- use_module(grid).
-:- use_module(lengths).
-:- use_module(linear).
-:- use_module(sample).
+:- use_module('../linear/chain').
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../linear/linear').
+:- use_module('../linear/sample').
 
 %!  main_room_around(+Rooms, +Corners, -Main, -Starts)// is det.
 %
