@@ -41,6 +41,17 @@ COMMENT = re.compile(r"%\*.*?\*%|%[^\n]*", re.DOTALL)
 LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
 """The lengths that the ``.pl`` files of every grammar state, each as a fact of this name."""
 
+IN_PROLOG = {
+    **dict.fromkeys((*LENGTHS, "door_margin", "window_margin", "unit_depth"), 1),
+    "house_size": 2,
+    **dict.fromkeys(("room_size", "room_area", "window_size"), 3),
+    "piece_size": 4,
+}
+"""All predicates that ``.pl`` files may state, and how many arguments each has."""
+
+CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
+"""What is said of a choice of ``option/3``, by its name."""
+
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
 

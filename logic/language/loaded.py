@@ -23,9 +23,11 @@ from logic.language.vocabulary import (
     Words,
     capitalised,
     core_words,
+    misspelt_lines,
     misspelt_names,
     misspelt_predicates,
     stages,
+    unknown_choices,
     words,
 )
 from logic.layout.program import Endless, Program
@@ -156,6 +158,7 @@ class LoadedGrammar:
         strange = self._strange()
         gone = [] if strange else list(self._unstated({predicate for predicate, *_ in sized}))
         if not gone:
+            strange += [*unknown_choices(self._words), *misspelt_lines(self._words)]
             strange += misspelt_names(self._words, (name for _, name, *_ in sized))
         meant, others = _by_meaning(strange)
         try:

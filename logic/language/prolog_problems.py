@@ -12,8 +12,9 @@ def unknown(name: str, text: str, file: str, line: int, column: int) -> GrammarE
     """An error for a name in a ``.pl`` file that nothing knows: of a predicate, a room type or a piece."""
     if name in {each for each, _ in core_words().documented}:
         text = f"{name} belongs in a .lp file: see docs/rules.md"
-    # A misspelt name is that before it is a word that asks for too much: door_widht is door_width.
-    return GrammarError(text if ": did you mean" in text else inexpressible(name) or text, file, line, column)
+    # A misspelt name, or too many arguments, is that before it asks for too much: door_widht is door_width.
+    is_said = re.search(r"/\d+: ", text) or ": did you mean" in text
+    return GrammarError(text if is_said else inexpressible(name) or text, file, line, column)
 
 
 def problem(file: str, line: int, column: int, text: str, name: str) -> GrammarError:

@@ -38,6 +38,8 @@ def _meant(code: str, offset: int, what: str) -> Iterator[tuple[int, str]]:
 
     if what == "float_overflow":
         yield offset, "no length is so large"
+    if "block_comment" in what and "/*" in code:
+        yield code.index("/*"), "a comment begins here and does not end: */ ends it"
     if "quoted" in what and (quote := re.search("['\"`]", code[begin:])):
         yield begin + quote.start(), "a quote begins here and does not end"
     if what == "end_of_file" and opened:

@@ -30,8 +30,24 @@ class Word(NamedTuple):
 def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
     """Rules that do not act as they read in the program in which they stand.
 
-    ``refused`` holds the ids of nodes of which something else is said.
+    ``refused`` holds the ids of nodes of which something else is said. Rules of a file before any
+    ``#program`` that belong after the same one are one error, at the first of them.
     """
+    together: dict[tuple[str, str], list[GrammarError]] = {}
+    for statement, put, error in _misplaced(own, refused):
+        if put and statement.program == "base":
+            # What a rule of the first stage derives may be for both.
+            together.setdefault((str(error.file), put.partition(" or ")[0]), []).append(error)
+        else:
+            yield error
+    for errors in together.values():
+        first = min(errors, key=lambda error: (error.line or 0, error.column or 0))
+        more = f" ({len(errors) - 1} more of this file too)" if len(errors) > 1 else ""
+        yield GrammarError(f"{first.message}{more}", first.file, first.line, first.column)
+
+
+def _misplaced(own: Words, refused: Container[int]) -> Iterator[tuple[Statement, str, GrammarError]]:
+    """Each of these rules with what to do about it, if that is to put it elsewhere."""
     every = frozenset({"base", *stages(own.core or core_words())})
     rules: dict[int, tuple[Statement, list[Word]]] = {}
     for word in _words(own):
@@ -50,14 +66,15 @@ def misplaced(own: Words, refused: Container[int]) -> Iterator[GrammarError]:
         put = f"put it after {' or '.join(f'#program {each}.' for each in sorted(fits))}"
         bad = next((word for word in found if statement.program not in word.programs), None)
         if bad is None:
-            yield statement.error(f"say which stage this binds: {put}")
+            yield statement, put, statement.error(f"say which stage this binds: {put}")
         elif fits:
-            yield error_at(bad.use.node, f"{_where(bad)}: {put}")
+            yield statement, put, error_at(bad.use.node, f"{_where(bad)}: {put}")
         else:
             other = next(word for word in found if not word.programs & bad.programs)
             meant = _with_other_arity(bad, statement.program, own)
             hint = f"did you mean {meant}?" if meant else "no rule sees both"
-            yield error_at(bad.use.node, f"{_where(bad)}, and {_where(other)}: {hint}")
+            error = error_at(bad.use.node, f"{_where(bad)}, and {_where(other)}: {hint}")
+            yield statement, "", error
 
 
 def _with_other_arity(word: Word, program: str, own: Words) -> str:

@@ -11,7 +11,7 @@ from clingo import Symbol
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
-from logic.grammar import ADJACENT, LENGTHS, PLANS, STAR
+from logic.grammar import ADJACENT, PLANS, STAR
 from logic.language.audit import STAGES, UNITS
 from logic.language.causes import Mistake, misspelt_name
 from logic.language.inexpressible import inexpressible
@@ -143,6 +143,34 @@ def misspelt_predicates(own: Words) -> Iterator[Mistake]:
             yield _unknown(signature, "uses", uses[0], inputs | set(own.used), core)
 
 
+def unknown_choices(own: Words) -> Iterator[Mistake]:
+    """Choices that are picked or weighed, and that no option/3 of the grammar or the core offers."""
+    core = own.core or core_words()
+    offers = [*own.derived.get(("option", 3), ()), *core.derived.get(("option", 3), ())]
+    of_grammar = {each for use in own.derived.get(("option", 3), ()) for each in _heads(use)}
+    names = {each for use in offers for each in _heads(use)}
+    if "" in of_grammar:
+        return  # A choice whose name is a variable: any.
+    said = {""}
+    for signature in sorted(CHOICES):
+        for use in (*own.used.get(signature, ()), *own.derived.get(signature, ())):
+            for name in sorted(_heads(use) - names - said):
+                said.add(name)
+                choice = f"{signature[0]}({','.join(map(str, use.node.arguments))})"
+                error = error_at(use.node, f"{choice}: no option/3 has this name{_meant(name, names)}")
+                meant = closest(name, names) or ""
+                yield Mistake(error, frozenset({name, meant} - {""}), frozenset({f"{name}, a choice"}))
+
+
+def _heads(use: Use) -> set[str]:
+    """The names of what may be the first argument of an atom, empty for a variable."""
+    text = str(use.node.arguments[0])
+    if text.startswith("("):
+        return set(re.findall(r"(?:(?<=\()|(?<=;))\s*([a-z]\w*|(?=[A-Z_]))", text))
+    found = re.match(r"[a-z]\w*", text)
+    return {found[0] if found else ""}
+
+
 def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
     """Constants that no other statement names. ``sized`` are the names that the ``.pl`` files know."""
     core = own.core or core_words()
@@ -153,9 +181,12 @@ def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
     elsewhere = {*core.constants, *core.defined, *sized, *re.findall(r"[\w']+", " ".join(values))}
     spoken = {each for each in elsewhere if len(each) > 1}  # Letters are parameters of the core's programs.
     others = {*elsewhere, *own.stated, *own.defined}
+    lines = _line_names(own)
     for name, uses in own.constants.items():
         if name in own.defined or name in elsewhere:
             continue
+        if name in lines and not closest(name, others - {name}):
+            continue  # A line that sides of one kind lie on, as at a court.
         if len(uses) == 1 and (beside := _beside(name, own, known)) is not None and not beside & spoken:
             continue  # A value in a table of the grammar's own, such as zone(kitchen,loud).
         if len(uses) == 1:
@@ -166,6 +197,25 @@ def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:
         if name not in own.constants:
             error = error_at(use.node, f"#const {name} is not used{_meant(name, core.defined)}")
             yield misspelt_name(error, name, "")
+
+
+def _line_names(own: Words) -> dict[str, list[Use]]:
+    """The names in lines on which a topology says that rooms lie, as ``joint`` in ``joint(R)``."""
+    found: dict[str, list[Use]] = {}
+    for use in own.derived.get(("edge", 3), ()):
+        for name in re.findall(r"\b[a-z]\w*", str(use.node.arguments[2])):
+            found.setdefault(name, []).append(use)
+    return found
+
+
+def misspelt_lines(own: Words) -> Iterator[Mistake]:
+    """Lines that stand once and are named nearly as another one is: ``outlin(S)`` for ``outline(S)``."""
+    lines = _line_names(own)
+    others = {*lines, "outline"}
+    for name, uses in lines.items():
+        near = closest(name, others - {name})
+        if near and len(uses) == 1 and name not in own.constants and name != "outline":
+            yield _misspelt(name, uses[0], "is a line that stands nowhere else", {near})
 
 
 def _misspelt(name: str, use: Use, what: str, others: set[str]) -> Mistake:
@@ -217,13 +267,18 @@ def places(fact: Symbol, own: Words) -> list[Use]:
 def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature], core: Words) -> Mistake:
     name, arity = signature
     here = f"{name}/{arity}"
+    if name in IN_PROLOG:
+        why = f"{name} belongs in a .pl file: see docs/rules.md#lengths-in-pl-files"
+        return misspelt_name(error_at(use.node, why), here, "")
     if sentence := inexpressible(name):
         return misspelt_name(error_at(use.node, sentence), here, "")
     if name in core_words().defined:
         error = error_at(use.node, f"{name} is a constant: write {name} = {use.node.arguments[0]}")
         return misspelt_name(error, here, "")
-    if name in {"room_size", "piece_size", *LENGTHS}:
-        why = f"{name} belongs in a .pl file: see docs/rules.md#lengths-in-pl-files"
+    if signature in core_words(PLANS).documented - core.documented:
+        why = (
+            f"{here} is known where rooms share walls, which those around a main room do not: see topology/1"
+        )
         return misspelt_name(error_at(use.node, why), here, "")
     meant = _meant_predicate(signature, known, core)
     hint = f": did you mean {meant}?" if meant else ""

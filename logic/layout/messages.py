@@ -14,6 +14,9 @@ _PLACED = re.compile(
 )
 _UNSAFE = re.compile(r":(?P<line>\d+):(?P<column>\d+)[-\d:]*: note: '(?P<name>.+)' is unsafe")
 
+_CLOSED = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|%(?!\*)[^\n]*', re.DOTALL)
+"""Strings and comments that end."""
+
 REMARKS = {
     "operation undefined": "arithmetic takes whole numbers; where there is none, the rule is passed over",
     "tuple ignored": "a sum adds whole numbers: the first term of each tuple",
@@ -50,6 +53,8 @@ def placed_error(remark: str) -> GrammarError:
     if not found:
         return GrammarError(remark.strip())
     file, line, column = found["file"], int(found["line"]), int(found["column"])
+    if found["text"].startswith("lexer error") and "<EOF>" in found["text"]:
+        return _unclosed(file)
     last, end = int(found["last"] or line), int(found["end"] or column)
     text = " ".join(found["text"].split())
     if unsafe := _UNSAFE.search(found["text"]):
@@ -70,6 +75,14 @@ def placed_error(remark: str) -> GrammarError:
         end = "EOF" in text and "the last statement has no period at its end"
         hints = hints or [end or "is a comma missing before it, or a period after the statement above?"]
     return GrammarError(": ".join([text, *hints[:1], written]), file, line, column)
+
+
+def _unclosed(file: str) -> GrammarError:
+    """A comment that goes on to the end of its file, where it begins."""
+    text = re.sub(_CLOSED, lambda each: re.sub(r"[^\n]", " ", each[0]), Path(file).read_text("utf-8"))
+    before = text[: max(text.find("%*"), 0)].split("\n")
+    why = "a comment begins here and does not end: *% ends it"
+    return GrammarError(why, file, len(before), len(before[-1]) + 1)
 
 
 def excerpt(file: str, begin: tuple[int, int], end: tuple[int, int | None]) -> str:

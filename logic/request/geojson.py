@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
-from logic.house.parts import LONGEST_NAME, Room
+from logic.house.parts import LONGEST_NAME, OUTSIDE, Room
 
 GEOJSON = "FeatureCollection"
 
@@ -17,6 +17,9 @@ GEOMETRIES = ("Polygon", "MultiPolygon")
 
 FAR = 1e8
 """Metres: as far from the origin as coordinates of maps are."""
+
+OTHER_KINDS = ("door", "window", "piece")
+"""What our own exports call the parts of a house that are no rooms."""
 
 NAMES = ("name", "Name", "NAME", "label", "id")
 """Properties that name a room, the first that is there."""
@@ -100,7 +103,7 @@ def _polygon(feature: Any, number: int, passed: Counter[str]) -> Polygon | None:
     properties, geometry = feature.get("properties") or {}, feature.get("geometry")
     if not isinstance(properties, Mapping):
         raise RequestError(f"{where}: its properties are no object, but {type(properties).__name__}")
-    if properties.get("kind", "room") != "room":
+    if properties.get("kind") in OTHER_KINDS:
         return None
     kind = geometry.get("type") if isinstance(geometry, Mapping) else None
     if kind not in GEOMETRIES or not isinstance(geometry, Mapping):
@@ -133,9 +136,11 @@ def _name(properties: Mapping[str, Any], feature: Mapping[str, Any], number: int
 
 
 def _unlike(names: Iterable[str]) -> Iterator[str]:
-    """Names of which each is one room's: those that stand twice get numbers, as in ``Bedroom 2``."""
+    """Names of which each is one room's: those that stand twice get numbers, as in ``Bedroom 2``. None is
+    what lies around the house.
+    """
     names = list(names)
-    taken, seen = set(names), set[str]()
+    taken, seen = set(names), {OUTSIDE}
     for name in names:
         own, number = name, 1
         while own in seen or (own != name and own in taken):
@@ -155,7 +160,9 @@ def _ring(rings: Any, where: str) -> list[tuple[float, float]]:
     for point in rings[0] if isinstance(rings[0], Sequence) else ():
         numbers = point[:2] if isinstance(point, Sequence) and not isinstance(point, str) else ()
         if len(numbers) < 2 or not all(type(each) in (int, float) and abs(each) <= FAR for each in numbers):
-            raise RequestError(f"{where}: a corner is two numbers, x and y, not {str(point)[:40]}")
+            raise RequestError(
+                f"{where}: a corner is two numbers, x and y, of {FAR:.0e} at most, not {str(point)[:40]}"
+            )
         points.append((float(numbers[0]), float(numbers[1])))
     if len(set(points)) < 4:
         raise RequestError(f"{where} has {len(set(points))} corners: a rectangle has four")

@@ -202,10 +202,29 @@ def _require_rooms(rooms: Sequence[Room]) -> None:
 
 def _require_plan(plan: OwnPlan) -> None:
     """Refuse rooms that are no plan, each by its name."""
+    for fault in _covers(plan):
+        raise RequestError(f"plan: {fault}")
     for fault in chain(_overlaps(plan), _apart(plan), _gaps(plan)):
         raise RequestError(f"plan: {fault}: {HINT}")
     for fault in _misplaced(plan):
         raise RequestError(f"plan: {fault}")
+
+
+def _covers(plan: OwnPlan) -> Iterator[str]:
+    """Rooms that stand twice, and outlines drawn as rooms."""
+    for room in plan.rooms:
+        held = [each for each in plan.rooms if each is not room and _within(each.box, room.box)]
+        if same := next((each.name for each in held if _within(room.box, each.box)), ""):
+            yield f"{room.name} and {same} are the same rectangle: leave one of them out"
+        elif held:
+            names = ", ".join(each.name for each in held[:3])
+            more = f" and {len(held) - 3} more" if len(held) > 3 else ""
+            yield f"{room.name} has {names}{more} within it: is it an outline, and no room? Leave it out"
+
+
+def _within(inner: Box, outer: Box) -> bool:
+    west, north, east, south = (a - b for a, b in zip(inner, outer, strict=True))
+    return min(west, north) >= -TOLERANCE and max(east, south) <= TOLERANCE
 
 
 def _overlaps(plan: OwnPlan) -> Iterator[str]:
@@ -224,7 +243,10 @@ def _apart(plan: OwnPlan) -> Iterator[str]:
         reached |= new
     for number, room in enumerate(plan.rooms):
         if number not in reached:
-            yield f"{room.name} shares no wall with the rooms around {plan.rooms[0].name}"
+            around = [shapely.box(*plan.rooms[other].box) for other in reached]
+            off = min(shapely.distance(around, shapely.box(*room.box)))
+            near = f", {figure(off, digits=3)} m off{_by_snap(off, MOST_SNAP)}" if off > TOLERANCE else ""
+            yield f"{room.name} shares no wall with the rooms around {plan.rooms[0].name}{near}"
             return
 
 
@@ -239,10 +261,10 @@ def _gaps(plan: OwnPlan) -> Iterator[str]:
             yield f"{size}, {figure(wide, digits=3)} m wide{_by_snap(wide)}"
 
 
-def _by_snap(off: float) -> str:
+def _by_snap(off: float, most: float = MOST_SNAP / 4) -> str:
     """What to do about walls that are so far apart, if they may be meant to be one."""
     more = figure(off + 0.001, digits=3)
-    return f" (--snap {more} takes these walls for one)" if off < MOST_SNAP / 4 else ""
+    return f" (--snap {more} takes these walls for one)" if off + 0.001 < most else ""
 
 
 def _misplaced(plan: OwnPlan) -> Iterator[str]:

@@ -42,7 +42,7 @@ stated(Head) :- \+ \+ clause(grammar:Head, _).
 %   width of its room.
 
 narrow_walls(Walls, Types, Wrong) :-
-    stated_length(door_width, Width), stated_length(door_margin, Margin), number(Width), number(Margin), Door is Width + 2*Margin,
+    stated_length(door_width, Width), stated_length(door_margin, Margin), number(Width), number(Margin), Width < 1 000 000 000, Margin < 1 000 000 000, Door is Width + 2*Margin,
     findall(Long-Type, ( member(room(Type,_), Types), longest_wall(Walls, Type, Long), Long < Door - 1.0e-9 ), Found),
     sort(Found, [Long-Type|Others]),
     ( Margin > 0 -> Margins = [" with ",clause(door_margin(_))] ; Margins = ["",""] ),
@@ -76,7 +76,8 @@ areas_found(Head, Least, Most, Found) :-
     findnsols(2, Least-Most, grammar:Head, Stated), !,
     (   Stated = [] -> Found = fault(empty)
     ;   Stated = [_,_] -> Found = fault(several)
-    ;   Stated = [L-M], number(L), number(M), L >= 0, M > 0, L =< M, M < 1.0e9 -> Found = L-M
+    ;   Stated = [L-M], number(L), number(M), L >= 0, M > 0, L =< M
+    ->  ( M < 1 000 000 000 -> Found = L-M ; Found = fault(too_large) )
     ;   Found = fault(no_areas) ).
 
 % - windows -----------------------------------------------------------------------------------------------------

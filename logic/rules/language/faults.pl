@@ -21,7 +21,7 @@
 %       unbounded   a size has no bound on a side      not_positive  a size can be 0 or less
 %       endless     the clause calls itself            not_metres    a length is not a number, 0 or more
 %       no_areas    two numbers are no least and greatest area
-%       no_width    a length is 0
+%       no_width    a length is 0                      too_large    a length or an area is no building's
 
 fault_report(Kind, Call, Wrong) :- explained_fault(Kind, Call, Wrong), !.
 fault_report(Kind, _-Head, Wrong) :-
@@ -53,6 +53,7 @@ general(not_positive, "allows a size that is not positive").
 general(endless,      "recurs without end").
 general(not_metres,   "is not a number of metres, 0 or more").
 general(no_width,     "is not a number of metres more than 0").
+general(too_large,    "is larger than any house").
 general(no_areas,     "is not a least and a greatest number of square metres, in this order, 0 or more").
 
 %!  clause_line(+Head, +Other, -Words) is det.

@@ -32,7 +32,9 @@ length_found(Name, Found) :-
 stated([],    _, fault(empty)).
 stated([_,_], _, fault(several)) :- !.
 stated([M], Name, Found) :-
-    (   number(M), M >= 0
+    (   number(M), \+ catch(_ is float(M), _, fail)
+    ->  Found = fault(too_large)
+    ;   number(M), M >= 0
     ->  ( Name == door_width, M =:= 0 -> Found = fault(no_width) ; rounded_up(M, Length), metres(Length, Found) )
     ;   Found = fault(not_metres) ).
 

@@ -32,6 +32,38 @@ MISSPELT = [
     ("furniture.lp", "stands(bed, ", "stnads(bed, ", "did you mean stands/2?"),
     ("furniture.lp", "turns(bed,(", "turns(bedd,(", "did you mean bed?"),
     ("furniture.lp", "beside(bed,bedside", "beside(bde,bedside", "did you mean bed?"),
+    ("rooms.lp", "#program house.", "", "put it after #program house. (22 more of this file too)"),
+    (
+        "rooms.lp",
+        "degree(corridor,",
+        "room_area(kitchen,6,12). degree(corridor,",
+        "room_area belongs in a .pl file",
+    ),
+    (
+        "rooms.lp",
+        "% The smaller homes",
+        "%* The smaller homes",
+        "30:1: error: a comment begins here and does not end",
+    ),
+    (
+        "sizes.pl",
+        "%!  room_area",
+        "/*  room_area",
+        "30:1: error: syntax error: end_of_file_in_block_comment: a comment",
+    ),
+    (
+        "sizes.pl",
+        "door_width(0.8)",
+        "door_width(0,8)",
+        "door_width/2: 0,8 is two terms: write 0.8",
+    ),
+    ("sizes.pl", "door_margin(0.1)", f"door_margin({10**400})", "is larger than any house"),
+    (
+        "sizes.pl",
+        "room_area(kitchen,   6.0, 16.0)",
+        "room_area(kitchen, 6, 1600000000)",
+        "is larger than any house",
+    ),
     ("sizes.pl", "room_size(kitchen,", "room_size(kichen,", "Did you mean kitchen?"),
     ("furniture.pl", "piece_size(bed, ", "piece_size(bde, ", "Did you mean bed?"),
 ]

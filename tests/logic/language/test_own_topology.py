@@ -58,6 +58,29 @@ face(Q,R) :- next(R,Q).
 face(R,Q) :- row(R,north), row(Q,(west;east)).
 face(Q,R) :- row(R,north), row(Q,(west;east)).
 """
+LEG = """#program house.
+% An L: rooms in a row along the north, and rooms that go south from the first of them, along the west.
+option(k,2..rooms-2,1).
+arm(R,north) :- pick(k,K), R = 0..K-1.
+arm(R,west) :- pick(k,K), R = K..rooms-1.
+nx(R,R+1) :- arm(R,A), arm(R+1,A).
+edge(R,north,outline(north)) :- arm(R,north).
+edge(R,south,under) :- arm(R,north).
+edge(R,west,outline(west)) :- arm(R,north), not nx(_,R).
+edge(R,east,j(R)) :- nx(R,_), arm(R,north).
+edge(Q,west,j(R)) :- nx(R,Q), arm(R,north).
+edge(R,east,outline(east)) :- arm(R,north), not nx(R,_).
+edge(R,west,outline(west)) :- arm(R,west).
+edge(R,east,leg) :- arm(R,west).
+edge(R,north,under) :- arm(R,west), not nx(_,R).
+edge(R,south,j(R)) :- nx(R,_), arm(R,west).
+edge(Q,north,j(R)) :- nx(R,Q), arm(R,west).
+edge(R,south,outline(south)) :- arm(R,west), not nx(R,_).
+outer(R,south) :- arm(R,north).
+outer(R,east) :- arm(R,west).
+face(R,Q) :- nx(R,Q). face(Q,R) :- nx(R,Q).
+face(R,Q) :- arm(R,north), pick(k,Q). face(Q,R) :- arm(R,north), pick(k,Q).
+"""
 PINWHEEL = """#program house.
 % Four rooms around what is no room.
 :- rooms != 4.
@@ -89,6 +112,21 @@ TOPOLOGIES: dict[str, tuple[str, int, str]] = {
     "outer walls everywhere": (ROWS + "outer(R,S) :- R = 0..rooms-1, opposite(S,_).\n", 5, HOUSES),
     "outer walls of no room": (ROWS + "outer(99,north).\nouter(0,wall(north)).\n", 5, "mine.lp"),
     "outer walls between two rooms": (ROWS + "outer(0,(north;south)).\n", 5, HOUSES),
+    "a court that lies on a line of one side alone": (
+        LEG,
+        5,
+        HOUSES,
+    ),
+    "a misspelt outline": (
+        ROWS.replace("edge(R,S,outline(S))", "edge(R,S,outlin(S))"),
+        5,
+        r"mine.lp:9:1: outlin is a line that stands nowhere else: did you mean outline",
+    ),
+    "a misspelt choice": (
+        ROWS.replace("option(north", "option(nroth"),
+        5,
+        r"mine.lp:3:18: pick\(north,N\): no option/3 has this name: did you mean nroth",
+    ),
     "rooms that face nothing": (without(ROWS, "face"), 5, "mine.lp"),
     "rooms that face one way": (without(without(ROWS, "face(0"), "face(Q"), 5, HOUSES),
     "rooms that face all others": (ROWS + "face(R,Q) :- R = 0..rooms-1, Q = 0..rooms-1.\n", 5, HOUSES),

@@ -110,6 +110,7 @@ def renamed(**names: Any) -> dict[str, Any]:
         ("  two\tlines\nof it ", "two lines of it"),
         ("x" * 100, "x" * 64),
         ("R-1.a", "R-1.a"),
+        ("outside", "outside 2"),
         (None, "R0"),
         ("", "R0"),
         (True, "R0"),
@@ -156,6 +157,35 @@ def test_what_is_no_room_is_passed_over_and_said() -> None:
     assert len(plan.rooms) == len(BOXES)
     with pytest.raises(RequestError, match="has no polygon that is a room, but 2 Points"):
         read_plan({"type": "FeatureCollection", "features": record["features"][1:2] * 2})
+
+
+@pytest.mark.parametrize(
+    ("boxes", "says"),
+    [
+        (
+            BOXES | {"again": BOXES["living"]},
+            "living and again are the same rectangle: leave one of them out",
+        ),
+        (
+            BOXES | {"all": (-1, -1, 20, 20)},
+            "all has hall, living, kitchen and 2 more within it: is it an outline",
+        ),
+        (
+            {"a": (0, 0, 3, 3), "b": (3.2, 0, 6, 3)},
+            r"b shares no wall .*, 0\.200 m off \(--snap 0\.201 takes",
+        ),
+    ],
+)
+def test_what_is_drawn_beside_or_over_rooms_is_named_for_what_it_is(boxes: dict[str, Box], says: str) -> None:
+    with pytest.raises(RequestError, match=says):
+        read_plan(geojson(boxes))
+
+
+def test_a_feature_of_another_program_is_a_room_whatever_kind_it_calls_it() -> None:
+    record = geojson(BOXES)
+    for feature in record["features"]:
+        feature["properties"]["kind"] = "space"
+    assert read_plan(record).rooms == read_plan(geojson(BOXES)).rooms
 
 
 def scaled(factor: float, far: float = 0.0) -> dict[str, Any]:
