@@ -49,9 +49,6 @@ IN_PROLOG = {
 }
 """All predicates that ``.pl`` files may state, and how many arguments each has."""
 
-CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
-"""What is said of a choice of ``option/3``, by its name."""
-
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""
 
