@@ -5,9 +5,9 @@ import weakref
 import torch
 import torch.distributed as dist
 
-from agent.algorithms.pqn import PQN
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.learner import PQN
 from agent.learning import ranks
-from agent.learning.config import PQNConfig
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 

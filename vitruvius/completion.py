@@ -14,7 +14,7 @@ from typing import Literal
 
 import tyro
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.banks import BANKS
 from agent.learning.config import TARGET_MODES
 from agent.runs.released import released

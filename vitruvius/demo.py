@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 from rich.markdown import Markdown
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.banks import bank_hash, geometry_hash
 from agent.evaluation.plots import learning_curve
 from agent.evaluation.protocol import measure

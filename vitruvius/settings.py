@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 import msgspec
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.learning.config import TrainConfig
 from logic.errors import VitruviusError
 from logic.spelling import unknown

@@ -1,1 +1,1 @@
-"""The algorithms, and their configs that run by name."""
+"""The algorithms, a folder each, and the presets that run by name."""

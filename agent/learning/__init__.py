@@ -1,1 +1,1 @@
-"""What every algorithm learns by: configs, rollouts, replay, ranks, environments."""
+"""What every algorithm learns by: configs, replay, ranks, environments."""

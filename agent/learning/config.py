@@ -1,4 +1,4 @@
-"""What a training run is: what all runs have in common, and a frozen dataclass for each Q-learning algorithm.
+"""What a training run is: what the runs of all algorithms have in common, and those of Q-learning.
 
 The names of the fields are those of CleanRL and Stable-Baselines3; their docstrings are the command's help.
 """
@@ -91,9 +91,20 @@ class TrainConfig:
     algorithm: ClassVar[str]
     """What learns."""
 
+    learnt_in: ClassVar[str | None] = None
+    """Houses that it learns in where none are given: a name of ``sim.environment.arguments``."""
+
+    parallel: ClassVar[bool] = False
+    """Whether several processes can learn as one."""
+
     positive: ClassVar[tuple[str, ...]] = ("num_envs", "steps", "seconds", "threads", "learning_rate")
     fractions: ClassVar[tuple[str, ...]] = ("epsilon", "final_epsilon", "forward")
     """Fields that must be above 0, and between 0 and 1."""
+
+    @classmethod
+    def presets(cls) -> "dict[str, TrainConfig]":
+        """Configs that run by name."""
+        return {}
 
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
@@ -139,155 +150,6 @@ class QLearningConfig(TrainConfig):
             raise RequestError(f"half_lives are at most {MOST_HALF_LIVES}, not {len(self.half_lives)}")
         if not all(0 < half_life < inf for half_life in self.half_lives):
             raise RequestError(f"half_lives must be above 0 and finite, not {self.half_lives}")
-
-
-@dataclass(frozen=True)
-class PQNConfig(QLearningConfig):
-    """Parallel Q-learning, "PQN" (Gallici et al. 2024, arXiv:2407.04811).
-
-    Preset ``pqn`` reaches the oracle's neighbourhood in the main room after about a minute on a core.
-    """
-
-    groups: ClassVar = {"network": "Parallel Q-learning (PQN)"}
-
-    network: Literal["feedforward", "recurrent"] = "feedforward"
-    """feedforward: remembers by exponential moving averages of the past; recurrent: by a layer (GRU) that
-    learns what to remember."""
-
-    num_steps: int = 32
-    """Steps of every environment in a rollout; the network learns after each."""
-
-    q_lambda: float = 0.75
-    """Lambda of Q(lambda), how far returns follow the path taken before they trust the network: 0 one step,
-    1 all of them."""
-
-    update_epochs: int = 2
-    """Passes over each rollout."""
-
-    num_minibatches: int = 4
-    """Updates in an epoch; each learns from its share of the rollout."""
-
-    algorithm: ClassVar[str] = "pqn"
-    positive: ClassVar[tuple[str, ...]] = (
-        *(*QLearningConfig.positive, "num_steps", "update_epochs", "num_minibatches"),
-    )
-    fractions: ClassVar[tuple[str, ...]] = (*(*QLearningConfig.fractions, "q_lambda"),)
-
-    def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
-        super().__post_init__()
-        if self.network == "recurrent" and self.num_minibatches > self.num_envs:
-            raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")
-        if self.num_minibatches > self.num_envs * self.num_steps:
-            raise RequestError(
-                f"num_minibatches must not exceed num_envs x num_steps, not {self.num_minibatches}"
-            )
-
-
-@dataclass(frozen=True)
-class DQNConfig(QLearningConfig):
-    """Deep Q-learning from a replay buffer (Mnih et al. 2015, doi:10.1038/nature14236), with double
-    Q-learning and n-step returns.
-    """
-
-    groups: ClassVar = {"buffer_size": "Deep Q-learning from a replay buffer (DQN)"}
-
-    buffer_size: int = 200_000
-    """Steps that the replay buffer holds, of all environments together."""
-
-    learning_starts: int = 20_000
-    """Steps in the buffer before the first update."""
-
-    train_frequency: int = 4
-    """Steps of every environment between two updates."""
-
-    batch_size: int = 1024
-    """Steps that an update learns from."""
-
-    n_step: int = 5
-    """Rewards that a return adds up before it trusts the network (n)."""
-
-    target_network_frequency: int = 200
-    """Updates between two copies of the network to the target network."""
-
-    algorithm: ClassVar[str] = "dqn"
-    positive: ClassVar[tuple[str, ...]] = (
-        *(*QLearningConfig.positive, "buffer_size", "learning_starts", "train_frequency"),
-        *("batch_size", "n_step", "target_network_frequency"),
-    )
-
-    def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
-        super().__post_init__()
-        if self.buffer_size < self.num_envs * (self.n_step + 1):
-            raise RequestError(
-                f"buffer_size must hold n_step + 1 steps of each environment, not {self.buffer_size}"
-            )
-        if self.device != "cpu":
-            raise RequestError("deep Q-learning from a replay buffer runs on device cpu alone")
-
-
-@dataclass(frozen=True)
-class PaperConfig(TrainConfig):
-    """The original agent; preset ``paper`` is it, in the original's simulator. See ``algorithms.paper``."""
-
-    groups: ClassVar = {"episodes": "The paper's agent"}
-
-    episodes: int | None = 817
-    """Episodes of the whole run, if it has not ended by its steps before; None: as many as come."""
-
-    initialisation: Literal["glorot", "torch"] = "glorot"
-    """First weights: Glorot's uniform ones and no biases, as Keras has them, or torch's own."""
-
-    lr_decay: float = 1e-2
-    """The learning rate is divided by 1 + this x the updates so far."""
-
-    adam_epsilon: float = 1e-7
-    """What Adam adds to the root of the mean squared gradient: Keras's."""
-
-    homing: bool = True
-    """Whether a random action goes forward where a middle ray sees the target."""
-
-    epsilon_decay: float = 0.996
-    """Epsilon is multiplied by this after each episode."""
-
-    buffer_size: int = 100_000
-    """Steps that the replay buffer holds, of all environments together."""
-
-    learning_starts: int = 1
-    """Steps in the buffer before the first update."""
-
-    batch_size: int = 500
-    """Steps that are replayed when an episode ends; some repeatedly while the buffer has fewer."""
-
-    num_minibatches: int = 500
-    """Updates that these steps are shared out among."""
-
-    angles: Literal["own", "next"] = "next"
-    """Whose angle the network reads at a ray: its own, or the next ray's, as the original's did by a slip."""
-
-    plays_as_original: bool = True
-    """Whether the trained agent is measured as the original was: a share ``final_epsilon`` of random actions,
-    forward where a middle ray sees the target. Otherwise it is measured as all other agents are."""
-
-    algorithm: ClassVar[str] = "paper"
-    positive: ClassVar[tuple[str, ...]] = (
-        *(*TrainConfig.positive, "episodes", "adam_epsilon", "buffer_size", "learning_starts"),
-        *("batch_size", "num_minibatches"),
-    )
-    fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "epsilon_decay")
-
-    def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
-        super().__post_init__()
-        if self.lr_decay < 0:
-            raise RequestError(f"lr_decay must be 0 or more, not {self.lr_decay}")
-        if self.buffer_size < 2 * self.num_envs:
-            raise RequestError(f"buffer_size must hold 2 steps of each environment, not {self.buffer_size}")
-        if self.num_minibatches > self.batch_size:
-            raise RequestError(f"num_minibatches must not exceed batch_size, not {self.num_minibatches}")
-        if self.device != "cpu":
-            raise RequestError("deep Q-learning from a replay buffer runs on device cpu alone")
 
 
 def differences(one: TrainConfig, other: TrainConfig) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What all learners share: how far a run is, its reports, its state to save and to restore."""
+"""What all learners share: how a network plays, how far a run is, reports, a state to save and to restore."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -7,12 +7,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from agent.banks import bank_hash
 from agent.learning import ranks
 from agent.learning.config import TrainConfig, differences
 from agent.learning.environments import layer_of
+from agent.policies.policies import Explorer, QPolicy
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
 
@@ -94,13 +95,26 @@ class Tally:
 
 
 class Learner(ABC):
-    """A training run: its network and its environments. ``train`` goes on with it.
+    """An algorithm: its network, the policy that plays by it, and a training run. ``train`` goes on with it.
 
     Logging, checkpoints and evaluation are the caller's: between two reports nothing moves, ``state`` has all
     that the next steps depend on, and whoever stops asking stops the run.
     """
 
-    def __init__(self, config: TrainConfig, envs: HouseVectorEnv, network: nn.Module, report: int) -> None:
+    @staticmethod
+    @abstractmethod
+    def network_of(config: Any) -> Any:
+        """A new network as the config has it, for what its simulator shows; its weights are a function of the
+        seed, and torch's own generator is left as it was.
+        """
+
+    @staticmethod
+    def policy_of(network: Any, config: Any, envs: HouseVectorEnv, seed: int = 0) -> QPolicy | Explorer:
+        """A trained network's policy, as it is measured and filmed: its own layer, a few random actions."""
+        generator = torch.Generator().manual_seed(seed)
+        return QPolicy(network, layer_of(config, envs, generator), generator)
+
+    def __init__(self, config: TrainConfig, envs: HouseVectorEnv, report: int) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset.
 
         ``report`` is how many steps of every environment lie between two reports.
@@ -111,7 +125,7 @@ class Learner(ABC):
         # Every rank has environments and random numbers of its own; weights are the same.
         self.seed = config.seed + ranks.rank() * envs.num_envs
         self.generator = torch.Generator(config.device).manual_seed(self.seed)
-        self.network: Any = network.to(config.device)
+        self.network: Any = self.network_of(config).to(config.device)
         self.avoidance = layer_of(config, envs, self.generator)
         self.steps, self.clock = 0, Clock()
         self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))

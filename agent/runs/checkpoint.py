@@ -10,7 +10,7 @@ import safetensors
 import safetensors.torch
 
 from agent.algorithms.build import network_of
-from agent.algorithms.presets import ALGORITHMS
+from agent.algorithms.table import ALGORITHMS
 from agent.learning.config import TrainConfig
 from agent.runs.released import FORMAT, CheckpointError, located, require_sizes
 from logic.house.files import write_whole
@@ -86,7 +86,7 @@ def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:
     """A config from what JSON has of it. Raises ``ValueError`` that names what is wrong."""
     if algorithm not in ALGORITHMS:
         raise ValueError(f"unknown algorithm {algorithm!r}")
-    kind = ALGORITHMS[algorithm]
+    kind = ALGORITHMS[algorithm].config
     if unknown := set(values) - {field.name for field in fields(kind)}:
         raise ValueError(f"unknown field {min(unknown)!r}")
     return msgspec.convert(values, kind)

@@ -11,9 +11,9 @@ import h5py
 import numpy as np
 import torch
 
-from agent.algorithms.paper import PaperNetwork
-from agent.algorithms.presets import PRESETS
-from agent.learning.config import PaperConfig
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.paper.learner import PaperNetwork
+from agent.algorithms.table import PRESETS
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
 

@@ -25,11 +25,11 @@ from typing import Any
 import msgspec
 import torch
 
-from agent.algorithms.learners import LEARNERS
+from agent.algorithms.build import learner_of
 from agent.banks import bank_hash
 from agent.learning import ranks
 from agent.learning.allocation import keep_freed_memory
-from agent.learning.config import PQNConfig, TrainConfig
+from agent.learning.config import TrainConfig
 from agent.learning.environments import make_envs
 from agent.learning.learner import Diverged, Learner, Progress
 from agent.learning.precision import set_precision
@@ -154,7 +154,7 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     share, left = divmod(config.num_envs, ranks.size())
     if left:
         raise RequestError(f"num_envs must be a multiple of the {ranks.size()} ranks, not {config.num_envs}")
-    if ranks.size() > 1 and not isinstance(config, PQNConfig):
+    if ranks.size() > 1 and not config.parallel:
         raise RequestError(f"{config.algorithm} runs in one process alone")
     if config.device == "cuda" and not torch.cuda.is_available():
         raise RequestError("device cuda is not there: torch finds no GPU here. Leave out --device")
@@ -162,7 +162,7 @@ def _learner(houses: Sequence[House], config: TrainConfig) -> Learner:
     keep_freed_memory()
     set_precision(config.precision, config.device)
     envs = make_envs(houses, share, config.targets, preset=simulator(config), device=config.device)
-    return LEARNERS[config.algorithm](config, envs)
+    return learner_of(config, envs)
 
 
 def _learn(

@@ -7,7 +7,7 @@ from typing import Any
 
 from scipy.stats import trim_mean
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.evaluation.baselines import BASELINES, PAPERS
 from agent.evaluation.result import Result
 from agent.evaluation.statistics import Estimate, paired_difference

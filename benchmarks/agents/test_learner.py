@@ -15,9 +15,9 @@ import torch
 from torch.nn.functional import linear
 from torch.profiler import profile
 
-from agent.algorithms.pqn import PQN
-from agent.algorithms.presets import PRESETS
-from agent.learning.config import PQNConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.learner import PQN
+from agent.algorithms.table import PRESETS
 from agent.learning.environments import make_envs, shield
 from agent.policies.network import STRIDE, WINDOW
 from logic import generate

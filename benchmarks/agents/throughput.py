@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.evaluation import scores
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import WHERE
-from agent.learning.config import PQNConfig
 from agent.runs.runs import Folder
 from benchmarks.agents.entries import BUDGET, RATES
 from benchmarks.agents.runs import StudyFailed, finished, require_same, training_command
@@ -88,7 +87,7 @@ class Throughput:
 
     def run(self) -> None:
         """Train what is not trained yet, measure all, and print the table."""
-        known = [name for name, config in PRESETS.items() if isinstance(config, PQNConfig)]
+        known = [name for name, config in PRESETS.items() if config.parallel]
         if unknown := set(self.presets) - set(known):
             raise RequestError(f"--presets {min(unknown)}: none that several can train: {', '.join(known)}")
         if self.processes < 2 or not self.seeds or not 0 < self.share <= 1:

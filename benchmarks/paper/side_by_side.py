@@ -15,8 +15,9 @@ from torch import Tensor, nn
 from torch.nn.functional import one_hot
 
 from agent.actions import ACTIONS, FORWARD
-from agent.algorithms.paper import PaperNetwork, q_targets
-from agent.learning.config import PaperConfig
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.paper.learner import q_targets
+from agent.algorithms.paper.network import PaperNetwork
 from agent.policies.policies import MIDDLE
 from sim import HouseVectorEnv
 

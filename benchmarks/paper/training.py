@@ -14,9 +14,9 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import torch
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.table import PRESETS
 from agent.evaluation.result import HUMAN
-from agent.learning.config import PaperConfig
 from agent.learning.environments import make_envs
 from agent.progress import progress
 from benchmarks.common.pages import table_rows

@@ -35,10 +35,7 @@ PRIORS = {f"prior-{what}": what for what in (prior.FLOOR, prior.ROOMS)}
 TRUTH = "truth"
 """The explorer that foresees the truth: the most that map completion can add."""
 
-SOURCES = (
-    *("planner", "map_completion"),
-    *("policies.py", "avoidance.py", "network.py", "recurrent.py", "memory.py", "build.py"),
-)
+SOURCES = "planner", "policies", "algorithms", "avoidance.py"
 """Folders and files of ``agent`` that decide how its agents play."""
 
 Maker = Callable[[HouseVectorEnv], Policy]

@@ -5,8 +5,8 @@ import pytest
 from msgspec.structs import replace
 
 from agent import banks
+from agent.algorithms.pqn.config import PQNConfig
 from agent.banks import BANKS, TEST, TRAINING, VALIDATION, benchmark, geometry_hash, named, require_training
-from agent.learning.config import PQNConfig
 from logic import House, HouseFileError, Rect, Star, check, generate, load, save
 from logic.house.promises import PROMISES
 from sim.environment.arguments import BANK

@@ -18,9 +18,8 @@ import numpy as np
 import pytest
 import torch
 
-from agent.algorithms.build import network_of, policy_of
-from agent.algorithms.learners import LEARNERS
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.build import learner_of, network_of, policy_of
+from agent.algorithms.table import PRESETS
 from agent.banks import benchmark
 from agent.learning.environments import make_envs, shield
 from agent.policies.policies import Explorer
@@ -115,7 +114,7 @@ def learnt(preset: str) -> dict[str, Any]:
     config = replace(config, num_envs=ENVIRONMENTS, steps=STEPS * ENVIRONMENTS, **SMALL.get(preset, {}))
     envs = environments(config.targets, config.world)
     torch.set_float32_matmul_precision(config.precision)
-    learner = LEARNERS[config.algorithm](config, envs)
+    learner = learner_of(config, envs)
     reports = list(learner.train())
     torch.set_float32_matmul_precision("highest")
     weights = hashlib.sha256()

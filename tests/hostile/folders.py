@@ -21,7 +21,7 @@ FILES = ("agent.safetensors", "config.json", "metrics.jsonl", "state.pt.gz", "te
 
 def trained(folder: Path, resume: bool = False) -> Answer:
     """A short run in a folder."""
-    from agent.learning.config import PQNConfig
+    from agent.algorithms.pqn.config import PQNConfig
     from agent.runs.runs import run
     from tests.sample_houses import random_house
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from benchmarks import STUDIES
 from logic import House, Rect, Star, load, save
 from tests.sample_houses import changed_star

@@ -19,7 +19,7 @@ import jsonschema
 import pytest
 import tyro
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.progress import progress as agent_progress
 from benchmarks import STUDIES
 from logic import generate, save

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 import torch
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.runs import checkpoint
 from logic import save
 from tests.sample_houses import random_house

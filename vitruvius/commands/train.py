@@ -10,19 +10,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import tyro
 
-from agent.algorithms.presets import LEARNT_IN, PRESETS
-from agent.learning.config import PQNConfig, TrainConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.table import PRESETS
+from agent.learning.config import TrainConfig
 from logic.errors import RequestError
 from logic.spelling import quoted, unknown
 from vitruvius.commands.common import print_answer
 from vitruvius.options import options_of
 from vitruvius.settings import read, written
 
-Preset = Literal["pqn", "map-completion", "pqn-recurrent", "dqn", "paper"]
+if TYPE_CHECKING:
+    Preset = str
+else:
+    Preset = Literal[tuple(PRESETS)]
 Kind = TypeVar("Kind", bound=TrainConfig)
 
 
@@ -102,7 +106,7 @@ class Train(Generic[Kind]):
         from vitruvius.answers.agents import Trained
 
         require_folder(self.out)
-        file = self.houses or LEARNT_IN.get(self.preset, BANK)
+        file = self.houses or self.learning.learnt_in or BANK
         houses = house_list(file)
         require_training(houses, file)
         command = shlex.join(["vitruvius", *sys.argv[1:]])

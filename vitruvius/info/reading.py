@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, bank_hash
 from agent.learning.config import TrainConfig, differences
 from agent.play.results import load as load_games

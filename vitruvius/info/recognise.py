@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, benchmark_path
 from agent.runs.released import located, released
 from logic import HouseFileError, load

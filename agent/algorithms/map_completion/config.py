@@ -56,3 +56,12 @@ class CompletionConfig(TrainConfig):
             raise RequestError(f"kinds are {MOST_GROUND} at most, not {len(self.kinds)}")
         if self.device != "cpu":
             raise RequestError("map completion runs on device cpu alone: that is where maps are kept")
+
+    @classmethod
+    def presets(cls) -> "dict[str, TrainConfig]":
+        """Configs that run by name."""
+        return {
+            "map-completion": cls(
+                targets="secondary", num_envs=512, steps=6_000_000, threads=2, learning_rate=3e-3
+            )
+        }

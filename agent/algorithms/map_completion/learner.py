@@ -10,14 +10,17 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from agent.algorithms.build import network_of
 from agent.algorithms.map_completion.config import CompletionConfig
+from agent.algorithms.map_completion.foresight import Foresight, require_foreseen
 from agent.algorithms.map_completion.marks import Marks
 from agent.algorithms.map_completion.network import CompletionNetwork, Prediction
 from agent.algorithms.map_completion.sight import cast_rays
-from agent.algorithms.map_completion.truth import UNKNOWN, Truth
+from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.algorithms.map_completion.windows import Windows, seen
+from agent.learning.environments import shield
 from agent.learning.learner import Learner, Progress, Tally, linear
+from agent.learning.simulator import simulator
+from agent.policies.network import seeded
 from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
 
@@ -70,6 +73,21 @@ class MapCompletion(Learner):
     config: CompletionConfig
     network: CompletionNetwork
 
+    @staticmethod
+    def network_of(config: CompletionConfig) -> CompletionNetwork:
+        """See ``Learner``."""
+        kinds = simulator(config).kinds
+        with seeded(config.seed):
+            return CompletionNetwork(len(GROUND) + len(config.kinds), len(kinds), config.channels)
+
+    @staticmethod
+    def policy_of(
+        network: CompletionNetwork, config: CompletionConfig, envs: HouseVectorEnv, seed: int = 0
+    ) -> Explorer:
+        """The explorer, by planners that foresee."""
+        require_foreseen(config, envs)
+        return Explorer(shield(envs), envs.config, tracker=Foresight(envs.config, network))
+
     def __init__(self, config: CompletionConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has NEXT_STEP autoreset. The kinds of ground are those of its houses, where
         the config names none.
@@ -77,7 +95,7 @@ class MapCompletion(Learner):
         rooms = [room for house in envs.houses for room in house.rooms]
         found = {room.type for room in rooms} | {piece.type for room in rooms for piece in room.pieces}
         config = replace(config, kinds=config.kinds or tuple(sorted(found)))
-        super().__init__(config, envs, network_of(config), report=config.num_steps)
+        super().__init__(config, envs, report=config.num_steps)
         self.optimizer = torch.optim.AdamW(
             self.network.parameters(), lr=config.learning_rate, weight_decay=1e-4, foreach=True
         )

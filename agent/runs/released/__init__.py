@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from logic.errors import VitruviusError
 from logic.spelling import unknown
 

@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from agent.algorithms.build import network_of
+from agent.algorithms.pqn.config import PQNConfig
 from agent.avoidance import FORWARD
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
-from agent.learning.config import PQNConfig
 from agent.learning.environments import make_envs
 from agent.policies.policies import QPolicy, RandomPolicy
 from sim import HouseVectorEnv

@@ -8,10 +8,11 @@ import pytest
 from PIL import Image
 
 from agent.algorithms.build import network_of
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.table import PRESETS
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.protocol import Setting, measure
-from agent.learning.config import TARGET_MODES, PQNConfig
+from agent.learning.config import TARGET_MODES
 from agent.learning.simulator import sensor
 from agent.report.folder import report
 from agent.runs import checkpoint

@@ -2,7 +2,10 @@
 
 import pytest
 
-from agent.learning.config import DQNConfig, PaperConfig, PQNConfig, differences
+from agent.algorithms.dqn.config import DQNConfig
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.learning.config import differences
 
 WRONG = {
     PQNConfig: [

@@ -9,9 +9,9 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.table import PRESETS
 from agent.evaluation.episodes import play
-from agent.learning.config import PQNConfig
 from agent.learning.environments import make_envs, shield
 from agent.learning.simulator import sensor, simulator
 from agent.policies.policies import RandomPolicy

@@ -1,17 +1,18 @@
 """What all learners share, shown by PQN: reports, the ends of a run, schedules."""
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
 import torch
 
-from agent.algorithms.build import network_of
-from agent.algorithms.learners import LEARNERS
-from agent.algorithms.pqn import PQN
-from agent.algorithms.presets import ALGORITHMS, PRESETS
-from agent.learning.config import PQNConfig
-from agent.learning.learner import Diverged, Progress, linear
+from agent.algorithms.build import algorithm_of, network_of
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.learner import PQN
+from agent.algorithms.table import ALGORITHMS, PRESETS
+from agent.learning.learner import Diverged, Learner, Progress, linear
 from agent.policies.network import QNetwork
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
@@ -33,7 +34,14 @@ def trained(envs: HouseVectorEnv, config: PQNConfig) -> tuple[QNetwork, list[Pro
 
 
 def test_each_algorithm_has_a_config_a_learner_and_a_preset():
-    assert {config.algorithm for config in PRESETS.values()} == set(ALGORITHMS) == set(LEARNERS)
+    assert {config.algorithm for config in PRESETS.values()} == set(ALGORITHMS)
+    assert all(issubclass(algorithm_of(config), Learner) for config in PRESETS.values())
+
+
+def test_the_table_of_algorithms_is_imported_without_torch():
+    """So that help and completion are quick."""
+    program = "import sys, agent.algorithms.table; sys.exit('torch' in sys.modules)"
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_a_short_run_changes_all_weights_and_reports_its_progress(envs):

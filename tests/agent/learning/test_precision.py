@@ -5,7 +5,7 @@ import subprocess
 import pytest
 import torch
 
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.table import PRESETS
 from agent.learning import precision
 from logic.errors import RequestError
 

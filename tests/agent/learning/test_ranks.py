@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import torch
 
+from agent.algorithms.pqn.config import PQNConfig
 from agent.learning import ranks
-from agent.learning.config import PQNConfig
 from agent.runs import checkpoint
 from agent.runs.runs import run
 from logic import RequestError, save

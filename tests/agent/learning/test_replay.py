@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from agent.algorithms.dqn import n_step_batch
+from agent.algorithms.dqn.learner import n_step_batch
 from agent.learning.replay import ReplayBuffer
 
 LENGTHS = (7, 5)

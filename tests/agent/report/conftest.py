@@ -4,7 +4,7 @@ import pytest
 
 from agent.algorithms.build import network_of
 from agent.algorithms.map_completion.config import CompletionConfig
-from agent.learning.config import PQNConfig
+from agent.algorithms.pqn.config import PQNConfig
 from agent.recording import trace
 from agent.recording.film import watch
 from agent.recording.recorder import Recorder

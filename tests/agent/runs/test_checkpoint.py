@@ -11,8 +11,10 @@ import safetensors.torch
 import torch
 
 from agent.algorithms.build import network_of
-from agent.algorithms.presets import PRESETS
-from agent.learning.config import DQNConfig, PQNConfig, TrainConfig
+from agent.algorithms.dqn.config import DQNConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.table import PRESETS
+from agent.learning.config import TrainConfig
 from agent.policies.network import QNetwork
 from agent.runs.checkpoint import FORMAT, Checkpoint, load, save
 from agent.runs.released import CheckpointError, released

@@ -8,10 +8,10 @@ import pytest
 import torch
 
 from agent.algorithms.build import network_of
-from agent.algorithms.presets import PRESETS
-from agent.learning.config import PQNConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.recurrent import RecurrentQNetwork
+from agent.algorithms.table import PRESETS
 from agent.policies.network import QNetwork, seeded
-from agent.policies.recurrent import RecurrentQNetwork
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.export import INPUTS, OUTPUTS, NoExporter, Step, export

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from agent.algorithms.build import policy_of
-from agent.algorithms.paper import PaperNetwork, next_angles
+from agent.algorithms.paper.network import PaperNetwork, next_angles
 from agent.avoidance import Free
 from agent.banks import named
 from agent.evaluation.episodes import play

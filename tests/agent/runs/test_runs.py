@@ -10,17 +10,16 @@ import time
 from dataclasses import replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
 
 import pytest
 import torch
 
-from agent.algorithms.learners import LEARNERS
+from agent.algorithms.build import algorithm_of
 from agent.algorithms.map_completion.config import CompletionConfig
-from agent.algorithms.pqn import PQN
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.learner import PQN
+from agent.algorithms.table import PRESETS
 from agent.banks import bank_hash
-from agent.learning.config import PQNConfig
 from agent.learning.learner import Diverged
 from agent.report.folder import report
 from agent.runs import checkpoint, runs
@@ -122,7 +121,7 @@ def test_a_run_that_was_killed_goes_on_bit_for_bit(tmp_path):
 def test_a_run_that_stopped_after_any_report_goes_on_bit_for_bit(tmp_path, monkeypatch, config):
     """Of each algorithm; what was learnt after the last state that was saved is learnt again."""
     run(HOUSES, config, tmp_path / "whole")
-    learner: Any = LEARNERS[config.algorithm]
+    learner = algorithm_of(config)
     iterate = learner.iterate
     for left in (1, 2):
         turns = iter([iterate] * left)

@@ -10,10 +10,11 @@ import torch
 from torch import nn
 
 from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
-from agent.algorithms.paper import PaperNetwork, q_targets, squared_loss
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.paper.learner import q_targets, squared_loss
+from agent.algorithms.paper.network import PaperNetwork
+from agent.algorithms.table import PRESETS
 from agent.avoidance import PaperRule
-from agent.learning.config import PaperConfig
 from agent.learning.environments import make_envs
 from agent.policies.policies import home
 from benchmarks.paper.side_by_side import Actors, Runs, find_gradients, forward, stacked

@@ -9,9 +9,10 @@ from torch import nn
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import network_of
-from agent.algorithms.paper import Paper, PaperNetwork, explore, q_targets, squared_loss
-from agent.algorithms.presets import PRESETS
-from agent.learning.config import PaperConfig
+from agent.algorithms.paper.config import PaperConfig
+from agent.algorithms.paper.learner import Paper, explore, q_targets, squared_loss
+from agent.algorithms.paper.network import PaperNetwork
+from agent.algorithms.table import PRESETS
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
 

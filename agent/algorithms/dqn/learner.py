@@ -1,4 +1,4 @@
-"""Deep Q-learning from a replay buffer (DQN), in one file to be read beside its papers.
+"""Deep Q-learning from a replay buffer (DQN), to be read beside its papers.
 
 | part | of |
 |---|---|
@@ -21,11 +21,12 @@ import torch
 from torch import Tensor, nn
 
 from agent.actions import ACTIONS
-from agent.algorithms.build import network_of
+from agent.algorithms.dqn.config import DQNConfig
 from agent.avoidance import subsume
-from agent.learning.config import DQNConfig
 from agent.learning.learner import Learner, Progress, Tally, linear
 from agent.learning.replay import ReplayBuffer
+from agent.learning.simulator import simulator
+from agent.policies.network import QNetwork, seeded
 from agent.policies.policies import epsilon_greedy
 from sim import HouseVectorEnv
 
@@ -112,9 +113,16 @@ class DQN(Learner):
 
     config: DQNConfig
 
+    @staticmethod
+    def network_of(config: DQNConfig) -> QNetwork:
+        """See ``Learner``."""
+        world = simulator(config)
+        with seeded(config.seed):
+            return QNetwork(world.rays, world.channels, config.half_lives)
+
     def __init__(self, config: DQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
-        super().__init__(config, envs, network_of(config), report=REPORT)
+        super().__init__(config, envs, report=REPORT)
         self.target = deepcopy(self.network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
         self.updates, self.tally = 0, Tally()

@@ -7,10 +7,10 @@ import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import network_of
-from agent.algorithms.pqn import PQN, Batch, lambda_returns, q_loss
-from agent.learning.config import PQNConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.learner import PQN, Batch, lambda_returns, q_loss
+from agent.algorithms.pqn.recurrent import RecurrentQNetwork
 from agent.policies.network import QNetwork
-from agent.policies.recurrent import RecurrentQNetwork
 from logic.errors import RequestError
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house

@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from agent.actions import FORWARD, LEFT, RIGHT
-from agent.algorithms.dqn import DQN, double_q_targets, huber_loss, n_step_returns
-from agent.algorithms.presets import PRESETS
+from agent.algorithms.dqn.config import DQNConfig
+from agent.algorithms.dqn.learner import DQN, double_q_targets, huber_loss, n_step_returns
+from agent.algorithms.table import PRESETS
 from agent.avoidance import PaperRule
 from agent.evaluation.episodes import play
-from agent.learning.config import DQNConfig
 from agent.learning.environments import shield
 from agent.policies.policies import QPolicy, RandomPolicy
 from logic import House, Rect, Star

@@ -4,9 +4,9 @@ import pytest
 import torch
 
 from agent.algorithms.build import network_of
-from agent.learning.config import PQNConfig
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.rollout import Rollout
 from agent.learning.environments import shield
-from agent.learning.rollout import Rollout
 from agent.policies.network import QNetwork
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house

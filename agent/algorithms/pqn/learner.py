@@ -15,11 +15,13 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from agent.algorithms.build import network_of
+from agent.algorithms.pqn.config import PQNConfig
+from agent.algorithms.pqn.recurrent import RecurrentQNetwork
+from agent.algorithms.pqn.rollout import Rollout
 from agent.learning import ranks
-from agent.learning.config import PQNConfig
 from agent.learning.learner import Learner, Progress, Tally, linear
-from agent.learning.rollout import Rollout
+from agent.learning.simulator import simulator
+from agent.policies.network import QNetwork, seeded
 from sim import HouseVectorEnv
 
 
@@ -70,9 +72,18 @@ class PQN(Learner):
 
     config: PQNConfig
 
+    @staticmethod
+    def network_of(config: PQNConfig) -> QNetwork | RecurrentQNetwork:
+        """See ``Learner``."""
+        world = simulator(config)
+        with seeded(config.seed):
+            if config.network == "recurrent":
+                return RecurrentQNetwork(world.rays, world.channels)
+            return QNetwork(world.rays, world.channels, config.half_lives)
+
     def __init__(self, config: PQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset."""
-        super().__init__(config, envs, network_of(config), report=config.num_steps)
+        super().__init__(config, envs, report=config.num_steps)
         self.optimizer = torch.optim.RAdam(self.network.parameters(), lr=config.learning_rate, foreach=True)
         observation, memory = self.reset_envs(), self.network.memory.empty(envs.num_envs)
         self.rollout = Rollout.starting(config.num_steps, observation, memory)

@@ -1,0 +1,1 @@
+"""The original paper's agent."""

@@ -1,0 +1,60 @@
+"""What a run of parallel Q-learning is, and the presets."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from agent.learning.config import QLearningConfig, TrainConfig
+from logic.errors import RequestError
+
+
+@dataclass(frozen=True)
+class PQNConfig(QLearningConfig):
+    """Parallel Q-learning, "PQN" (Gallici et al. 2024, arXiv:2407.04811).
+
+    Preset ``pqn`` reaches the oracle's neighbourhood in the main room after about a minute on a core.
+    """
+
+    groups: ClassVar = {"network": "Parallel Q-learning (PQN)"}
+
+    network: Literal["feedforward", "recurrent"] = "feedforward"
+    """feedforward: remembers by exponential moving averages of the past; recurrent: by a layer (GRU) that
+    learns what to remember."""
+
+    num_steps: int = 32
+    """Steps of every environment in a rollout; the network learns after each."""
+
+    q_lambda: float = 0.75
+    """Lambda of Q(lambda), how far returns follow the path taken before they trust the network: 0 one step,
+    1 all of them."""
+
+    update_epochs: int = 2
+    """Passes over each rollout."""
+
+    num_minibatches: int = 4
+    """Updates in an epoch; each learns from its share of the rollout."""
+
+    algorithm: ClassVar[str] = "pqn"
+    parallel: ClassVar[bool] = True
+    positive: ClassVar[tuple[str, ...]] = (
+        *(*QLearningConfig.positive, "num_steps", "update_epochs", "num_minibatches"),
+    )
+    fractions: ClassVar[tuple[str, ...]] = (*(*QLearningConfig.fractions, "q_lambda"),)
+
+    def __post_init__(self) -> None:
+        """Refuse what no run can have, before anything is made."""
+        super().__post_init__()
+        if self.network == "recurrent" and self.num_minibatches > self.num_envs:
+            raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")
+        if self.num_minibatches > self.num_envs * self.num_steps:
+            raise RequestError(
+                f"num_minibatches must not exceed num_envs x num_steps, not {self.num_minibatches}"
+            )
+
+    @classmethod
+    def presets(cls) -> "dict[str, TrainConfig]":
+        """Configs that run by name."""
+        return {
+            # More environments, and one pass over each rollout: half the time a step.
+            "pqn": cls(num_envs=512, num_steps=16, update_epochs=1, learning_rate=1.5e-3),
+            "pqn-recurrent": cls(network="recurrent", half_lives=(), steps=4_500_000),
+        }
