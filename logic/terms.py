@@ -135,7 +135,9 @@ def wall_facts(
                 for pair in pairs
             ]
         only.append(Function("window_size", [kind]))
-    areas = [(Function("total"), total, (Function("house_area"),))] if total else []
+    areas: list[tuple[Symbol, Sequence[float], tuple[Symbol, ...]]] = []
+    if total:
+        areas.append((Function("total"), total, (Function("house_area"),)))
     for type_, *floor_ in floors:
         kind = Function(type_)
         areas.append(

@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -96,7 +97,7 @@ HOLDS: dict[str, tuple[dict[str, str], Callable[[House], bool]]] = {
 }
 
 
-TOTALS: dict[str, tuple[str, str, dict[str, object], tuple[float, float]]] = {
+TOTALS: dict[str, tuple[str, str, dict[str, Any], tuple[float, float]]] = {
     "a band": ("home", "", {"rooms": 6}, (60.0, 61.0)),
     "one area": ("home", "", {"rooms": 4}, (40.0, 40.0)),
     "near the least": ("home", "", {"rooms": 4}, (20.0, 34.0)),
