@@ -43,14 +43,11 @@ LENGTHS = ("door_width", "door_clearance", "passage", "room_gap")
 
 IN_PROLOG = {
     **dict.fromkeys((*LENGTHS, "door_margin", "window_margin", "unit_depth"), 1),
-    "house_size": 2,
+    **dict.fromkeys(("house_size", "house_area"), 2),
     **dict.fromkeys(("room_size", "room_area", "window_size"), 3),
     "piece_size": 4,
 }
 """All predicates that ``.pl`` files may state, and how many arguments each has."""
-
-CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
-"""What is said of a choice of ``option/3``, by its name."""
 
 MOST_BYTES = 1 << 24
 """What is read of a grammar, all its rule files together: those that we know have less than 20 kB."""

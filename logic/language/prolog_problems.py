@@ -1,5 +1,6 @@
 """What is wrong with a grammar's ``.pl`` files, as Prolog finds it, in the words of their author."""
 
+import re
 from pathlib import Path
 
 from logic.errors import GrammarError

@@ -11,7 +11,7 @@ from clingo import Symbol
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
-from logic.grammar import ADJACENT, PLANS, STAR
+from logic.grammar import ADJACENT, IN_PROLOG, PLANS, STAR
 from logic.language.audit import STAGES, UNITS
 from logic.language.causes import Mistake, misspelt_name
 from logic.language.inexpressible import inexpressible
@@ -20,6 +20,9 @@ from logic.layout.program import CORE
 from logic.spelling import closest
 
 Signature = tuple[str, int]
+
+CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
+"""What is said of a choice of ``option/3``, by its name."""
 
 
 class Use(NamedTuple):

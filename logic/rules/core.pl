@@ -33,7 +33,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     plan.pl            from the rooms' frames to the house's plan
 
     plans.pl           plans where rooms share walls: what Python asks for them; plan_bounds.pl: why their lengths are so
-    walls.pl           where the walls are; areas.pl (regions.pl), openings.pl: doors and windows in them; contacts.pl
+    walls.pl           where the walls are; areas.pl (regions.pl), totals.pl; lines.pl: a random solution; openings.pl, contacts.pl
     own_plan.pl        doors and windows in rooms that a user gives
     given_rooms.pl     furniture for rooms whose sizes and doors are given
 
@@ -46,7 +46,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- reexport(language/agreement).
+:- reexport(agreement).
 :- use_module(answers).
 :- use_module(why/bounds).
 :- use_module(linear/exact).
