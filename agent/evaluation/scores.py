@@ -78,6 +78,9 @@ class ScoreFile(msgspec.Struct):
     episodes: Annotated[int, msgspec.Meta(gt=0)] = 1
     agents: list[str] = []
     scores: list[str] = []
+    learnt_in: dict[str, int | None] = {}
+    """By agent, how many of the houses it learnt in, null where its checkpoint does not say; without those
+    that learnt in none: see ``agent.evaluation.learnt_in``."""
     training_steps: int | None = None
     definitions: dict[str, str] = msgspec.field(default_factory=lambda: DEFINITIONS)
 

@@ -9,6 +9,7 @@ import numpy as np
 from agent.banks import BANKS, benchmark
 from agent.evaluation import scores
 from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.learnt_in import warnings
 from agent.evaluation.result import HUMAN, HUMAN_RATIO
 from agent.evaluation.scores import Bank, ModeScores, PolicyScores
 from agent.evaluation.statistics import Estimate, interquartile_mean
@@ -43,7 +44,9 @@ def lead(files: Sequence[Path]) -> str:
             agents = {policy: each for policy, each in figures.items() if policy not in REFERENCES}
             if agents:
                 words = in_words(name, _naming(path, file.bank))
-                return _sentence(words, mode, agents, figures.get("oracle", {}), file.bank.houses)
+                said = _sentence(words, mode, agents, figures.get("oracle", {}), file.bank.houses)
+                known = {policy: n for policy, n in file.learnt_in.items() if policy in agents}
+                return " ".join([said, *(f"{each}." for each in warnings(known, file.bank.houses))])
     return ""
 
 
@@ -89,6 +92,8 @@ def section(files: Sequence[Path], folder: Path) -> Section:
         bank = file.bank
         houses = f"{bank.houses} houses" + (f" of {bank.file}" if bank.file else "")
         parts.append(f"<p>{path.relative_to(folder)}: {houses}, hash {bank.hash[:12]}, seed {file.seed}.</p>")
+        told = warnings(file.learnt_in, bank.houses)
+        parts += [f"<p><strong>{escape(each)}.</strong></p>" for each in told]
         named = _naming(path, bank)
         parts += [
             _mode(name, in_words(name, named), mode, file.definitions) for name, mode in file.targets.items()

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 import safetensors
 import safetensors.torch
+import torch
 
 from agent.algorithms.build import network_of
 from agent.algorithms.table import ALGORITHMS
@@ -30,6 +31,8 @@ class Checkpoint:
     """``agent.banks.bank_hash`` of the houses that it learnt in."""
     command: str = ""
     """What made it."""
+    learnt_in: frozenset[int] = frozenset()
+    """``agent.banks.house_key`` of each of these houses; of none where they are not known."""
 
 
 def save(checkpoint: Checkpoint, path: str | Path) -> None:
@@ -44,6 +47,8 @@ def save(checkpoint: Checkpoint, path: str | Path) -> None:
         "command": checkpoint.command,
     }
     tensors = {name: value.cpu().contiguous() for name, value in checkpoint.network.state_dict().items()}
+    if checkpoint.learnt_in:
+        tensors[LEARNT_IN] = torch.tensor(sorted(checkpoint.learnt_in), dtype=torch.int64)
     write_whole(path, safetensors.torch.save(tensors, metadata=record))
 
 
@@ -72,14 +77,25 @@ def load(path: str | Path) -> Checkpoint:
     try:
         config = config_of(record["algorithm"], json.loads(record["config"]))
         network = network_of(config)
+        learnt_in = _keys(tensors.pop(LEARNT_IN, None))
         network.load_state_dict(tensors)
         if not all(value.isfinite().all() for value in network.state_dict().values()):
             raise ValueError("some weights are no finite numbers")
         provenance = {name: printable(record[name]) for name in ("name", "houses", "command")}
-        return Checkpoint(network.eval(), config, int(record["steps"]), **provenance)
+        steps = int(record["steps"])
+        return Checkpoint(network.eval(), config, steps, **provenance, learnt_in=learnt_in)
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0]
         raise CheckpointError(f"{path}: a checkpoint of another shape: {reason}. Train again") from None
+
+
+def _keys(tensor: torch.Tensor | None) -> frozenset[int]:
+    """The houses that a file names. Raises ``ValueError`` for a tensor that names none."""
+    if tensor is None:
+        return frozenset()
+    if tensor.dtype != torch.int64 or tensor.ndim != 1:
+        raise ValueError(f"{LEARNT_IN} must be numbers of 64 bits, one for each house")
+    return frozenset(tensor.tolist())
 
 
 def config_of(algorithm: str, values: dict[str, Any]) -> TrainConfig:

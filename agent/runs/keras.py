@@ -16,6 +16,7 @@ from agent.algorithms.paper.learner import PaperNetwork
 from agent.algorithms.table import PRESETS
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
+from sim.environment.arguments import PAPER_HOUSE, house_list
 
 ORIGINAL = cast(PaperConfig, PRESETS["paper"])
 """How the original's network reads, plays and learnt, as far as its code and its file say."""
@@ -49,7 +50,9 @@ def import_keras(path: str | Path, name: str, command: str = "") -> Checkpoint:
     network.load_state_dict(tensors, strict=False)
     if not all(value.isfinite().all() for value in tensors.values()):
         raise CheckpointError(f"{path}: some weights are no finite numbers")
-    return Checkpoint(network.eval(), ORIGINAL, 0, name, command=command)
+    house = house_list(PAPER_HOUSE)  # the program that learns has no other
+    learnt_in = frozenset(map(house_key, house))
+    return Checkpoint(network.eval(), ORIGINAL, 0, name, bank_hash(house), command, learnt_in)
 
 
 def _arrays(file: Any) -> Iterator[tuple[str, np.ndarray]]:

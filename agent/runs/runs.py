@@ -169,9 +169,10 @@ def _learn(
     learner: Learner, folder: Folder, name: str, command: str, resume: bool, every: float | None
 ) -> tuple[Checkpoint, list[Progress]]:
     """Learn to the end, or to the report after a signal; save the run then and every half a minute."""
-    config, houses = learner.config, bank_hash(learner.envs.houses)
+    config, houses = learner.config, learner.envs.houses
     history = _resumed(learner, folder) if resume and folder.state.exists() else []
-    made = Checkpoint(learner.network, config, 0, name, houses, command)
+    learnt_in = frozenset(map(house_key, houses))
+    made = Checkpoint(learner.network, config, 0, name, bank_hash(houses), command, learnt_in)
     writer = _Writer(folder, history) if not ranks.rank() else None
     if writer:
         write_whole(folder.config, _described(made, learner).encode())

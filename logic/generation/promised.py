@@ -33,6 +33,7 @@ def promised(
         room_gap=None if shares_walls else lengths["room_gap"],
         room_size={name: _sizes(sizes) for name, sizes in sorted(extremes["rooms"].items())},
         room_area={name: (float(least), float(most)) for name, least, most in metres["areas"]},
+        house_area=(float(metres["total"][0]), float(metres["total"][1])) if metres["total"] else None,
         opens={name: tuple(sorted({*others})) for name, others in sorted(opens.items()) if others},
         entrance=bool(opens.get(OUTSIDE)),
         public=_required(program, "public"),

@@ -243,9 +243,9 @@ class LoadedGrammar:
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
         """What stage 1 knows of walls that rooms share."""
-        doorway, contact, extremes = self.placer.wall_lengths(self.furniture)
+        known = self.placer.wall_lengths(self.furniture)
         depths = depth_steps(*self.depths) if self.depths else []
-        return [*wall_facts(extremes, doorway, contact), *((step, ()) for step in depths)]
+        return [*wall_facts(*known), *((step, ()) for step in depths)]
 
     def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
         """What is wrong where a grammar states that there are units, which its topology has if ``known``."""

@@ -21,6 +21,9 @@ from logic.spelling import closest
 
 Signature = tuple[str, int]
 
+CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
+"""What is said of a choice of ``option/3``, by its name."""
+
 
 CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
 """What is said of a choice of ``option/3``, by its name."""

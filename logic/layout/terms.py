@@ -109,7 +109,11 @@ def length_facts(lengths: Mapping[str, Any]) -> Lengths:
 
 
 def wall_facts(
-    extremes: Iterable[Sequence[Any]], doorway: float, contact: float
+    doorway: float,
+    contact: float,
+    extremes: Iterable[Sequence[Any]],
+    total: Sequence[float] | None,
+    floors: Iterable[tuple[str, float, float]],
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``differences.lp``), each fact with the clauses it comes from.
 
@@ -131,6 +135,17 @@ def wall_facts(
                 for pair in pairs
             ]
         only.append(Function("window_size", [kind]))
+    areas: list[tuple[Symbol, Sequence[float], tuple[Symbol, ...]]] = []
+    if total:
+        areas.append((Function("total"), total, (Function("house_area"),)))
+    for type_, *floor_ in floors:
+        kind = Function(type_)
+        areas.append(
+            (Function("floor", [kind]), floor_, (Function("size", [kind]), Function("room_area", [kind])))
+        )
+    for name, (least, most), clauses in areas:
+        bounds = Number(floor(100 * least)), Number(ceil(100 * most))
+        facts.append((Function(name.name, [*name.arguments, *bounds]), clauses))
     return facts + [(Function("sized", [clause]), (clause,)) for clause in only]
 
 

@@ -166,8 +166,8 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """How much wall a door takes, how much rooms share that share one, and the extremes of each room
-        type's size, metres: ``plans.pl``.
+        """How much wall a door takes, how much rooms share that share one, the extremes of each room type's
+        size, metres, and the area of the house and of each room type's, square metres: ``plans.pl``.
         """
         return self._ask("plan_lengths", types)
 

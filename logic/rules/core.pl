@@ -49,7 +49,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 
 :- use_module(library(apply)).
 :- use_module(library(lists)).
-:- reexport(language/agreement).
+:- reexport(agreement).
 :- use_module(answers).
 :- use_module(why/bounds).
 :- use_module(linear/exact).

@@ -91,9 +91,10 @@ class Evaluate:
         from rich.console import Console
 
         from agent.evaluation.baselines import PAPERS
+        from agent.evaluation.learnt_in import learnt_in, warnings, with_others
         from agent.evaluation.plots import ratio_plot
         from agent.evaluation.protocol import measure, tasks_of
-        from agent.evaluation.scores import Bank, ScoreFile, external, joined, modes_of
+        from agent.evaluation.scores import Bank, ScoreFile, external, joined, load, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.progress import progress
         from agent.report.folder import write_report
@@ -109,6 +110,10 @@ class Evaluate:
         modes = self.targets or tasks_of(agents)
         conditions = self.seed, self.backend, self.world, self.episodes
         others = {path: external(path, houses, modes, *conditions) for path in self.scores}
+        known = with_others(learnt_in(agents, houses), agents, {path: load(path) for path in self.scores})
+        told = warnings(known, len(houses))
+        for each in told:
+            say(f"warning: {each}")
         with progress("measuring") as report:
             how = {"backend": self.backend, "world": self.world, "episodes": self.episodes}
             results = list(measure(agents, houses, modes, self.seed, report, **how))
@@ -125,8 +130,9 @@ class Evaluate:
             self.episodes,
             agents=[str(path) for path in self.agents],
             scores=[str(path) for path in self.scores],
+            learnt_in=known,
         )
-        shown, notes = [table for result in results for table in tables(result)], [NOTE]
+        shown, notes = [table for result in results for table in tables(result)], [*told, NOTE]
         if self.beside:
             from agent.play.beside import BESIDE_NOTE, people_tables
 
@@ -139,11 +145,11 @@ class Evaluate:
         else:
             Console().print(*(table.terminal() for table in shown), f"\n{title}\n\n{note}")
         if self.out:
-            page = [f"# Evaluation\n\n{title}", "![Ratios to the oracle](evaluation.png)"]
+            page = [f"# Evaluation\n\n{title}", *told, "![Ratios to the oracle](evaluation.png)"]
             page += [table.markdown() for table in shown]
             write_whole(self.out / "evaluation.json", content.json())
             write_whole(self.out / "evaluation.png", ratio_plot(results))
-            write_whole(self.out / "evaluation.md", "\n\n".join([*page, note, ""]).encode())
+            write_whole(self.out / "evaluation.md", "\n\n".join([*page, *notes, ""]).encode())
             write_report(self.out)
             say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
         return 0

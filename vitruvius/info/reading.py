@@ -14,7 +14,7 @@ from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, bank_hash
 from agent.learning.config import TrainConfig, differences
 from agent.play.results import load as load_games
-from agent.runs.released import FORMAT, MOST_HEADER, require_sizes
+from agent.runs.released import FORMAT, LEARNT_IN, MOST_HEADER, require_sizes
 from logic import House, RequestError
 from logic.errors import VitruviusError
 from logic.grammar import find, shipped
@@ -85,6 +85,7 @@ def read_agent(name: str, path: Path) -> Agent:
             length = int.from_bytes(file.read(8), "little")
             header = json.loads(file.read(min(length, MOST_HEADER)))
         record, tensors = header.pop("__metadata__"), header
+        tensors.pop(LEARNT_IN, None)
         shapes = [each["shape"] for each in tensors.values()]
         config = json.loads(record.get("config", "{}"))
         return Agent(

@@ -12,6 +12,9 @@ FORMAT = "vitruvius-agent-3"
 MOST_BYTES, MOST_HEADER = 1 << 28, 1 << 20
 """What is read of a checkpoint, and of its header: our networks have less than 1 MiB, their headers 4 KiB."""
 
+LEARNT_IN = "learnt_in"
+"""The tensor (H,) int64 beside the network's that names the houses: of many, a header would be too long."""
+
 
 class CheckpointError(VitruviusError):
     """A checkpoint is absent, is no checkpoint, or holds a network of another shape."""

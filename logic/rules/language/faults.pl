@@ -128,7 +128,7 @@ fault(endless, Terms, Clauses, _, At, Text) :-
 %   stated_area(+Name, -Text) is semidet: how an area is stated that the clause of this name is to bound.
 
 stated_area(room_size, "state the area by room_area(Type,Least,Most)") :- nb_getval(grammar_walls, shared).
-stated_area(house_size, "bound both sides by numbers (W =< 9.0, D =< 7.0), and so the area").
+stated_area(house_size, "state the area by house_area(Least,Most)").
 
 %   path(+Terms, +Clauses, +Call, -Clause, -Live, -Steps, -End) is nondet: see clause_path/5.
 
@@ -167,6 +167,7 @@ arguments(window_size, ["Type","Length","Wall"]).
 arguments(house_size,  ["Width","Depth"]).
 arguments(unit_depth,  ["Depth"]).
 arguments(room_area,   ["Type","Least","Most"]).
+arguments(house_area,  ["Least","Most"]).
 
 lacking(X, Words, Lack) :-
     \+ extremes(X, _),

@@ -45,6 +45,12 @@ or several.
 %
 %       house_size(W, D) :- { W =< 2*D, D =< 2*W }.
 
+%!  house_area(-Least, -Most)
+%
+%   how large the floor of all rooms of a plan is together, in square metres, where rooms share walls and there are no units.
+%
+%       house_area(60.0, 80.0).
+
 %!  unit_depth(-Depth)
 %
 %   how deep a unit of a house of units is, in metres, away from the public room that it opens from.
@@ -95,7 +101,7 @@ or several.
 :- dynamic grammar:room_size/3, grammar:piece_size/4.
 :- dynamic grammar:door_width/1, grammar:door_clearance/1, grammar:passage/1, grammar:room_gap/1.
 
-:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:unit_depth/1, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
+:- dynamic grammar:room_area/3, grammar:house_size/2, grammar:house_area/2, grammar:unit_depth/1, grammar:window_size/3, grammar:door_margin/1, grammar:window_margin/1.
 
 % Nothing but what a body may call is visible to a grammar.
 :- set_module(grammar:base(system)).

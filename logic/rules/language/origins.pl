@@ -54,4 +54,5 @@ clause_head(size(_,Piece), piece_size(Piece,_,_,_)).
 clause_head(room_area(Type),   room_area(Type,_,_)).
 clause_head(window_size(Type), window_size(Type,_,_)).
 clause_head(house_size,        house_size(_,_)).
+clause_head(house_area,        house_area(_,_)).
 clause_head(unit_depth,        unit_depth(_)).

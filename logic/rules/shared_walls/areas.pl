@@ -1,4 +1,4 @@
-:- module(areas, [room_system/4, house_system/3]).
+:- module(areas, [room_system/4, house_system/3, square/2]).
 
 /** <module> The linear constraints of a room's size and area, as data (linear.pl)
 
@@ -38,9 +38,11 @@ room_template(Type, W, D, Constraints) :-
         append(Sizes, Areas, Constraints)
     ;   Constraints = Sizes ).
 
-%   square(+Metres, -Area): in squares of the house's unit.
+%!  square(+Area, -Squares) is det.
+%
+%   An Area in square metres is so many squares of the house's unit.
 
-square(M, Area) :- in_unit(M, Half), in_unit(Half, Area).
+square(Area, Squares) :- in_unit(Area, Half), in_unit(Half, Squares).
 
 area(Corners, Width, Depth, Least-Most, W, D, Why) -->
     { least_and_greatest_area(Corners, Low, High) },

@@ -16,6 +16,7 @@ A wall is wall(Room,Side,Behind,At,Start,End), metres: a part of a side of a roo
 :- use_module(plans).
 :- use_module('../linear/sample').
 :- use_module('../language/sizes').
+:- use_module(totals).
 
 %!  own_plan_faults(+Outline, +Rooms, +Walls, +Doors, +Types, -Json) is det.
 %
@@ -29,6 +30,10 @@ own_plan_faults(Outline, Rooms, Walls, Doors, Types, Json) :-
     as_json(Faults, Json).
 
 fault(size(W,D), _, _, _, misfit(house), [house_size]) :- house_system(W, D, System), \+ posted(System).
+fault(_, Rooms, _, _, misfit(house), [house_area]) :-
+    total_area(Least-Most),
+    findall(Area, ( member(room(_,W,D), Rooms), Area is W*D ), Areas), sum_list(Areas, Whole),
+    ( Whole < Least - 1.0e-6 ; Whole > Most + 1.0e-6 ).
 fault(_, Rooms, _, Types, misfit(at(R),T,Axis), [Clause]) :-
     member(room(R,X,Y), Rooms),
     member(T, Types),

@@ -17,6 +17,7 @@ Atoms are those of stage 1. Answers are JSON.
 :- use_module('../linear/grid').
 :- use_module('../linear/linear').
 :- use_module('../language/lengths').
+:- use_module(totals).
 :- use_module(walls).
 
 %!  plan_placed(+Plan, +Limit, -Json) is det.
@@ -60,14 +61,19 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, -Json) is det.
 %
-%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
+%   Json is [Doorway,Contact,Extremes,Total,Floors]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
 %   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
+%   Total is [Least,Most], the area of the house, or null; Floors are [Type,Least,Most], areas of rooms, where it is stated.
 
 plan_lengths(Types, Json) :-
     length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
     maplist(type_extremes, Types, Records),
     least_contact(Contact),
-    as_json([Doorway,Contact,Records], Json).
+    findall([T,L,M], ( total_area(_), member(T, Types), floor_area(T, L0, M0), maplist(square_metres, [L0,M0], [L,M]) ), Floors),
+    ( total_area(_) -> once(grammar:house_area(Least, Most)), Total = [Least,Most] ; Total = null ),
+    as_json([Doorway,Contact,Records,Total,Floors], Json).
+
+square_metres(Squares, Area) :- metres(Squares, Half), metres(Half, Area).
 
 type_extremes(Type, [Type,Reach,Bends,Brims]) :-
     room_system(Type, W, D, System),
@@ -90,11 +96,11 @@ step(From, To, At) :- To - From > 0.01, between(1, 3, K), At is From + K*(To-Fro
 %   none, as where a topology lacks some walls.
 
 plan_conflict(Atoms, Without, Json) :-
-    (   wall_system(Atoms, Plan, System),
+    (   whole_system(Atoms, [], Plan, System),
         exclude(resting_on(Without), System, Rest),
         (   exact_conflict(minimal, Rest, Conflict)
         ->  true
-        ;   Without == [], off_grid(Plan, System), Conflict = System )
+        ;   Without == [], unsampled(Atoms, Plan, System), Conflict = System )
     ->  findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
         sort(Found, Sorted), maplist(reason_record, Sorted, Reasons)
     ;   Reasons = null ),

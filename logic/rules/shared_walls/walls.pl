@@ -1,4 +1,4 @@
-:- module(walls, [walls_placed//4, wall_system/3, unit_range/5, off_grid/2, fewest_unknowns_first/2]).
+:- module(walls, [walls_placed//4, wall_system/3, whole_system/4, unit_range/5, unsampled/3, fewest_unknowns_first/2]).
 
 /** <module> Stage 2 of plans: where walls, doors and windows are, for any topology
 
@@ -25,8 +25,9 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 :- use_module('../linear/grid').
 :- use_module('../language/lengths').
 :- use_module('../linear/linear').
+:- use_module(lines).
 :- use_module(openings).
-:- use_module('../linear/sample').
+:- use_module(totals).
 
 %!  walls_placed(+Atoms, +Given, +Proof, -Answer)// is det.
 %
@@ -34,14 +35,33 @@ Of a house of units, these are placed first, as rooms of the type `unit`, and th
 %   arithmetic; the reasons are those of a minimal conflict where Proof is `minimal`.
 
 walls_placed(Atoms, Given, Proof, Answer) -->
-    { wall_system(Atoms, Given, plan(Lines,Rooms), System) },
-    (   lines_sample(real, Lines, Rooms, System)
+    { whole_system(Atoms, Given, Plan, System), Plan = plan(_,Rooms) },
+    (   plan_sample(real-3, Atoms, Plan, System)
     ->  plan_openings(Atoms, Rooms, Answer)
     ;   { exact_conflict(Proof, System, Conflict) }
     ->  { refuted(Conflict, Answer) }
-    ;   lines_sample(rational, Lines, Rooms, System)       % CLP(R) was wrong
+    ;   plan_sample(rational-0, Atoms, Plan, System)       % CLP(R) was wrong
     ->  plan_openings(Atoms, Rooms, Answer)
-    ;   { refuted(System, Answer) } ).                     % on a grid: no whole numbers satisfy them
+    ;   { refuted(System, Answer) } ).                     % no whole numbers satisfy them, or no plan is of that area
+
+plan_sample(Arithmetic-Halvings, Atoms, plan(Lines,Rooms), System) -->
+    (   { total_area(Total) }
+    ->  { rooms_sized(Rooms, Atoms, Sized), sampling_order(Lines, Rooms, Order) }, total_sample(Arithmetic, Order, System, Total, Rooms, Sized, Halvings)
+    ;   lines_sample(Arithmetic, Lines, Rooms, System) ).
+
+%!  whole_system(+Atoms, +Given, -Plan, -System) is det.
+%
+%   As wall_system/3, with what is known of the area of the whole plan (totals.pl).
+
+whole_system(Atoms, Given, Plan, System) :-
+    wall_system(Atoms, Given, Plan, Walls),
+    (   total_area(Total)
+    ->  Plan = plan(_,Rooms), rooms_sized(Rooms, Atoms, Sized),
+        total_constraints(Total, Sized, Areas), append(Walls, Areas, All),
+        fewest_unknowns_first(All, System)
+    ;   System = Walls ).
+
+rooms_sized(Rooms, Atoms, Sized) :- maplist(room_sized(Atoms), Rooms, Sized).
 
 refuted(Conflict, infeasible(Reasons)) :-
     findall(Reason, ( member(_-Why, Conflict), member(Reason, Why) ), Found),
@@ -116,6 +136,15 @@ room_sides(Places, r(R,T,Edges), room(R,T,Sides,AsTerm)) :-
 
 line_place(Places, edge(_,_,Line), X) :- get_assoc(Line, Places, X).
 
+%!  unsampled(+Atoms, +Plan, +System) is semidet.
+%
+%   On a grid no whole numbers satisfy the System, or no plan is of the area that the grammar states.
+
+unsampled(Atoms, Plan, System) :-
+    once(( on_grid ; total_area(_) )),
+    \+ call(plan_sample(real-inf, Atoms, Plan, System), 0, _),
+    \+ call(plan_sample(rational-0, Atoms, Plan, System), 0, _).
+
 %!  fewest_unknowns_first(+Constraints, -Ordered) is det.
 
 fewest_unknowns_first(Constraints, Ordered) :-
@@ -149,98 +178,24 @@ all_rooms([Room|Rooms], Atoms) --> { room_size_constraints(Room, Atoms, Constrai
 because([])     --> [].
 because([C|Cs]) --> [C], because(Cs).
 
-%   A room that runs along x has its depth there, see oblong/1.
-
-room_size_constraints(room(R,T,sides(X1,X2,Y1,Y2),edges(West,East,North,South)), Atoms, Constraints) :-
-    (   memberchk(runs(R,x), Atoms)
-    ->  Own = [room(R,T),runs(R,x)], W = Y2-Y1, Across = [North,South], D = X2-X1, Along = [West,East]
-    ;   ( memberchk(runs(R,y), Atoms) -> Own = [room(R,T),runs(R,y)] ; Own = [room(R,T)] ),
-        W = X2-X1, Across = [West,East], D = Y2-Y1, Along = [North,South] ),
+room_size_constraints(Room, Atoms, Constraints) :-
+    room_sized(Atoms, Room, sized(T,W,D,Own,Across,Along)),
     append([Own,Across], Wide), append([Own,Along], Deep), append([Own,Across,Along], Both),
     room_system(T, W0, D0, System),
     maplist(explained(W0, D0, Wide, Deep, Both), System, Sizes),
     W0 = W, D0 = D,
-    ( memberchk(runs(R,_), Atoms), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).
+    ( memberchk(runs(_,_), Own), \+ always_longer(T) -> Constraints = [(W =< D)-Both|Sizes] ; Constraints = Sizes ).
+
+%   room_sized(+Atoms, +Room, -Sized): Sized is sized(Type,W,D,Own,Across,Along), its width and depth and the atoms that make them:
+%   its own, and the edges of each. A room that runs along x has its depth there, see oblong/1.
+
+room_sized(Atoms, room(R,T,sides(X1,X2,Y1,Y2),edges(West,East,North,South)), Sized) :-
+    (   memberchk(runs(R,x), Atoms)
+    ->  Sized = sized(T,Y2-Y1,X2-X1,[room(R,T),runs(R,x)],[North,South],[West,East])
+    ;   ( memberchk(runs(R,y), Atoms) -> Own = [room(R,T),runs(R,y)] ; Own = [room(R,T)] ),
+        Sized = sized(T,X2-X1,Y2-Y1,Own,[West,East],[North,South]) ).
 
 explained(W, D, Wide, Deep, Both, C-Why, C-All) :-
     term_variables(C, Variables),
     ( Variables == [W] -> Atoms = Wide ; Variables == [D] -> Atoms = Deep ; Atoms = Both ),
     append(Why, Atoms, All).
-
-% - a random solution --------------------------------------------------------------------------------------------
-
-%   lines_sample(+Arithmetic, ?Lines, +Rooms, +System)// is semidet: every line is a number, sampled in the projection that
-%   those before it leave: first the outline, then line by line from the west and from the north. Lines that are still to
-%   come up to the outline share the slack, as in chain.pl. Arithmetic is real, or rational and slow.
-
-lines_sample(Arithmetic, Lines, Rooms, System, S0, S) :-
-    pairs_values(Lines, Places),
-    sampling_order(Lines, Rooms, Order),
-    lattice(Kind),
-    findall(Places-S1, once(sampled(Arithmetic-Kind, System, Order, S0, S1)), [Found-S]),
-    ( Kind == whole -> maplist(nearest_cell, Found, Places) ; Places = Found ).
-
-nearest_cell(X, Cell) :- ( X =:= 0 -> Cell = X ; Cell is round(X) ).
-
-sampled(real-real, System, Order)      --> { posted(System) }, all_sampled(Order).
-sampled(rational-real, System, Order)  --> { exactly_posted(System) }, exactly_sampled(Order).
-sampled(real-whole, System, Order)     --> { posted(System) }, all_whole_sampled(Order, clpr).
-sampled(rational-whole, System, Order) --> { exactly_posted(System) }, all_whole_sampled(Order, clpq).
-
-all_sampled([]) --> [].
-all_sampled([Gaps-X|Order]) -->
-    (   { number(X) }
-    ->  []
-    ;   { inf(X, Low), sup(X, High) },
-        interval_sample(Low, High, Gaps, V),
-        { {X = V} } ),
-    all_sampled(Order).
-
-%   all_whole_sampled(+Order, +Solver)// is nondet: whole numbers, each sampled in its projection, then those next to it.
-
-all_whole_sampled([], _) --> [].
-all_whole_sampled([Gaps-X|Order], Solver) -->
-    (   { number(X) }
-    ->  { abs(X - round(X)) < 1.0e-6 }
-    ;   { Solver:inf(X, Low), Solver:sup(X, High), First is ceiling(Low - 1.0e-6), Last is floor(High + 1.0e-6), First =< Last },
-        interval_sample(First, Last, Gaps, V),
-        { findall(Away-N, ( between(First, Last, N), Away is abs(N-V) ), Numbers),
-          keysort(Numbers, Nearest),
-          member(_-N1, Nearest),
-          Solver:{X = N1} } ),
-    all_whole_sampled(Order, Solver).
-
-%!  off_grid(+Plan, +System) is semidet.
-%
-%   On a grid no whole numbers satisfy the System.
-
-off_grid(plan(Lines,Rooms), System) :-
-    on_grid,
-    \+ call(lines_sample(real, Lines, Rooms, System), 0, _),
-    \+ call(lines_sample(rational, Lines, Rooms, System), 0, _).
-
-%   sampling_order(+Lines, +Rooms, -Order): Gaps-Place of the outline and then of the other lines, where Gaps is the most
-%   rooms in a row between the line and the outline's east or south side.
-
-sampling_order(Lines, Rooms, [1-Width,1-Depth|Order]) :-
-    memberchk(outline(east)-Width, Lines), memberchk(outline(south)-Depth, Lines),
-    findall(A-B, ( member(room(_,_,_,edges(edge(_,_,W),edge(_,_,E),edge(_,_,N),edge(_,_,S))), Rooms),
-                   ( A = W, B = E ; A = N, B = S ) ), Steps0),
-    sort(Steps0, Steps),
-    findall(Line-0, member(Line-_, Lines), Zeros),
-    list_to_assoc(Zeros, Gaps0),
-    farthest(Steps, Gaps0, Gaps),
-    findall(N-Line, ( member(Line-_, Lines), \+ Line = outline(_), get_assoc(Line, Gaps, N) ), Ranks0),
-    sort(1, @>=, Ranks0, Ranks),
-    maplist(ranked(Lines), Ranks, Order).
-
-% From a line that leads to no outline there is one gap.
-ranked(Lines, N-Line, Gaps-Place) :- memberchk(Line-Place, Lines), Gaps is max(1, N).
-
-farthest(Steps, Gaps0, Gaps) :-
-    foldl(farther, Steps, Gaps0, Gaps1),
-    ( Gaps1 == Gaps0 -> Gaps = Gaps0 ; farthest(Steps, Gaps1, Gaps) ).
-
-farther(A-B, Gaps0, Gaps) :-
-    get_assoc(A, Gaps0, N), get_assoc(B, Gaps0, M),
-    ( M + 1 > N -> N1 is M + 1, put_assoc(A, Gaps0, N1, Gaps) ; Gaps = Gaps0 ).

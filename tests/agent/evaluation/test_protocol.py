@@ -11,12 +11,15 @@ from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.table import PRESETS
 from agent.evaluation.baselines import BASELINES, REFERENCES
+from agent.evaluation.learnt_in import learnt_in as learnt_in_
+from agent.evaluation.learnt_in import warnings
 from agent.evaluation.protocol import Setting, measure
 from agent.learning.config import TARGET_MODES
 from agent.learning.simulator import sensor
 from agent.report.folder import report
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
+from agent.runs.released import released
 from logic import RequestError, save
 from sim.config import DEFAULT, PAPER
 from tests.agent.evaluation.cases import SHORT, short_episodes
@@ -85,6 +88,32 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
     assert (out / "report.html").read_bytes() == report(out)
     with Image.open(out / "evaluation.png") as image:
         image.verify()
+
+
+def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_path, capsys):
+    """On the terminal, in the file and in its pages; of a bank without one of them nothing is said."""
+    save(HOUSES[:3], tmp_path / "houses.jsonl")
+    path = tmp_path / "agent.safetensors"
+    learnt_in = frozenset(map(house_key, HOUSES[1:]))
+    network = network_of(PQNConfig())
+    checkpoint.save(Checkpoint(network, PQNConfig(), 0, "mine", "none", learnt_in=learnt_in), path)
+    out, said = tmp_path / "out", "mine: 2 of the 3 houses here are houses that it learnt in"
+    Evaluate((path,), tmp_path / "houses.jsonl", targets=("main",), out=out).run()
+    assert f"warning: {said}: its score is not for unseen houses\n" in capsys.readouterr().err
+    assert json.loads((out / "evaluation.json").read_text())["learnt_in"] == {"mine": 2}
+    assert all(said in (out / page).read_text() for page in ("evaluation.md", "report.html"))
+    assert warnings(learnt_in_({"mine": [checkpoint.load(path)]}, HOUSES[:1]), 1) == []
+    assert learnt_in_({"mine": [checkpoint.load(written(tmp_path, PQNConfig()))]}, HOUSES[:1]) == {
+        "mine": None
+    }
+
+
+@pytest.mark.parametrize("name", released())
+def test_what_comes_with_the_project_says_where_it_learnt(name):
+    """And in none of the houses that are kept for measuring."""
+    made = checkpoint.load(name)
+    assert made.learnt_in
+    assert not made.learnt_in & {house_key(house) for bank in BANKS for house in benchmark(bank)}
 
 
 def test_in_the_papers_world_all_have_its_body_and_each_its_own_rays():

@@ -3,12 +3,18 @@
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import msgspec
 import pytest
 
-from logic import House
+from logic import House, Unsatisfiable, check
+from logic.generation.builder import Builder
 from logic.grammar import SHIPPED, find
+from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
+from logic.request.given_plan import read_plan
+from logic.request.request import Request
 from tests.logic.workers.in_process import generate
 
 KITCHEN = "room_size(kitchen,  W, D) :- { W >= 2.0, W =< 4.2, D >= 2.0, D =< 4.2 }."
@@ -89,6 +95,57 @@ HOLDS: dict[str, tuple[dict[str, str], Callable[[House], bool]]] = {
         ),
     ),
 }
+
+
+TOTALS: dict[str, tuple[str, str, dict[str, Any], tuple[float, float]]] = {
+    "a band": ("home", "", {"rooms": 6}, (60.0, 61.0)),
+    "one area": ("home", "", {"rooms": 4}, (40.0, 40.0)),
+    "near the least": ("home", "", {"rooms": 4}, (20.0, 34.0)),
+    "near the most": ("home", "", {"rooms": 4}, (64.0, 66.0)),
+    "rooms cut in two": ("home", "cuts", {"rooms": 5}, (50.0, 51.0)),
+    "rooms along a corridor": ("clinic", "", {"rooms": 9}, (250.0, 255.0)),
+    "on a grid": ("home", "", {"rooms": 4, "cell": 0.25}, (40.0, 42.0)),
+}
+
+
+@pytest.mark.parametrize("title", TOTALS)
+def test_the_area_of_a_house_holds_in_what_is_made(title: str, tmp_path: Path) -> None:
+    """In rectangles, in those that lack corners, and in those with niches."""
+    grammar, topology, request, (least, most) = TOTALS[title]
+    folder = edited(tmp_path / "mine", {}, grammar)
+    (folder / "area.pl").write_text(f"house_area({least}, {most}).")
+    if topology:
+        rooms = folder / "rooms.lp"
+        rooms.write_text(rooms.read_text().replace("topology(ring)", f"topology({topology})"))
+    for house in generate(**request, grammar=folder, count=2):
+        corners = [(room.x, room.y, room.x + room.width, room.y + room.height) for room in house.rooms]
+        assert least - 1e-6 <= sum((x2 - x1) * (y2 - y1) for x1, y1, x2, y2 in corners) <= most + 1e-6
+        assert check(house) == []
+        narrow = msgspec.structs.replace(Promises(), house_area=(least / 2, least - 1))
+        assert any(line.startswith("house: is of ") for line in check(house, narrow))
+
+
+def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(tmp_path: Path) -> None:
+    folder = edited(tmp_path / "mine", {})
+    (folder / "area.pl").write_text("house_area(20.0, 35.0).")
+    with pytest.raises(Unsatisfiable) as error:
+        next(generate(6, grammar=folder))
+    assert "area.pl:1:1: house_area(20.0, 35.0)." in str(error.value)
+    assert "There is a house with --rooms 4." in str(error.value)
+
+
+def test_the_area_of_a_plan_that_is_given_is_judged(tmp_path: Path) -> None:
+    folder = edited(tmp_path / "mine", {})
+    (house,) = generate(4, grammar=folder, count=1)
+    whole = sum(room.area for room in house.rooms)
+    for least, possible in ((whole - 1, True), (whole + 1, False)):
+        (folder / "area.pl").write_text(f"house_area({least}, {whole + 5}).")
+        made, plan = Builder(find(folder)), Request(4, plan=read_plan(house))
+        if possible:
+            assert made.house(plan, 0, 0, 10**8)
+        else:
+            with pytest.raises(Unsatisfiable, match=r"area.pl:1:1: house_area"):
+                made.house(plan, 0, 0, 10**8)
 
 
 @pytest.mark.parametrize("title", HOLDS)

@@ -151,7 +151,7 @@ export class Grammar {
 
   /** What stage 1 knows of walls that rooms share: facts of plans/differences.lp, each with its clauses. */
   wallFacts() {
-    const [doorway, contact, extremes] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
+    const [doorway, contact, extremes, total, floors] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
     facts.push([`length(contact,${Math.floor(1000 * contact)})`, []]);
     const only = ["house_size"];
@@ -162,6 +162,10 @@ export class Grammar {
         for (const pair of pairs) facts.push([`${name}(${[type, ...pair.map((metres) => bound(1000 * metres))]})`, clauses]);
       only.push(`window_size(${type})`);
     }
+    const bounds = (least, most) => [Math.floor(100 * least), Math.ceil(100 * most)];
+    if (total) facts.push([`total(${bounds(...total)})`, ["house_area"]]);
+    for (const [type, ...areas] of floors)
+      facts.push([`floor(${[type, ...bounds(...areas)]})`, [`size(${type})`, `room_area(${type})`]]);
     return [...facts, ...only.map((clause) => [`sized(${clause})`, [clause]])];
   }
 

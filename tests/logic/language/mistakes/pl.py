@@ -630,9 +630,33 @@ door_width(0.762).          % the paper's 2.5 feet
     house(
         "an area of the house by a product",
         "W*D =< 60",
-        "decides linear constraints alone: bound both sides by numbers (W =< 9.0, D =< 7.0), and so the area",
+        "decides linear constraints alone: state the area by house_area(Least,Most)",
         at="W*D",
     ),
+    appended(
+        "an area of the house that is less than any room's",
+        "house_area(0.5, 1.0).",
+        "house_area(0.5, 1.0): 1.0 m2 at most, and no room is smaller than room_area(",
+    ),
+    house(
+        "sides of the house that do not allow its area",
+        "W =< 7, D =< 7 }.\nhouse_area(L, M) :- { L = 50.0, M = 60.0",
+        "50.0 m2 at least, and house_size(W, D) in line 13 allows 49.0 m2 at most",
+        at="house_area",
+    ),
+    appended(
+        "a least area of the house above the greatest",
+        "house_area(60.0, 50.0).",
+        "is not a least and a greatest number of square metres",
+    ),
+    plan(
+        "a second area of the house",
+        "",
+        "house_area(50.0, 60.0).\nhouse_area(50.0, 70.0).",
+        "is a second clause: the first stands in line",
+        at="house_area(50.0, 70.0)",
+    ),
+    appended("an area of the house alone", "house_area(50.0).", "house_area/1"),
     appended(
         "a second size of the house",
         "house_size(W, D) :- { W =< 20, D =< 20 }.",

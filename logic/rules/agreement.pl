@@ -9,13 +9,15 @@ then the text names both.
 :- use_module(library(apply)).
 :- use_module(library(clpr)).
 :- use_module(library(lists)).
-:- use_module('../answers').
-:- use_module(faults).
-:- use_module(grammar_files).
-:- use_module(lengths).
-:- use_module('../linear/regions').
-:- use_module(reports).
-:- use_module(sizes).
+:- use_module(answers).
+:- use_module(shared_walls/areas).
+:- use_module(language/faults).
+:- use_module(language/grammar_files).
+:- use_module(language/lengths).
+:- use_module(linear/regions).
+:- use_module(language/reports).
+:- use_module(language/sizes).
+:- use_module(shared_walls/totals).
 
 %!  grammar_disagreements(+Topology, +Types, -Json) is det.
 %
@@ -34,6 +36,7 @@ disagreement(topology(shared,Units), Types, Wrong) :-
     ;   member(room(Type,_), Types), stated_for(room_area(Type,_,_)), area_wrong(Type, Wrong)
     ;   member(room(Type,Lit), Types), window_wrong(Type, Lit, Wrong)
     ;   stated(house_size(_,_)), house_wrong(Types, Wrong)
+    ;   stated(house_area(_,_)), total_wrong(Units, Types, Wrong)
     ;   stated(unit_depth(_)), unit_wrong(Units, Types, Wrong) ).
 
 stated(Head) :- \+ \+ clause(grammar:Head, _).
@@ -134,6 +137,20 @@ in_house(Type) :-
     \+ \+ ( grammar:house_size(HW, HD), {X =< HW, Y =< HD} ), !.
 
 smallest(Types, Least) :- findall(Short-Type, ( member(room(Type,_), Types), shortest_wall(Type, Short) ), Found), sort(Found, [_-Least|_]).
+
+%   total_wrong(+Units, +Types, -Wrong): what one room must have, or what the house may have, is out of its area.
+
+total_wrong(true, _, Wrong) :- clash(house_area(_,_), "the houses of this topology have units: state room_area of their rooms", [], Wrong).
+total_wrong(false, Types, Wrong) :-
+    judged(areas_found(house_area(Least,Most), Least, Most, Found), Found, []-house_area(_,_), Report),
+    (   Report = L-M
+    ->  (   findall(A-Type, ( member(room(Type,_), Types), floor_area(Type, A, _) ), Areas), min_member(Low-Type, Areas), M < Low - 1.0e-9
+        ->  ( grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
+            clash(house_area(_,_), "~w m2 at most, and no room is smaller than ~w allows, ~w m2", [metres(M),clause(Clause),metres(Low)], Wrong)
+        ;   stated(house_size(_,_)), house_system(W, D, System), corners([(0 =< W)-[],(0 =< D)-[]|System], W, D, Corners),
+            least_and_greatest_area(Corners, _, High-_), L > High + 1.0e-9,
+            clash(house_area(_,_), "~w m2 at least, and ~w allows ~w m2 at most", [metres(L),clause(house_size(_,_)),metres(High)], Wrong) )
+    ;   Wrong = Report ).
 
 unit_wrong(false, _, Wrong) :- clash(unit_depth(_), "the houses of this topology have no units, as those of building have", [], Wrong).
 unit_wrong(true, Types, Wrong) :-

@@ -1,0 +1,63 @@
+"""In which houses of a bank agents learnt: their scores there are not for unseen houses."""
+
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+
+from agent.banks import bank_hash, house_key, kept
+from agent.evaluation.baselines import REFERENCES
+from agent.evaluation.scores import ScoreFile
+from agent.runs.checkpoint import Checkpoint
+from logic import House
+
+
+def learnt_in(agents: Mapping[str, Sequence[Checkpoint]], houses: Sequence[House]) -> dict[str, int | None]:
+    """By agent, in how many of the houses any of its runs learnt: 0 is left out, None is not known.
+
+    Training refuses the houses that are kept for measuring; so of these alone a checkpoint that does not
+    name its houses has seen none.
+    """
+    keys, whole = [house_key(house) for house in houses], bank_hash(houses)
+    unseen: bool | None = None
+    found: dict[str, int | None] = {}
+    for name, runs in agents.items():
+        if any(run.houses == whole for run in runs):
+            found[name] = len(houses)
+            continue
+        seen = frozenset().union(*(run.learnt_in for run in runs))
+        found[name] = sum(key in seen for key in keys)
+        if not found[name] and not all(run.learnt_in for run in runs):
+            unseen = all(kept(houses)) if unseen is None else unseen
+            found[name] = 0 if unseen else None
+    return {name: number for name, number in found.items() if number != 0}
+
+
+def warnings(found: Mapping[str, int | None], houses: int) -> list[str]:
+    """What is to be said of it, a sentence for each agent."""
+    return [
+        f"{name}: whether it learnt in these houses is not known, as its checkpoint does not name its houses"
+        if number is None
+        else f"{name}: {_share(number, houses)} it learnt in: its score is not for unseen houses"
+        for name, number in found.items()
+    ]
+
+
+def _share(number: int, houses: int) -> str:
+    """How many of the houses are such."""
+    if houses == 1:
+        return "the house here is one that"
+    if number == houses:
+        return f"all {houses} houses here are houses that"
+    return f"{number} of the {houses} houses here {'is a house' if number == 1 else 'are houses'} that"
+
+
+def with_others(
+    ours: Mapping[str, int | None], agents: Collection[str], files: Mapping[Path, ScoreFile]
+) -> dict[str, int | None]:
+    """The same with what files of scores say of their agents, under other names where ours have theirs."""
+    theirs = {
+        name if name not in agents else f"{name} ({path.stem})": number
+        for path, file in files.items()
+        for name, number in file.learnt_in.items()
+        if name not in REFERENCES
+    }
+    return {**theirs, **ours}

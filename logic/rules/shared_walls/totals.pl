@@ -1,0 +1,138 @@
+:- module(totals, [total_area/1, total_constraints/3, total_sample//7, floor_area/3]).
+
+/** <module> The area of a whole plan, which is the sum of those of its rooms
+
+That it lies between two numbers is no linear constraint, but much that follows from it is. The area of a room is an unknown
+between bounds of the product of its sides, which are linear (McCormick, 1976): they lose no plan, so what they leave without a solution is
+impossible. Once the walls that run one way have their places, the sum is linear in the others. Where neither way
+finds a plan, a range of sizes is halved: in smaller ranges the bounds are narrower.
+*/
+
+:- use_module(library(apply)).
+:- use_module(library(lists)).
+:- use_module(library(yall)).
+:- use_module(library(pairs)).
+:- use_module(areas).
+:- use_module('../linear/exact').
+:- use_module('../language/grammar_files').
+:- use_module('../linear/grid').
+:- use_module('../language/lengths').
+:- use_module('../linear/linear').
+:- use_module(lines).
+:- use_module('../linear/regions').
+:- use_module('../linear/sample').
+
+:- table type_ranges/2.
+
+%!  total_area(-Total) is semidet.
+%
+%   Total is Least-Most, squares of the house's unit, where the grammar states an area of the house.
+
+total_area(Least-Most) :- clause(grammar:house_area(_,_), _), grammar:house_area(L, M), !, maplist(square, [L,M], [Least,Most]).
+
+%!  floor_area(+Type, -Least, -Most) is semidet.
+%
+%   The areas that the size and the area of a type leave to its rooms, in squares of the house's unit.
+
+floor_area(Type, Least, Most) :- type_ranges(Type, ranges(_,_,Least-Most)).
+
+type_ranges(Type, ranges(W1-W2,D1-D2,Least-Most)) :-
+    room_system(Type, W, D, System),
+    corners(System, W, D, Corners),
+    pairs_keys_values(Corners, Ws, Ds),
+    maplist(min_list, [Ws,Ds], [W1,D1]), maplist(max_list, [Ws,Ds], [W2,D2]),
+    least_and_greatest_area(Corners, Least-_, Most-_).
+
+%!  total_constraints(+Total, +Sized, -Constraints) is det.
+%
+%   Constraints of rooms that are Sized as in walls.pl.
+
+total_constraints(Total, Sized, Constraints) :- maplist(type_box, Sized, Boxes), bounded(Total, Boxes, Constraints).
+
+%   type_box(+Sized, -Box): box(W,D,Ranges,Own,All), with the reasons of its area and of what follows from its sides.
+
+type_box(sized(Type,W,D,Own,Across,Along), box(W,D,Ranges,Mine,All)) :-
+    type_ranges(Type, Ranges),
+    append(Own, [size(Type),room_area(Type)], Mine), append([Mine,Across,Along], All).
+
+bounded(Least-Most, Boxes, [(Least =< Sum)-[house_area],(Sum =< Most)-[house_area]|Constraints]) :-
+    boxes_bounded(Boxes, Areas, Constraints),
+    sum_of(Areas, Sum).
+
+boxes_bounded([], [], []).
+boxes_bounded([box(W,D,ranges(W1-W2,D1-D2,Least-Most),Mine,All)|Boxes], [A|As],
+              [(Least =< A)-Mine,(A =< Most)-Mine,
+               (W1*D + D1*W - W1*D1 =< A)-All,(W2*D + D2*W - W2*D2 =< A)-All,
+               (A =< W2*D + D1*W - W2*D1)-All,(A =< W1*D + D2*W - W1*D2)-All|Constraints]) :-
+    boxes_bounded(Boxes, As, Constraints).
+
+sum_of([X|Xs], Sum) :- foldl([Y,S,S+Y]>>true, Xs, X, Sum).
+
+%!  total_sample(+Arithmetic, ?Order, +System, +Total, +Rooms, +Sized, +Halvings)// is semidet.
+%
+%   The places in Order (lines.pl) are numbers with which the System, that of total_constraints/3 too, holds and the Rooms have this
+%   area together. What is left after so many Halvings is passed over.
+
+total_sample(Arithmetic, Order, System, Least-Most, Rooms, Sized, Halvings) -->
+    { maplist(type_box, Sized, Boxes),
+      maplist([room(_,_,sides(X1,X2,Y1,Y2),_),X1-X2,(X2-X1)*(Y2-Y1)]>>true, Rooms, Pairs, Areas),
+      sum_of(Areas, Sum), term_variables(Pairs, Along),
+      partition(among(Along), Order, Ways1, Ways2),
+      exclude([_-[house_area]]>>true, System, Walls) },
+    halving(Halvings, Walls, Boxes, total(Arithmetic,Sum,Least-Most), Ways1-Ways2).
+
+among(Variables, _-X) :- member(V, Variables), V == X, !.
+
+halving(Halvings, Walls, Boxes, Total, Ways) -->
+    { Total = total(Arithmetic,_,Areas), bounded(Areas, Boxes, Bounds), append(Walls, Bounds, System) },
+    (   either_way(Ways, System, Walls, Total)
+    ->  []
+    ;   { Halvings > 0, left_of(Arithmetic, System, Boxes, Left),
+          widest(Left, box(W,D,ranges(W1-W2,Ds,Area),Own,All), Others),
+          Half is (W1+W2)/2, Fewer is Halvings - 1 },
+        unit_sample(U),
+        { Lower = part(W1-Half,W =< Half), Upper = part(Half-W2,Half =< W),
+          ( U < 0.5 -> Parts = [Lower,Upper] ; Parts = [Upper,Lower] ),
+          member(part(Range,Constraint), Parts) },
+        halving(Fewer, [Constraint-[]|Walls], [box(W,D,ranges(Range,Ds,Area),Own,All)|Others], Total, Ways), ! ).
+
+%   either_way(+Ways, +System, +Walls, +Total)// is semidet: the walls that run one way have their places, and then the others.
+
+either_way(Ways1-Ways2, System, Walls, Total) -->
+    { Total = total(Arithmetic,Sum,Least-Most), Exactly = [(Least =< Sum)-[],(Sum =< Most)-[]], lattice(Kind) },
+    (   lines_sample(Arithmetic, Ways1, System, Exactly, Ways2)
+    ;   lines_sample(Arithmetic, Ways2, System, Exactly, Ways1)
+    ;   { Arithmetic-Kind == real-real },
+        places_sample(Ways1, System, Values),
+        nearer(4, Ways1-Ways2, Values, Walls, Total) ), !.
+
+%   nearer(+Rounds, +Ways, +Values, +Walls, +Total)//: with the first Ways at these Values the others go as near to the area as
+%   they can, nearly, in turn, until it is reached.
+
+nearer(Rounds, Ways1-Ways2, Values, Walls, total(_,Sum,Least-Most)) -->
+    { Rounds > 0 },
+    (   { pairs_values(Ways1, Values) },
+        lines_sample(real, [], Walls, [(Least =< Sum)-[],(Sum =< Most)-[]], Ways2)
+    ->  []
+    ;   { copy_term(k(Ways1,Ways2,Walls,Sum), k(Known,Others,Copy,Area)), pairs_values(Known, Values),
+          findall(Target, ( posted(Copy), extremes(Area, Low-High), ( Low > Most -> Target is 0.95*Low + 0.05*High ; Target is 0.05*Low + 0.95*High ) ), [Target]) },
+        places_sample(Others, [(Area = Target)-[]|Copy], Next),
+        { Fewer is Rounds - 1 },
+        nearer(Fewer, Ways2-Ways1, Next, Walls, total(real,Sum,Least-Most)) ).
+
+%   left_of(+Arithmetic, +System, +Boxes, -Left) is semidet: the Boxes, with what the System leaves to both sides.
+
+left_of(real, System, Boxes, Left) :- findall(Ranges, ( posted(System), maplist(sides_left, Boxes, Ranges) ), [Ranges]), maplist(narrowed, Boxes, Ranges, Left).
+left_of(rational, System, Boxes, Boxes) :- \+ exact_conflict(quick, System, _).
+
+sides_left(box(W,D,_,_,_), Ws-Ds) :- extremes(W, Ws), extremes(D, Ds).
+
+narrowed(box(W,D,ranges(_,_,Area),Own,All), Ws-Ds, box(W,D,ranges(Ws,Ds,Area),Own,All)).
+
+%   widest(+Boxes, -Box, -Others) is semidet: the Box of which least is known, unless all are known to a square centimetre.
+
+widest(Boxes, Box, Others) :-
+    maplist(spread, Boxes, Keyed), max_member(Spread-Box, Keyed), square(0.01, Least), Spread > Least,
+    once(( select(B, Boxes, Others), B == Box )).
+
+spread(Box, Spread-Box) :- Box = box(_,_,ranges(W1-W2,D1-D2,_),_,_), Spread is (W2-W1)*(D2-D1).
