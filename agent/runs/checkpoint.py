@@ -13,7 +13,7 @@ import torch
 from agent.algorithms.build import network_of
 from agent.algorithms.table import ALGORITHMS
 from agent.learning.config import TrainConfig
-from agent.runs.released import FORMAT, CheckpointError, located, require_sizes
+from agent.runs.released import FORMAT, LEARNT_IN, CheckpointError, located, require_sizes
 from logic.house.files import write_whole
 from logic.spelling import printable
 

@@ -14,6 +14,7 @@ import torch
 from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.paper.learner import PaperNetwork
 from agent.algorithms.table import PRESETS
+from agent.banks import bank_hash, house_key
 from agent.runs.checkpoint import Checkpoint
 from agent.runs.released import CheckpointError
 from sim.environment.arguments import PAPER_HOUSE, house_list

@@ -26,7 +26,7 @@ import msgspec
 import torch
 
 from agent.algorithms.build import learner_of
-from agent.banks import bank_hash
+from agent.banks import bank_hash, house_key
 from agent.learning import ranks
 from agent.learning.allocation import keep_freed_memory
 from agent.learning.config import TrainConfig

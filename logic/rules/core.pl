@@ -12,7 +12,7 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
         grammar_files.pl   the same terms, stated as clauses
         origins.pl         where their clauses stand
         lengths.pl         the grammar's lengths, and the extremes of its sizes
-        reports.pl         whether they can be used; agreement.pl: together
+        reports.pl         whether they can be used
         faults.pl          why not, in the words of their author: paths.pl: a clause step by step; nonlinear.pl
         laws.pl, sizes.pl  how two sizes depend on each other: to be sampled; as linear constraints
         promised.pl        what houses keep of the lengths, as they are written
@@ -37,10 +37,12 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
     star/main_room.pl  the rooms around the main room
     shared_walls/      plans where rooms share walls
         plans.pl           what Python asks for them
-        walls.pl           where the walls are; areas.pl, openings.pl: doors and windows in them; contacts.pl
+        walls.pl           where the walls are; areas.pl, totals.pl; openings.pl: doors and windows in them; contacts.pl
+        lines.pl           a random solution of them
         own_plan.pl        doors and windows in rooms that a user gives
     why/bounds.pl      why a solution is as it is: what else it could be, and which constraints bind
     why/plan_bounds.pl the same of walls that rooms share
+    agreement.pl       whether all lengths together can be used
     answers.pl         answers as JSON
 */
 

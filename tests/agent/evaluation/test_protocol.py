@@ -10,6 +10,7 @@ from PIL import Image
 from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.table import PRESETS
+from agent.banks import BANKS, benchmark, house_key
 from agent.evaluation.baselines import BASELINES, REFERENCES
 from agent.evaluation.learnt_in import learnt_in as learnt_in_
 from agent.evaluation.learnt_in import warnings
