@@ -8,8 +8,8 @@ import numpy as np
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.belief_map import BeliefMap
 from agent.planner.frame import metres, quarters
+from agent.policies.episodes import Moment
 from agent.policies.policies import Explorer, QPolicy
-from agent.recording.film import Moment
 from agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
 from logic import House
 from sim import HouseVectorEnv
