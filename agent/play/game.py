@@ -3,7 +3,6 @@
 import numpy as np
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import policy_of
 from agent.evaluation.episodes import reset
 from agent.learning.environments import make_envs
@@ -12,6 +11,7 @@ from agent.play.results import PlayedGame, ResultsError, require_house
 from agent.policies.episodes import moments
 from agent.runs.checkpoint import Checkpoint
 from logic import House
+from sim.actions import FORWARD, LEFT, RIGHT
 from sim.config import DEFAULT, Config
 from sim.film import Scene
 

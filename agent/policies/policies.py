@@ -6,10 +6,10 @@ import torch
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from agent.actions import ACTIONS, FORWARD
 from agent.avoidance import Layer, random_preference, subsume
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.policies.network import QNetwork
+from sim.actions import ACTIONS, FORWARD
 from sim.config import DEFAULT, Config
 
 MIDDLE = slice(18, 21)

@@ -13,10 +13,9 @@ from agent.policies.policies import Explorer, QPolicy
 from agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
 from logic import House
 from sim import HouseVectorEnv
+from sim.actions import ACTION_NAMES
 from sim.film import Scene
 from sim.geometry import geometry
-
-ACTIONS = "turn left", "turn right", "forward"
 
 EVERY = 5
 """Steps between two pictures of the map: 20 a second of the paper's 15 s."""
@@ -89,7 +88,7 @@ class Recorder:
             house=self.house.to_dict(),
             mode=self.mode,
             seed=self.seed,
-            actions=ACTIONS,
+            actions=ACTION_NAMES,
             sensor=msgspec.convert(sensor, Sensor),
             origin=(float(self.places[0][0]), float(self.places[0][1])),
             targets=tuple(self.targets),

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agent.actions import FORWARD
 from agent.evaluation.episodes import reset
 from agent.policies.episodes import moments
 from agent.policies.policies import Policy
 from sim import HouseVectorEnv
+from sim.actions import FORWARD
 from sim.baselines.lookout import Lookout
 
 PHASES = ("approach", "door", "crossing", "survey", "again", "corners", "out")

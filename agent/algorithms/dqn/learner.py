@@ -20,7 +20,6 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS
 from agent.algorithms.dqn.config import DQNConfig
 from agent.avoidance import subsume
 from agent.learning.learner import Learner, Progress, Tally, linear
@@ -29,6 +28,7 @@ from agent.learning.simulator import simulator
 from agent.policies.network import QNetwork, seeded
 from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
+from sim.actions import ACTIONS
 
 REPORT = 128
 """Steps of every environment between two reports."""

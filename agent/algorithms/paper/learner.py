@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from agent.actions import ACTIONS
 from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.paper.network import PaperNetwork
 from agent.avoidance import subsume
@@ -31,6 +30,7 @@ from agent.learning.learner import Learner, Progress, Tally
 from agent.learning.replay import ReplayBuffer
 from agent.policies.policies import QPolicy, epsilon_greedy, exploration, home
 from sim import HouseVectorEnv
+from sim.actions import ACTIONS
 
 REPORT = 128
 """Steps of every environment between two reports."""

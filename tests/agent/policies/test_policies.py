@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT
 from agent.policies.policies import epsilon_greedy, exploration
+from sim.actions import FORWARD, LEFT
 
 
 def seeded() -> torch.Generator:

@@ -7,13 +7,13 @@ import pytest
 import torch
 from torch import nn
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import network_of
 from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.paper.learner import Paper, q_targets, squared_loss
 from agent.algorithms.paper.network import PaperNetwork
 from agent.algorithms.table import PRESETS
 from sim import HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
 
 E = 8
