@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
+from sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from sim.config import Config
 
 SPREAD = 3.0

@@ -9,7 +9,6 @@ import torch
 import tyro
 from torch import Tensor
 
-from agent.actions import ACTIONS, LEFT, RIGHT
 from agent.avoidance import Stack
 from agent.evaluation.episodes import play
 from agent.learning.environments import make_envs, shield
@@ -17,6 +16,7 @@ from agent.policies.policies import QPolicy
 from agent.runs import checkpoint
 from logic import load
 from sim import DEFAULT
+from sim.actions import ACTIONS, LEFT, RIGHT
 
 
 def stride(observation: Tensor, blocked: Tensor) -> Tensor:

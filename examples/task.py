@@ -19,7 +19,7 @@ from torch import Tensor
 from torch.nn.functional import one_hot
 
 from agent import banks
-from agent.avoidance import ACTIONS, subsume
+from agent.avoidance import subsume
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.evaluation.protocol import shortest_ways
@@ -29,6 +29,7 @@ from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs, shield
 from logic import load
 from logic.house.files import write_whole
+from sim.actions import ACTIONS
 from sim.baselines.lookout import Lookout
 
 

@@ -22,11 +22,11 @@ FOLDERS = {
         *("workers", "drawing", "exports", "browser"),
     ),
     "sim": (
-        *("cache", "config", "runtime", "geometry", "film"),
+        *("cache", "actions", "config", "runtime", "geometry", "film"),
         *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
     ),
     "agent": (
-        *("actions", "avoidance", "progress", "banks"),
+        *("avoidance", "progress", "banks"),
         *(
             "planner",
             "policies",

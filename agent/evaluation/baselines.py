@@ -17,10 +17,11 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from agent.avoidance import ACTIONS, FORWARD, LEFT, RIGHT, Layer, PaperRule, random_preference, subsume
+from agent.avoidance import Layer, PaperRule, random_preference, subsume
 from agent.learning.environments import shield
 from agent.policies.policies import Explorer, Policy, RandomPolicy
 from sim import HouseVectorEnv
+from sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from sim.baselines.oracle import Oracle
 from sim.baselines.searcher import Searcher
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
+from agent.policies.episodes import moments
 from agent.policies.policies import Policy
 from sim import HouseVectorEnv
 from sim.baselines.lookout import Lookout
@@ -54,23 +55,18 @@ def play(
     environments, coverage and the rooms that the body was in are noted too.
     """
     observation = reset(envs, seed, houses)
-    policy.begin(envs.num_envs)
     targets, playing = torch.zeros(envs.num_envs), torch.ones(envs.num_envs, dtype=torch.bool)
-    first = torch.full((envs.num_envs,), torch.inf)
-    blocked, steps, bumps, time = torch.zeros_like(playing), 0, 0, 0
+    first, steps, bumps = torch.full((envs.num_envs,), torch.inf), 0, 0
     coverage = _Coverage(lookout, envs.num_envs)
-    while playing.any():
-        actions = policy(observation, blocked)
-        observation, reward, terminated, truncated, info = envs.step_torch(actions)
-        time += 1
-        first[(targets == 0) & (reward > 0) & playing] = time
-        targets += reward * playing
+    for now in moments(envs, policy, observation):
+        if not now.step:
+            continue
+        first[(targets == 0) & (now.reward > 0) & playing] = now.step
+        targets += now.reward * playing
         steps += int(playing.sum())
-        blocked = info["blocked"]
-        bumps += int((blocked & playing).sum())
-        still = playing & ~(terminated | truncated)
-        coverage.note(time, playing.numpy(), still.numpy())
-        playing = still
+        bumps += int((now.blocked & playing).sum())
+        coverage.note(now.step, playing.numpy(), ~now.ended.numpy())
+        playing = ~now.ended
     return EpisodeScores(
         targets.numpy(),
         steps,

@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from time import perf_counter
 from typing import Any
 
 import torch
@@ -149,7 +150,21 @@ class Learner(ABC):
 
     def reset_envs(self) -> Tensor:
         """Begin episodes in all environments; the observations (E, R, C)."""
-        return torch.as_tensor(self.envs.reset(seed=self.seed)[0], device=self.config.device)
+        self.s = torch.as_tensor(self.envs.reset(seed=self.seed)[0], device=self.config.device)
+        self.blocked = self.ended = torch.zeros(self.envs.num_envs, dtype=torch.bool)
+        return self.s
+
+    def step_envs(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Step all environments: the rewards, and whether the episodes ended in a terminal state or by time,
+        (E,) each. ``s`` (E, R, C), ``blocked`` and ``ended`` (E,) bool are what it led to.
+        """
+        before = perf_counter()
+        observation, r, terminated, truncated, info = self.envs.step_torch(actions)
+        self.clock.simulating += perf_counter() - before
+        # Cloned: the simulator writes over its tensors at the next step.
+        self.s, self.blocked = observation.clone(), info["blocked"].clone()
+        self.ended = terminated | truncated
+        return r, terminated, truncated
 
     @abstractmethod
     def iterate(self) -> Progress:

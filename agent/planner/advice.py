@@ -2,6 +2,7 @@
 
 from agent.planner.occupancy import Occupancy
 from agent.planner.paths import FAR, Paths
+from sim.actions import FORWARD, LEFT, RIGHT
 from sim.runtime import ti
 
 
@@ -66,4 +67,4 @@ class Advice:
     @ti.func
     def action(self, turn):
         """Left, right or forward, to make such a turn."""
-        return ti.select(turn == 0, 2, ti.cast(turn > 4, ti.i32))
+        return ti.select(turn == 0, FORWARD, ti.select(turn > 4, RIGHT, LEFT))

@@ -3,14 +3,15 @@
 import numpy as np
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import policy_of
 from agent.evaluation.episodes import reset
 from agent.learning.environments import make_envs
 from agent.learning.simulator import sensor
 from agent.play.results import PlayedGame, ResultsError, require_house
+from agent.policies.episodes import moments
 from agent.runs.checkpoint import Checkpoint
 from logic import House
+from sim.actions import FORWARD, LEFT, RIGHT
 from sim.config import DEFAULT, Config
 from sim.film import Scene
 
@@ -68,15 +69,7 @@ def agents_scenes(agent: Checkpoint, house: House, targets: str, seed: int) -> l
     envs = make_envs([house], 1, targets, preset=sensor(agent.config))
     observation = reset(envs, seed)
     policy = policy_of(agent.network, agent.config, envs, seed)
-    policy.begin(1)
-    blocked, scenes = torch.zeros(1, dtype=torch.bool), [envs.scene(0)]
-    for _ in range(envs.config.steps):
-        observation, _, terminated, truncated, info = envs.step_torch(policy(observation, blocked))
-        blocked = info["blocked"]
-        scenes.append(envs.scene(0))
-        if terminated[0] | truncated[0]:
-            break
-    return scenes
+    return [envs.scene(0) for _ in moments(envs, policy, observation)]
 
 
 def fan(scene: Scene) -> np.ndarray:

@@ -7,11 +7,11 @@ from typing import Literal
 import numpy as np
 import pygame
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.play.game import Game, fan, replayed
 from agent.play.results import PlayedGame, ResultsError
 from logic import House
 from logic.house.parts import BODY as SIDE
+from sim.actions import FORWARD, LEFT, RIGHT
 from sim.film import BODY, RAY, SHARP, TARGET, TARGET_EDGE, TARGET_RAY, View, plan
 from sim.film import Scene as Picture
 from sim.geometry import geometry

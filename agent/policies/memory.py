@@ -11,7 +11,7 @@ Axes: E environments, M half-lives, 6 signals.
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS
+from sim.actions import ACTIONS
 
 SIGNALS = 6
 

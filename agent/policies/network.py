@@ -6,8 +6,8 @@ from contextlib import contextmanager
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS
 from agent.policies.memory import SIGNALS, Memory
+from sim.actions import ACTIONS
 
 WINDOW, STRIDE = 5, 2
 """Neighbouring rays that a filter reads, and rays from one window to the next."""

@@ -6,10 +6,10 @@ import torch
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-from agent.actions import ACTIONS, FORWARD
 from agent.avoidance import Layer, random_preference, subsume
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.policies.network import QNetwork
+from sim.actions import ACTIONS, FORWARD
 from sim.config import DEFAULT, Config
 
 MIDDLE = slice(18, 21)
@@ -123,8 +123,8 @@ class QPolicy:
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         q = self.network(observation, self.remembered)
-        chosen, random = exploration_noise(q.shape[:1], self.generator, self.epsilon, self.forward)
-        preference = explore(q, (chosen, home(random, observation) if self.homing else random))
+        chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.forward, draws=2)
+        preference = epsilon_greedy(q, chosen, home(random, observation) if self.homing else random)
         self.choice = Choice(q, preference, self.avoidance(observation, blocked))
         actions = subsume(preference, self.choice.allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
@@ -191,24 +191,22 @@ class RandomPolicy:
         return actions
 
 
-def exploration_noise(
-    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float
+def exploration(
+    shape: tuple[int, ...], generator: torch.Generator, epsilon: float, forward: float, draws: int = 1
 ) -> tuple[Tensor, Tensor]:
-    """Random numbers for actions of this shape, to be used by ``explore`` at once or one row after the other.
+    """For actions of this shape: which are random (..., 1) bool, a share ``epsilon``; and preferences of
+    random actions (..., A), ``forward`` in that share.
 
-    Which actions are random (..., 1) bool, a share ``epsilon``; and their preferences (..., A),
-    ``forward`` in that share.
+    Of ``draws`` numbers for each action the first decides: with 2, runs are as they are on record.
     """
     device = generator.device
-    # The second number of each action is not used: it keeps all runs as they are on record.
-    uniform, _ = torch.rand(2, *shape, 1, generator=generator, device=device)
+    uniform = torch.rand(draws, *shape, 1, generator=generator, device=device)[0]
     random = random_preference(torch.empty(*shape, ACTIONS, device=device), generator, forward)
     return uniform < epsilon, random
 
 
-def explore(q: Tensor, noise: tuple[Tensor, Tensor]) -> Tensor:
-    """Preferences (..., A): the Q-values, or where the noise says so those of a random action."""
-    chosen, random = noise
+def epsilon_greedy(q: Tensor, chosen: Tensor, random: Tensor) -> Tensor:
+    """Preferences (..., A): the Q-values, or where ``chosen`` those of a ``random`` action."""
     return torch.where(chosen, random, q)
 
 
@@ -218,9 +216,3 @@ def home(preference: Tensor, observation: Tensor) -> Tensor:
     """
     seen = observation[:, MIDDLE, -1].amax(-1, keepdim=True) > 0
     return preference.masked_fill(seen & (torch.arange(ACTIONS) == FORWARD), torch.inf)
-
-
-def epsilon_greedy(q: Tensor, epsilon: float, forward: float, generator: torch.Generator) -> Tensor:
-    """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the rows those of a random action."""
-    chosen = torch.rand(len(q), 1, generator=generator) < epsilon
-    return torch.where(chosen, random_preference(q, generator, forward), q)

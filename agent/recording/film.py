@@ -5,17 +5,16 @@ Others may look on: what writes an episode's trace, for one (``agent.recording.r
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
-import torch
 from PIL import Image
-from torch import Tensor
 
 from agent.algorithms.build import policy_of
 from agent.evaluation.episodes import reset
 from agent.learning.environments import make_envs
 from agent.learning.simulator import sensor
+from agent.policies.episodes import Moment, moments
 from agent.policies.policies import Explorer, QPolicy
 from agent.progress import Report
 from agent.recording.map_picture import MapPicture, beside
@@ -29,18 +28,6 @@ WIDTH = 480
 
 STRIDE = 4
 """Steps between frames: a full episode takes the paper's 15 s at 25 frames a second."""
-
-
-class Moment(NamedTuple):
-    """What a watcher is told of E environments, before each step and after the last one."""
-
-    step: int
-    ended: np.ndarray
-    """(E,) bool: which episodes have ended."""
-    actions: Tensor | None
-    """(E,) int64: what the policy has chosen to do, None after the last step."""
-    blocked: Tensor
-    """(E,) bool: whether the actions before came to nothing."""
 
 
 class Watcher(Protocol):
@@ -107,7 +94,7 @@ def record(
             if planner and planner.read("time")[0] == 1:
                 # again where only the first wall shows how the body stands
                 map_picture.begin(envs.scene(0).pose)
-            if moment.step % stride == 0 or moment.ended.all():
+            if moment.step % stride == 0 or moment.actions is None:
                 shot = camera.shoot()
                 yield beside(shot, map_picture.drawn(planner), planner.body.prior) if planner else shot
 
@@ -143,8 +130,9 @@ def record_mosaic(
 
     def frames() -> Iterator[np.ndarray]:
         over = np.zeros(count, bool)
-        for step, ended, *_ in _played(envs, policy, seed, steps, report):
-            due = step % stride == 0 or bool(ended.all())
+        for moment in _played(envs, policy, seed, steps, report):
+            ended, last = moment.ended.numpy(), moment.actions is None
+            due = moment.step % stride == 0 or last
             for index in np.flatnonzero(~over & (due | ended)):
                 shots[index] = np.asarray(cameras[index].shoot())
             over = ended
@@ -158,17 +146,8 @@ def _played(
     envs: HouseVectorEnv, policy: QPolicy | Explorer, seed: int, steps: int | None, report: Report
 ) -> Iterator[Moment]:
     """Play an episode in each environment."""
-    observation, length = reset(envs, seed), min(steps or envs.config.steps, envs.config.steps)
-    policy.begin(envs.num_envs)
-    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
-    ended = np.zeros(envs.num_envs, bool)
-    for step in range(length):
-        actions = policy(observation, blocked)
-        yield Moment(step, ended, actions, blocked)
-        observation, _, terminated, truncated, info = envs.step_torch(actions)
-        blocked = info["blocked"]
-        ended = ended | (terminated | truncated).numpy()
-        report((step + 1) / length, f"step {step + 1}")
-        if ended.all():
-            break
-    yield Moment(length, np.ones(envs.num_envs, bool), None, blocked)
+    length = min(steps or envs.config.steps, envs.config.steps)
+    for moment in moments(envs, policy, reset(envs, seed), length):
+        if moment.step:
+            report(moment.step / length, f"step {moment.step}")
+        yield moment

@@ -8,15 +8,14 @@ import numpy as np
 from agent.planner import FREE, TAKEN, Planner
 from agent.planner.belief_map import BeliefMap
 from agent.planner.frame import metres, quarters
+from agent.policies.episodes import Moment
 from agent.policies.policies import Explorer, QPolicy
-from agent.recording.film import Moment
 from agent.recording.trace import AROUND, FORMAT, Map, Packed, Sensor, Trace, packed
 from logic import House
 from sim import HouseVectorEnv
+from sim.actions import ACTION_NAMES
 from sim.film import Scene
 from sim.geometry import geometry
-
-ACTIONS = "turn left", "turn right", "forward"
 
 EVERY = 5
 """Steps between two pictures of the map: 20 a second of the paper's 15 s."""
@@ -89,7 +88,7 @@ class Recorder:
             house=self.house.to_dict(),
             mode=self.mode,
             seed=self.seed,
-            actions=ACTIONS,
+            actions=ACTION_NAMES,
             sensor=msgspec.convert(sensor, Sensor),
             origin=(float(self.places[0][0]), float(self.places[0][1])),
             targets=tuple(self.targets),

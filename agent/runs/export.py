@@ -25,9 +25,9 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS
 from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
+from sim.actions import ACTIONS
 
 INPUTS, OUTPUTS = ("observation", "memory", "blocked"), ("q", "memories")
 

@@ -19,12 +19,12 @@ R rooms (the main room is 0), W words of 64 spots.
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 
-from agent.actions import FORWARD
 from agent.evaluation.episodes import reset
+from agent.policies.episodes import moments
 from agent.policies.policies import Policy
 from sim import HouseVectorEnv
+from sim.actions import FORWARD
 from sim.baselines.lookout import Lookout
 
 PHASES = ("approach", "door", "crossing", "survey", "again", "corners", "out")
@@ -62,25 +62,22 @@ def follow(envs: HouseVectorEnv, policy: Policy, seed: int) -> Account:
     The bank must have a house for each environment, and episodes that end by time alone, all at once.
     """
     observation = reset(envs, seed)
-    policy.begin(envs.num_envs)
     search, every = Search(envs), np.arange(envs.num_envs)
     counts = np.zeros((4, envs.num_envs, len(PHASES)), np.int64)
-    blocked, over = torch.zeros(envs.num_envs, dtype=torch.bool), False
-    known = observation[..., -1].numpy().any(-1)
-    origin = np.zeros(envs.num_envs, int)  # the phase in which the target that is known was first met
-    while not over:
-        phase = np.where(known, APPROACH, search.phase())
-        actions = policy(observation, blocked)
-        observation, reward, terminated, truncated, info = envs.step_torch(actions)
-        blocked, over = info["blocked"], bool((terminated | truncated).all())
-        picked, sees = reward.numpy() > 0, observation[..., -1].numpy().any(-1)
-        counts[0, every, phase] += 1
-        counts[1, every, np.where(known, origin, phase)] += picked
-        counts[2, every, phase] += actions.numpy() != FORWARD
-        counts[3, every, phase] += blocked.numpy()
-        origin = np.where(picked, APPROACH, np.where(known, origin, phase))
+    phase = origin = np.zeros(envs.num_envs, int)  # ``origin``: in which the known target was first met
+    known = np.zeros(envs.num_envs, bool)
+    for now in moments(envs, policy, observation):
+        picked, sees = now.reward.numpy() > 0, now.observation[..., -1].numpy().any(-1)
+        if now.step:
+            counts[1, every, np.where(known, origin, phase)] += picked
+            counts[3, every, phase] += now.blocked.numpy()
+            origin = np.where(picked, APPROACH, np.where(known, origin, phase))
+            search.look(picked)
         known = sees | (known & ~picked)
-        search.look(picked)
+        phase = np.where(known, APPROACH, search.phase())
+        if now.actions is not None:
+            counts[0, every, phase] += 1
+            counts[2, every, phase] += now.actions.numpy() != FORWARD
     return Account(*counts)
 
 

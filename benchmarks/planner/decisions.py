@@ -18,6 +18,7 @@ from agent.learning.environments import shield
 from agent.planner import Planner
 from agent.planner.paths import FAR
 from agent.planner.state import AT, NONE, SEARCH, SIZE
+from agent.policies.episodes import moments
 from agent.policies.policies import Explorer, Policy, Tracker
 from sim import HouseVectorEnv
 from sim.world.kernels import BLOCKED
@@ -104,20 +105,19 @@ def sampled(
     """Play an episode; yields (environment, step, ``Kept``) for a ``share`` of the choices."""
     count, rng = envs.num_envs, np.random.default_rng(0)
     observation = reset(envs, 0, np.arange(count) % houses)
-    blocked = torch.zeros(count, dtype=torch.bool)
     explorer = Tracker(envs.config)
-    policy.begin(count)
     explorer.begin(count)
-    for step in range(steps):
-        actions = policy(observation, blocked)
-        chosen = _new(policy.tracker.planner) & (rng.random(count) < share) & (step > 0)
+    for now in moments(envs, policy, observation, steps, through=True):
+        if now.actions is None:
+            return
+        chosen = _new(policy.tracker.planner) & (rng.random(count) < share) & (now.step > 0)
         rows = np.flatnonzero(chosen)
         before = [_memory(explorer.planner, row) for row in rows]
         last = explorer.actions
         states = explorer.planner.arrays["states"].view().reshape(count, SIZE)
         states[rows, AT["kind"]] = NONE  # so that it chooses now
-        own = explorer.look(observation, blocked)
-        explorer.actions = actions
+        own = explorer.look(now.observation, now.blocked)
+        explorer.actions = now.actions
         simulator = envs.state if len(rows) else {}
         # Where the explorer believes that it knows where the target is, there is nothing to compare.
         both = _new(own)
@@ -125,9 +125,7 @@ def sampled(
             if both[row]:
                 goals = _goal(policy.tracker.planner, row), _goal(own, row)
                 _aim(memory, own, row)
-                yield int(row), step, Kept(_row(simulator, row), memory, int(last[row]), goals)
-        observation, _, _, _, info = envs.step_torch(actions)
-        blocked = info["blocked"]
+                yield int(row), now.step, Kept(_row(simulator, row), memory, int(last[row]), goals)
 
 
 def played_on(envs: HouseVectorEnv, batch: list[Kept], steps: int) -> np.ndarray:
@@ -152,10 +150,8 @@ def played_on(envs: HouseVectorEnv, batch: list[Kept], steps: int) -> np.ndarray
         states[:, [AT["goal"], AT["look"]]] = [kept.goals[which] for kept in filled]
         observation = torch.from_numpy(envs.state["observation"])
         blocked = torch.from_numpy(envs.state["flags"][BLOCKED])
-        for _ in range(steps):
-            observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
-            blocked = info["blocked"]
-            found[which] += reward.numpy()
+        for now in moments(envs, policy, observation, steps, blocked=blocked, through=True):
+            found[which] += now.reward.numpy()
     return found[:, : len(batch)].T
 
 

@@ -36,6 +36,7 @@ from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED, Planner, PlannerConfig
 from agent.policies import policies
+from agent.policies.episodes import moments
 from agent.policies.policies import Explorer, Policy, Tracker
 from benchmarks.common.houses import ROOMS
 from benchmarks.common.processes import say
@@ -223,13 +224,9 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int) -> np
     ``houses``.
     """
     observation = reset(envs, 0, np.arange(envs.num_envs) % houses)
-    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
-    policy.begin(envs.num_envs)
     targets = np.zeros((len(THIRDS), envs.num_envs))
-    for step in range(steps):
-        observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
-        blocked = info["blocked"]
-        targets[len(THIRDS) * step // steps] += reward.numpy()
+    for now in moments(envs, policy, observation, steps):
+        targets[len(THIRDS) * max(now.step - 1, 0) // steps] += now.reward.numpy()
     return targets
 
 

@@ -26,6 +26,7 @@ from agent.evaluation.statistics import mean
 from agent.evaluation.tables import Table
 from agent.learning.environments import make_envs, playable
 from agent.learning.simulator import sensor
+from agent.policies.episodes import moments
 from agent.policies.policies import Policy
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
@@ -207,14 +208,10 @@ def episode(envs: HouseVectorEnv, policy: Policy, steps: int, houses: int, ends:
     numbers = np.arange(envs.num_envs) % houses
     shortest = shortest_ways(envs, 0, numbers) if ends else None
     observation = reset(envs, 0, numbers)
-    blocked = torch.zeros(envs.num_envs, dtype=torch.bool)
-    policy.begin(envs.num_envs)
     targets, first = np.zeros((2, envs.num_envs)), np.full(envs.num_envs, np.inf)
-    for step in range(steps):
-        observation, reward, _, _, info = envs.step_torch(policy(observation, blocked))
-        blocked = info["blocked"]
-        targets[int(step >= EARLY) :] += reward.numpy()
-        first[(reward.numpy() > 0) & np.isinf(first)] = step + 1
+    for now in moments(envs, policy, observation, steps):
+        targets[int(now.step > EARLY) :] += now.reward.numpy()
+        first[(now.reward.numpy() > 0) & np.isinf(first)] = now.step
     if shortest is None:
         return targets
     return np.where([first <= EARLY, first <= steps], shortest / np.maximum(first, shortest), 0.0)

@@ -24,6 +24,7 @@ from agent.planner.belief import Belief
 from agent.planner.config import CERTAIN
 from agent.planner.frame import metres
 from agent.planner.occupancy import NEAR, SOLID, Occupancy
+from agent.policies.episodes import moments
 from agent.policies.policies import Explorer
 from benchmarks.common.houses import ROOMS
 from logic import House, generate
@@ -169,11 +170,11 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
     policy.begin(number)
     planner = policy.tracker.planner
     places, truth = Places(planner), Truth(envs, info["pose"], planner.cell)
-    seen, blocked = torch.as_tensor(observation), torch.zeros(number, dtype=torch.bool)
     free, asked = np.zeros((2, number, ENTRIES + 1), int)
-    for step in range(steps):
-        actions = policy(seen, blocked)
-        if step % EVERY == FIRST:
+    for now in moments(envs, policy, torch.as_tensor(observation), steps):
+        if now.step:
+            truth.look(now.reward.numpy() > 0)
+        if now.actions is not None and now.step % EVERY == FIRST:
             entries = places.ask()
             for e in np.flatnonzero(planner.seeks.numpy()):
                 nodes = chance.permutation(np.argwhere(entries[e] >= 0))[:PLACES]
@@ -182,9 +183,6 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
                 away = (2 * nodes[:, ::-1] - body + SIDE // 2) % SIDE - SIDE // 2
                 np.add.at(asked[e], entry, 1)
                 np.add.at(free[e], entry, truth.free(e, body + away))
-        seen, reward, _, _, info = envs.step_torch(actions)
-        blocked = info["blocked"]
-        truth.look(reward.numpy() > 0)
     return free, asked
 
 

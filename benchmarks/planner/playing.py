@@ -18,6 +18,7 @@ import torch
 from agent.evaluation.episodes import reset
 from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs
+from agent.policies.episodes import moments
 from benchmarks.common.houses import ROOMS, in_turns
 from benchmarks.common.pages import machine, table_rows, write
 from benchmarks.common.processes import say
@@ -113,13 +114,9 @@ def rate(
     some = load(houses)
     envs = make_envs([some[k % len(some)] for k in range(count)], count, targets)
     policy = contender(name).make(envs)
-    observation = reset(envs, 0)
-    policy.begin(count)
-    blocked, began = torch.zeros(count, dtype=torch.bool), 0.0
-    for step in range(steps):
-        if step == WARM_UP:
+    began = 0.0
+    for now in moments(envs, policy, reset(envs, 0), steps):
+        if now.step == WARM_UP:
             together.wait(PATIENCE)
             began = perf_counter()
-        observation, *_, info = envs.step_torch(policy(observation, blocked))
-        blocked = info["blocked"]
     return count * (steps - WARM_UP) / (perf_counter() - began)

@@ -15,7 +15,6 @@ ROOT = Path(__file__).parents[2]
 AGENT = (
     *(
         "agent.learning.environments",
-        "agent.actions",
         "agent.avoidance",
         "agent.policies.policies",
         "agent.runs.checkpoint",
@@ -188,7 +187,7 @@ MADE: dict[str, Callable[[Path], str]] = {
     "docs/reference/schema.md": schema,
     "docs/reference/logic.md": package("logic", "Houses: make, check, explain, read and write them."),
     "docs/reference/sim.md": package(
-        "sim", "Environments, tasks, baselines, backends.", "sim.backends.backend"
+        "sim", "Environments, tasks, baselines, backends.", "sim.actions", "sim.backends.backend"
     ),
     "docs/reference/agent.md": modules("agent", "What programs of your own take from `agent`.", *AGENT),
     "docs/tutorials/first_house.md": notebook(Path("docs/tutorials/first_house.ipynb")),

@@ -10,6 +10,7 @@ from gymnasium import spaces
 
 from logic import House, load
 from logic.spelling import unknown
+from sim.actions import ACTIONS
 from sim.backends.backend import METHODS, Backend
 from sim.config import PRESETS, Config
 from sim.geometry import check_lengths
@@ -28,9 +29,6 @@ DEVICES = {"cpu": "cpu", "cuda": "cuda", "cuda:0": "cuda"}
 
 MOST_ENVIRONMENTS = 1 << 24
 """Beyond, Taichi's arrays have more elements than it counts."""
-
-ACTIONS = 3
-"""Turn left, turn right, forward."""
 
 METADATA: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}
 """Of one environment; Gymnasium shows it in a window where ``human`` is asked for."""

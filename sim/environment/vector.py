@@ -10,10 +10,10 @@ from gymnasium.vector.utils import batch_space
 
 from logic import House
 from logic.spelling import keywords, unknown
+from sim.actions import ACTIONS
 from sim.backends.backend import Backend
 from sim.config import Config
 from sim.environment.arguments import (
-    ACTIONS,
     BANK,
     METADATA_OF_MANY,
     MOST_ENVIRONMENTS,

@@ -7,6 +7,7 @@ depends on how many environments there are, on how often others reset, or, for t
 
 import numpy as np
 
+from sim.actions import FORWARD
 from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
 from sim.backends.body import SKIN
 from sim.backends.doors import Doors
@@ -144,7 +145,7 @@ class Episodes:
         cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
         door = -1
         if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
-            if action == 2:
+            if action == FORWARD:
                 door = self.doors.ahead(doors, e, state.house, state.origin, state.cell)
                 blocked |= ti.cast(door >= 0, ti.i32)
         return cell, blocked, door

@@ -5,13 +5,13 @@ import pytest
 
 from logic import House
 from sim import HouseVectorEnv, Oracle, shortest_path
+from sim.actions import FORWARD
 from sim.baselines.searcher import Searcher
 from tests import sample_houses
 from tests.plans import PLANS, flat
 from tests.sim.backends.agreement import require_equal_rays
 
 HOUSES = list(PLANS.values())
-FORWARD = 2
 
 
 def room_of(house: House, places: np.ndarray) -> list[str]:

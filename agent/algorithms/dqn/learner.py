@@ -20,15 +20,15 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS
 from agent.algorithms.dqn.config import DQNConfig
 from agent.avoidance import subsume
 from agent.learning.learner import Learner, Progress, Tally, linear
 from agent.learning.replay import ReplayBuffer
 from agent.learning.simulator import simulator
 from agent.policies.network import QNetwork, seeded
-from agent.policies.policies import epsilon_greedy
+from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
+from sim.actions import ACTIONS
 
 REPORT = 128
 """Steps of every environment between two reports."""
@@ -127,8 +127,8 @@ class DQN(Learner):
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
         self.updates, self.tally = 0, Tally()
         count = config.num_envs
-        self.s, self.m = self.reset_envs(), self.network.memory.empty(count)
-        self.blocked = self.ended = torch.zeros(count, dtype=torch.bool)
+        self.reset_envs()
+        self.m = self.network.memory.empty(count)
         flags = self.blocked
         # Half precision is 2 mm at the end of the range, takes no longer to read and half the room.
         self.replay = ReplayBuffer(
@@ -169,13 +169,12 @@ class DQN(Learner):
     @torch.no_grad()
     def act(self) -> None:
         """Step all environments once, and keep the actions that were executed."""
-        s, allowed = self.s, self.avoidance(self.s, self.blocked)
-        q = self.network(s, self.m)
-        preference = epsilon_greedy(q, self.epsilon, self.config.forward, self.generator)
+        s, blocked, begun = self.s, self.blocked, self.ended
+        allowed, q = self.avoidance(s, blocked), self.network(s, self.m)
+        noise = exploration(q.shape[:1], self.generator, self.epsilon, self.config.forward)
+        preference = epsilon_greedy(q, *noise)
         a = subsume(preference, allowed)
-        before = perf_counter()
-        observation, r, terminated, truncated, info = self.envs.step_torch(a)
-        self.clock.simulating += perf_counter() - before
+        r, terminated, truncated = self.step_envs(a)
         self.replay.append(
             s=s,
             m=self.m,
@@ -184,14 +183,11 @@ class DQN(Learner):
             r=r,
             terminated=terminated,
             truncated=truncated,
-            valid=~self.ended,
+            valid=~begun,
         )
-        self.tally.add(r, valid=~self.ended, overruled=a != preference.argmax(-1))
+        self.tally.add(r, valid=~begun, overruled=a != preference.argmax(-1))
         # The step after an end begins the next episode: its memory is empty.
-        self.m = self.network.memory(self.m, s, self.blocked, a, self.ended)
-        # Cloned: the simulator writes over its tensors at the next step.
-        self.s, self.blocked = observation.clone(), info["blocked"].clone()
-        self.ended = terminated | truncated
+        self.m = self.network.memory(self.m, s, blocked, a, begun)
 
     def sample(self) -> Batch:
         """Random steps from the replay buffer."""

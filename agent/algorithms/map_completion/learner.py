@@ -106,8 +106,7 @@ class MapCompletion(Learner):
         planner = self.tracker.planner
         self.windows, self.marks = Windows(planner), Marks(envs.config, planner)
         self.truth = Truth(envs, config.kinds, planner.cell)
-        self.observation = self.reset_envs()
-        self.blocked, self.ended = torch.zeros(2, envs.num_envs, dtype=torch.bool)
+        self.reset_envs()
 
     def iterate(self) -> Progress:
         """Explore, and learn from the maps."""
@@ -124,26 +123,21 @@ class MapCompletion(Learner):
         mask = self.random.random(self.envs.num_envs) < self.config.restarts
         if mask.any():
             observation, _ = self.envs.reset(options={"reset_mask": mask})
-            self.observation, begun = torch.as_tensor(observation), torch.from_numpy(mask)
+            self.s, begun = torch.as_tensor(observation), torch.from_numpy(mask)
             self.tracker.fresh |= begun
-            self.blocked &= ~begun
-            self.ended &= ~begun
+            self.blocked, self.ended = self.blocked & ~begun, self.ended & ~begun
 
     def step(self, tally: Tally) -> None:
         """A step of all explorers."""
-        before, start = self.explorer.interventions, perf_counter()
-        actions = self.explorer(self.observation, self.blocked)
-        self.marks.note(self.observation)
+        before, start, begun = self.explorer.interventions, perf_counter(), self.ended
+        actions = self.explorer(self.s, self.blocked)
+        self.marks.note(self.s)
         self.truth.begin(np.flatnonzero(self.tracker.planner.read("time").numpy() == 1))
-        mapped = perf_counter()
-        observation, reward, terminated, truncated, info = self.envs.step_torch(actions)
-        self.clock.mapping += mapped - start
-        self.clock.simulating += perf_counter() - mapped
-        tally.add(reward, ~self.ended, torch.tensor(self.explorer.interventions - before))
+        self.clock.mapping += perf_counter() - start
+        reward, _, _ = self.step_envs(actions)
+        tally.add(reward, ~begun, torch.tensor(self.explorer.interventions - before))
         # The step after an end began the next episode.
-        self.tracker.fresh |= self.ended
-        self.ended = terminated | truncated
-        self.observation, self.blocked = observation.clone(), info["blocked"].clone()
+        self.tracker.fresh |= begun
 
     def learn(self) -> float:
         """Learn from a window of each map, in the config's epochs; the mean loss."""
@@ -200,7 +194,7 @@ class MapCompletion(Learner):
         self.random.bit_generator.state = json.loads(state["random"])
 
 
-LAST = ("observation", "blocked", "ended")
+LAST = ("s", "blocked", "ended")
 """What the next step starts from."""
 
 

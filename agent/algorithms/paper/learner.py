@@ -22,15 +22,15 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from agent.actions import ACTIONS
 from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.paper.network import PaperNetwork
-from agent.avoidance import random_preference, subsume
+from agent.avoidance import subsume
 from agent.learning.environments import layer_of
 from agent.learning.learner import Learner, Progress, Tally
 from agent.learning.replay import ReplayBuffer
-from agent.policies.policies import QPolicy, home
+from agent.policies.policies import QPolicy, epsilon_greedy, exploration, home
 from sim import HouseVectorEnv
+from sim.actions import ACTIONS
 
 REPORT = 128
 """Steps of every environment between two reports."""
@@ -61,15 +61,6 @@ def squared_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor) -> Tensor:
     return error.square().mean() / ACTIONS
 
 
-def explore(q: Tensor, s: Tensor, config: PaperConfig, epsilon: float, generator: torch.Generator) -> Tensor:
-    """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the rows those of a random action, which
-    with homing is forward where a middle ray of the observations (E, R, C) sees the target.
-    """
-    chosen = torch.rand(len(q), 1, generator=generator) < epsilon
-    random = random_preference(q, generator, config.forward)
-    return torch.where(chosen, home(random, s) if config.homing else random, q)
-
-
 class Paper(Learner):
     """A run of the paper's agent."""
 
@@ -97,8 +88,7 @@ class Paper(Learner):
         )
         self.updates, self.episodes, self.tally = 0, 0, Tally()
         count = config.num_envs
-        self.s = self.reset_envs()
-        self.blocked = self.ended = torch.zeros(count, dtype=torch.bool)
+        self.reset_envs()
         self.began = torch.zeros(count, dtype=torch.int64)
         self.replay = ReplayBuffer(
             config.buffer_size // count,
@@ -152,18 +142,19 @@ class Paper(Learner):
     @torch.no_grad()
     def act(self) -> None:
         """Step all environments once, and keep the actions that were executed."""
-        s, allowed = self.s, self.avoidance(self.s, self.blocked)
-        q = self.network(s)
-        preference = explore(q, s, self.config, self.epsilon, self.generator)
+        s, valid, allowed = self.s, ~self.ended, self.avoidance(self.s, self.blocked)
+        preference = self.preference(self.network(s), s)
         a = subsume(preference, allowed)
-        before = perf_counter()
-        observation, r, terminated, truncated, info = self.envs.step_torch(a)
-        self.clock.simulating += perf_counter() - before
-        valid, self.ended = ~self.ended, terminated | truncated
+        r, _, _ = self.step_envs(a)
         self.replay.append(s=s, a=a, r=r, ended=self.ended, valid=valid)
         self.tally.add(r, valid=valid, overruled=a != preference.argmax(-1))
-        # Cloned: the simulator writes over its tensors at the next step.
-        self.s, self.blocked = observation.clone(), info["blocked"].clone()
+
+    def preference(self, q: Tensor, s: Tensor) -> Tensor:
+        """Preferences (E, A): the Q-values, or in a share ``epsilon`` of the environments a random action's,
+        which with homing is forward where a middle ray of the observations (E, R, C) sees the target.
+        """
+        chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.config.forward)
+        return epsilon_greedy(q, chosen, home(random, s) if self.config.homing else random)
 
     def sample(self, env: int, began: int) -> tuple[Tensor, Tensor]:
         """Rows and environments, (B,) int64 each: the rewarded steps of this environment's episode, which

@@ -8,7 +8,7 @@ it keeps is learnt, by gradients through the steps of a rollout, as in the recur
 import torch
 from torch import Tensor, nn
 
-from agent.actions import ACTIONS
+from sim.actions import ACTIONS
 
 CODE, HIDDEN = 64, 64
 """Numbers that encode an observation, and that the hidden state has."""

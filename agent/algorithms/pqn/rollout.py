@@ -8,7 +8,7 @@ from torch import Tensor
 
 from agent.avoidance import Layer, subsume
 from agent.policies.network import QNetwork
-from agent.policies.policies import exploration_noise, explore
+from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
 
 
@@ -87,11 +87,11 @@ class Rollout:
             states[0] = states[-1]
         self.simulating = 0.0
         values, explored = [], []
-        steps = zip(*exploration_noise(self.a.shape, generator, epsilon, forward), strict=True)
-        for t, noise in enumerate(steps):
+        noise = exploration(self.a.shape, generator, epsilon, forward, draws=2)
+        for t, (chosen, random) in enumerate(zip(*noise, strict=True)):
             q, allowed = self._values(t, network, avoidance)
             values.append((q, allowed))
-            explored.append(explore(q, noise))
+            explored.append(epsilon_greedy(q, chosen, random))
             self.a[t] = subsume(explored[t], allowed)
             before = perf_counter()
             observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sim.actions import FORWARD, LEFT
 from sim.backends.backend import Bank, Lattice
 from sim.backends.body import SKIN, Body, slides_into
 from sim.backends.continuous.layout import (
@@ -59,11 +60,11 @@ class Motion:
     def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
         """See ``Backend.move``."""
         new, blocked = cell, 0
-        if action == 2:
+        if action == FORWARD:
             new = self.body.ahead(cell)
             blocked = self.blocked(numbers, indices, house, origin, cell, new)
         else:
-            new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
+            new[2] = (cell[2] + ti.select(action == LEFT, 1, 7)) & 7
             # A square that is the same at all headings turns in place.
             if ti.static(not self.turns_in_place):
                 blocked = self.blocked(numbers, indices, house, origin, new, new)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sim.actions import FORWARD, LEFT
 from sim.backends.backend import Bank, Lattice
 from sim.backends.body import Body
 from sim.backends.grid.cells import STANDS, middle
@@ -65,9 +66,9 @@ class Motion:
     def move(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, action):
         """See ``Backend.move``."""
         new, blocked = cell, 0
-        if action == 2:
+        if action == FORWARD:
             new = self.body.ahead(cell)
             blocked = 1 - (looked_up(indices, house, cell) >> cell[2] & 1)
         else:
-            new[2] = (cell[2] + ti.select(action == 0, 1, 7)) & 7
+            new[2] = (cell[2] + ti.select(action == LEFT, 1, 7)) & 7
         return new, blocked

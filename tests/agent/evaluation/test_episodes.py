@@ -8,12 +8,12 @@ import torch
 
 from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
-from agent.avoidance import FORWARD
 from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.learning.environments import make_envs
 from agent.policies.policies import QPolicy, RandomPolicy
 from sim import HouseVectorEnv
+from sim.actions import FORWARD
 from sim.baselines.lookout import Lookout
 from sim.baselines.oracle import Oracle
 from tests.sample_houses import drawn, random_house

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.table import PRESETS
 from agent.evaluation.episodes import play
@@ -17,6 +16,7 @@ from agent.learning.simulator import sensor, simulator
 from agent.policies.policies import RandomPolicy
 from logic import House, HouseFileError, Rect, Star, StarRoom
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
 
 E = 16

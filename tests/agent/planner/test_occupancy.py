@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.learning.environments import make_envs
 from logic import House, Piece, Rect, Star, StarRoom
 from logic.errors import RequestError
 from sim import DEFAULT, HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from sim.backends.grid.cells import STANDS, middle
 from sim.backends.grid.pack import pack
 from tests.agent.planner import planning, reference

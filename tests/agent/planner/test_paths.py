@@ -3,11 +3,11 @@
 import numpy as np
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.learning.environments import make_envs, shield
 from agent.planner.paths import FAR
 from agent.policies.policies import Explorer
 from sim import HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from sim.baselines.oracle import Oracle
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import UNKNOWN

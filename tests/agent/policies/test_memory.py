@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT
 from agent.policies.memory import Memory
+from sim.actions import FORWARD, LEFT
 
 NO = torch.zeros(1, dtype=torch.bool)
 NOTHING = torch.zeros(1, 40, 2)

@@ -9,7 +9,6 @@ import pytest
 import torch
 from torch import nn
 
-from agent.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.paper.learner import q_targets, squared_loss
 from agent.algorithms.paper.network import PaperNetwork
@@ -19,6 +18,7 @@ from agent.learning.environments import make_envs
 from agent.policies.policies import home
 from benchmarks.paper.side_by_side import Actors, Runs, find_gradients, forward, stacked
 from sim import HouseVectorEnv
+from sim.actions import ACTIONS, FORWARD, LEFT, RIGHT
 from sim.environment.arguments import PAPER_HOUSE, house_list
 
 PRESET = replace(cast(PaperConfig, PRESETS["paper"]), batch_size=20, num_minibatches=20, buffer_size=4000)

@@ -15,13 +15,13 @@ from msgspec.structs import replace as changed
 
 from logic import House, Piece, Rect, StarRoom
 from sim import DEFAULT, HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from tests import sample_houses
 from tests.logic.house.handmade import turned_house
 from tests.reference import Boxes, sides
 
 SEEING = replace(DEFAULT, sees_kind=True)
 EACH, STEPS = 200, 60
-LEFT, RIGHT, FORWARD = 0, 1, 2
 HOUSES = [sample_houses.random_house(seed, original) for seed in (20, 21) for original in (False, True)]
 Placed = TypeVar("Placed", bound=Rect)
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.dqn.config import DQNConfig
 from agent.algorithms.dqn.learner import DQN, double_q_targets, huber_loss, n_step_returns
 from agent.algorithms.table import PRESETS
@@ -17,6 +16,7 @@ from agent.learning.environments import shield
 from agent.policies.policies import QPolicy, RandomPolicy
 from logic import House, Rect, Star
 from sim import HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
 
 E = 8

@@ -7,13 +7,13 @@ import pytest
 import torch
 from torch import nn
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import network_of
 from agent.algorithms.paper.config import PaperConfig
-from agent.algorithms.paper.learner import Paper, explore, q_targets, squared_loss
+from agent.algorithms.paper.learner import Paper, q_targets, squared_loss
 from agent.algorithms.paper.network import PaperNetwork
 from agent.algorithms.table import PRESETS
 from sim import HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
 
 E = 8
@@ -107,12 +107,11 @@ def test_it_replays_500_steps_after_each_episode_its_rewarded_ones_first(envs, m
 
 
 @pytest.mark.parametrize("homing", [True, False])
-def test_exploring_goes_forward_where_the_middle_rays_see_the_target_if_it_homes(homing):
+def test_exploring_goes_forward_where_the_middle_rays_see_the_target_if_it_homes(envs, homing):
     seen = torch.zeros(E, 40, 3)
     seen[: E // 2, 19, -1] = 1
-    generator = torch.Generator().manual_seed(0)
-    config = replace(PRESET, forward=1e-6, homing=homing)
-    wanted = explore(torch.zeros(E, 3), seen, config, epsilon=1.0, generator=generator).argmax(-1)
+    learner = Paper(replace(EIGHT, forward=1e-6, homing=homing), envs)
+    wanted = learner.preference(torch.zeros(E, 3), seen).argmax(-1)
     assert (wanted[: E // 2] == FORWARD).tolist() == [homing] * (E // 2)
     assert (wanted[E // 2 :] != FORWARD).all()
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 import torch
 
-from agent.actions import FORWARD, LEFT, RIGHT
 from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.pqn.learner import PQN, Batch, lambda_returns, q_loss
@@ -13,6 +12,7 @@ from agent.algorithms.pqn.recurrent import RecurrentQNetwork
 from agent.policies.network import QNetwork
 from logic.errors import RequestError
 from sim import HouseVectorEnv
+from sim.actions import FORWARD, LEFT, RIGHT
 from tests.sample_houses import random_house
 
 E = 16
