@@ -23,7 +23,7 @@ sys.addaudithook(note)
 
 WORK = """
 import sys
-from agent import checkpoint
+from agent.runs import checkpoint
 from vitruvius.cli import main
 from agent.evaluation.protocol import measure
 from logic import load

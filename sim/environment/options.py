@@ -77,8 +77,6 @@ def read_options(options: Mapping[str, Any], world: World, first: bool) -> Reset
         reals[:, :2], wholes[:, 1:] = world.place(wholes[:, 0], poses)
     if options.get("target") is not None:
         targets = _floats("target", options["target"], (count, 2))
-        if options.get("house") is not None:
-            _require_indoors(targets, wholes[:, 0], mask, world)
         reals[:, 2:] = targets
     wholes[~mask, 0] = KEEP
     return ResetOptions(mask, wholes, reals)
@@ -113,14 +111,6 @@ def house_numbers(value: Any, world: World) -> np.ndarray:
     if given.min() < 0 or given.max() >= len(world.houses):
         raise ValueError(f"option house: the bank has houses 0 to {len(world.houses) - 1}")
     return given
-
-
-def _require_indoors(targets: np.ndarray, houses: np.ndarray, mask: np.ndarray, world: World) -> None:
-    """Raise ``ValueError`` for a target outside of its house, where no body could reach it."""
-    for e in np.flatnonzero(mask):
-        if not world.bank.geometries[houses[e]].holds(targets[e : e + 1])[0]:
-            x, y = targets[e]
-            raise ValueError(f"target {e}: ({x:.3f}, {y:.3f}) m is outside of house {houses[e]}")
 
 
 def _array(name: str, value: Any) -> np.ndarray:

@@ -21,7 +21,7 @@ def builder() -> Builder:
 
 def shown(program: Program) -> list[Symbol]:
     """All atoms of the signatures that a room's layout is made of."""
-    text = (CORE.parent / "room.lp").read_text()
+    text = (CORE.parent / "room" / "room.lp").read_text()
     return [
         atom
         for name, arity in re.findall(r"#show (\w+)/(\d)", text)

@@ -44,8 +44,8 @@ MISTAKES = (
     Command("train --config", ("--config: give a value, as in --config PATH",)),
     Command("info housse.jsonl", ("there is no such file", "did you mean houses.jsonl?"), 5),
     Command("info runs", ("no run (no config.json) and no grammar", "it has mine"), 5),
-    Command("train --preset viewpoint", ("there is no preset viewpoint", "did you mean viewpoints?")),
-    Command("train --preset=best", ("there is no preset best: there are pqn, map-completion",)),
+    Command("train --preset map-completio", ("no preset map-completio", "did you mean map-completion?")),
+    Command("train --preset=best", ("there is no preset best: there are pqn,",)),
     Command(
         "evaluate dqn",
         ("dqn: is a preset of train, and no agent", "train --preset dqn", "runs/dqn/agent.safetensors"),
