@@ -4,13 +4,14 @@ Every rule, fact and length of the user's may be left out (``logic.layout.relaxe
 learnt by stage 1, so a test ends with a house or with what conflicts in both.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from clingo import Function, Number, Symbol
 
 from logic.errors import Reason
 from logic.generation.movable_doors import Refuted
+from logic.generation.question import Question
 from logic.grammar import Grammar
 from logic.layout.program import Conflict
 from logic.layout.programs import GIVEN
@@ -84,14 +85,14 @@ class Feasibility:
         """Whether a room of this type can have what is asked for."""
         asked = tuple(request.furniture_of(type_))
         if (type_, asked) not in self._furnishable:
-            _, statements, possible = self.furniture(request, type_)
-            self._furnishable[type_, asked] = possible(statements)
+            question, statements = self.furniture(request, type_)
+            self._furnishable[type_, asked] = question.possible(statements)
         return self._furnishable[type_, asked]
 
     def furniture(
         self, request: Request, type_: str, laws: bool = False, room: Refuted | None = None
-    ) -> tuple[Relaxed, list[Statement], Callable[[Sequence[Statement]], bool]]:
-        """The program of a room's furniture, all that may be left out of it, and a test of both stages.
+    ) -> tuple[Question, list[Statement]]:
+        """What can be asked of a room's furniture, and all that may be left out of it.
 
         Of a ``room`` of a plan or of one of any size with one door. With ``laws``, see ``Relaxed``.
         """
@@ -130,22 +131,12 @@ class Feasibility:
         if room:
             relaxed.give(*room.room.given(room.windows))
 
-        def possible(some: Sequence[Statement]) -> bool:
-            stated = {each.literals for each in some}
-            without = {
-                each.clause for each in relaxed.statements if each.clause and each.literals not in stated
-            }
-            while (furniture := relaxed.model(some)) is not None:
-                if room:
-                    conflict = self.placer.loose_conflict(room.room.loose_term(furniture), without)
-                else:
-                    conflict = self._conflict(request, type_, furniture, without)
-                if conflict is None:
-                    return True
-                relaxed.exclude(conflict)
-            return False
+        def refuted(furniture: Sequence[Symbol], without: Collection[Symbol]) -> Conflict | None:
+            if room:
+                return self.placer.loose_conflict(room.room.loose_term(furniture), without)
+            return self._conflict(request, type_, furniture, without)
 
-        return relaxed, statements, possible
+        return Question(relaxed, refuted), statements
 
     def _stated(
         self, facts: Iterable[tuple[Symbol, Sequence[Symbol]]]
@@ -156,23 +147,10 @@ class Feasibility:
         places = {clause: located(*place) for clause, place in origins.items()}
         return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
-    def has_walls(self, relaxed: Relaxed) -> Callable[[Sequence[Statement]], bool]:
-        """A test whether there are rooms under some statements, and places for the walls that they share."""
-
-        def possible(some: Sequence[Statement]) -> bool:
-            stated = {each.literals for each in some}
-            without = {
-                each.clause for each in relaxed.statements if each.clause and each.literals not in stated
-            }
-            while (layout := relaxed.model(some)) is not None:
-                unplaced = self.walls and not self._placed
-                conflict = self.placer.wall_conflict(layout, without) if unplaced else None
-                if conflict is None:
-                    return True
-                relaxed.exclude(conflict)
-            return False
-
-        return possible
+    def of_walls(self, relaxed: Relaxed) -> Question:
+        """What can be asked of the rooms of a house, and of the places for the walls that they share."""
+        unplaced = self.walls and not self._placed
+        return Question(relaxed, self.placer.wall_conflict if unplaced else None)
 
     def _conflict(
         self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]

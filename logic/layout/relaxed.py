@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 import clingo
 from clingo import Function, Number, Symbol, SymbolType, ast
+from clingo.backend import HeuristicType
 from msgspec import structs
 
 from logic.errors import Reason
@@ -143,6 +144,7 @@ class Relaxed:
         self._differences.prepare()
         self._literal_of = Literals(self._control.symbolic_atoms)
         self._given: list[int] = []
+        self._failing: set[int] = set()
         self.until = math.inf
         """When no more layouts are looked for, by ``time.monotonic``."""
         self.statements = [
@@ -156,6 +158,7 @@ class Relaxed:
             self.statements.append(
                 Statement(structs.replace(place, text=f"{fact}{ABSENT}"), (-atom.literal,))
             )
+        self._known = {literal for each in self.statements for literal in each.literals}
 
     def choice(self, reason: Reason, holds: Iterable[Symbol] = (), fails: Iterable[Symbol] = ()) -> Statement:
         """A choice of the request's: that some atoms hold, and others do not."""
@@ -200,7 +203,23 @@ class Relaxed:
             raise Late
         with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
             model = handle.model()
-            return None if model is None else sorted(model.symbols(shown=True))
+            if model is None:
+                return None
+            self._failing = {literal for literal in self._known if not model.is_true(literal)}
+            return sorted(model.symbols(shown=True))
+
+    def left_out(self, statements: Iterable[Statement]) -> list[Statement]:
+        """Those of the known statements that do not hold in the layout that was found last."""
+        return [each for each in statements if not self._failing.isdisjoint(each.literals)]
+
+    def prefer(self, statements: Iterable[Statement]) -> None:
+        """Know these statements, and look for layouts in which as many as possible of them hold."""
+        self._control.configuration.solver.heuristic = "Domain"
+        self._known.update(literal for each in statements for literal in each.literals)
+        with self._control.backend() as backend:
+            for literal in sorted(self._known):
+                kind = HeuristicType.True_ if literal > 0 else HeuristicType.False_
+                backend.add_heuristic(abs(literal), kind, 1, 1, [])
 
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
         """Some of these statements, which have no layout, that have none by themselves."""

@@ -4,16 +4,14 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from clingo import Symbol
-
 from logic.errors import Reason, Unsatisfiable, VitruviusError
 from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, barred, option
 from logic.generation.movable_doors import Refuted
 from logic.layout.account import PROOF
 from logic.layout.program import Conflict
-from logic.layout.relaxed import Statement, minimal
-from logic.layout.terms import fixed_requirements, granted, own_requirements, to_furnish
+from logic.layout.terms import fixed_requirements, granted, to_furnish
+from logic.proofs.least import AnyOf, least
 from logic.request.request import MOST_ROOMS, Request
 
 NEAR = 8
@@ -41,27 +39,16 @@ class Prover:
         for reason, rooms_ in bare_rooms.items():
             nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
             statements.append(relaxed.proved(reason, nogoods))
-        if (
-            found.refuted
-        ):  # The user's plan says more than rules from which the same follows: it is left out last.
+        # The user's plan says more than rules from which the same follows: it is left out last.
+        if found.refuted:
             statements.sort(key=lambda each: each.reason.file is not None)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in found.orders:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
-        possible = self._of.has_walls(relaxed)
-        # This learns what stage 2 proves infeasible, so that the core is one of both.
-        if possible(statements):
+        question = self._of.of_walls(relaxed)
+        if question.possible(statements):
             raise VitruviusError(f"{request} was proved infeasible that has walls")
-        core = relaxed.core
-        places = _rooms_of(request)
-        for room in places:
-            # What forbids a room of the plan says more than what follows for the other rooms.
-            others = set().union(*places) - room
-            some = [each for each in statements if each.reason not in others]
-            if not possible(some):
-                statements, core = some, list
-                break
-        needed = minimal(statements, possible, core)
+        needed = least(question, statements)
         # An order is infeasible for one number of rooms, and so the number is part of the proof.
         named, rooms = True, None
         if request.plan:
@@ -89,7 +76,7 @@ class Prover:
     def conflict(self, request: Request) -> list[Reason]:
         """Why there are no such rooms, without what would do: the request's own choices among the reasons."""
         relaxed, statements = self._of.house(request)
-        return [each.reason for each in minimal(statements, self._of.has_walls(relaxed), relaxed.core)]
+        return [each.reason for each in least(self._of.of_walls(relaxed), statements)]
 
     def _number_of_rooms(
         self, request: Request, unfurnishable: Iterable[str], conflict: Collection[Reason]
@@ -99,7 +86,8 @@ class Prover:
         for rooms in _others(request, far=not self._of.walls):
             other = replace(request, rooms=rooms)
             relaxed, statements = self._of.house(other, unfurnishable)
-            if self._of.has_walls(relaxed)([each for each in statements if each.reason in conflict]):
+            some = [each for each in statements if each.reason in conflict]
+            if self._of.of_walls(relaxed).possible(some):
                 named = True
                 if request.fixed:  # Whether it fits between the fixed rooms is not known.
                     return named, None
@@ -110,7 +98,8 @@ class Prover:
     def _has_house(self, request: Request) -> bool:
         """Whether a request has a house: rooms, each of which can be furnished."""
         relaxed, statements = self._of.house(request)
-        while (layout := relaxed.model(statements)) is not None:
+        question = self._of.of_walls(relaxed)
+        while (layout := question.layout(statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
             bare = [type_ for type_ in sorted(types) if not self._of.is_furnishable(request, type_)]
             if not bare:
@@ -121,35 +110,21 @@ class Prover:
 
     def _room(self, request: Request, type_: str) -> list[Reason]:
         """Why no room of this type can be furnished."""
-        relaxed, statements, possible = self._of.furniture(request, type_)
-        # This learns all that stage 2 proves infeasible, so that the core is one of both stages.
-        if possible(statements):
+        question, statements = self._of.furniture(request, type_)
+        if question.possible(statements):
             raise VitruviusError(f"a {type_} was proved infeasible that can be furnished")
-        return [each.reason for each in minimal(statements, possible, relaxed.core)]
+        return [each.reason for each in least(question, statements)]
 
     def _rooms(self, request: Request, refuted: Sequence[Refuted]) -> list[Reason]:
         """Why a room of a plan cannot be furnished, with any of these doors."""
         if not refuted:
             return []
         each = [self._of.furniture(request, one.room.room.type, room=one) for one in refuted]
-        places = {id(statement): place for place, statement in enumerate(each[0][1])}
-
-        def of(some: Sequence[Statement], statements: Sequence[Statement]) -> list[Statement]:
-            return [statements[places[id(statement)]] for statement in some]
-
-        def possible(some: Sequence[Statement]) -> bool:
-            return any(test(of(some, statements)) for _, statements, test in each)
-
-        def core(some: Sequence[Statement]) -> list[Statement]:
-            found = set()
-            for relaxed, statements, _ in each:
-                kept = {id(statement) for statement in relaxed.core(of(some, statements))}
-                found |= {place for place, statement in enumerate(statements) if id(statement) in kept}
-            return [statement for statement in some if places[id(statement)] in found]
-
-        if possible(each[0][1]):
+        statements = each[0][1]
+        question = AnyOf([asked for asked, _ in each], [some for _, some in each])
+        if question.possible(statements):
             raise VitruviusError(f"{refuted[0].name} was proved infeasible, and can be furnished")
-        return [statement.reason for statement in minimal(each[0][1], possible, core)]
+        return [statement.reason for statement in least(question, statements)]
 
 
 def _others(request: Request, far: bool) -> list[int]:
@@ -174,16 +149,3 @@ def _without_each(request: Request) -> Iterator[tuple[Reason, Request]]:
     for name in request.furniture:
         fewer = {other: wanted for other, wanted in request.furniture.items() if other != name}
         yield option("--piece", name, request.furniture), replace(request, furniture=fewer)
-
-
-def _rooms_of(request: Request) -> list[set[Reason]]:
-    """What the request's plan says of each of its rooms, if it has one; before that, where the request too
-    counts types, the types of all rooms.
-    """
-    rooms: dict[Symbol, set[Reason]] = {}
-    types: set[Reason] = set()
-    for requirement, text in own_requirements(request.plan).items() if request.plan else ():
-        rooms.setdefault(requirement.arguments[0], set()).add(Reason(text))
-        if requirement.name == "typed":
-            types.add(Reason(text))
-    return [types, *rooms.values()] if types and request.types else list(rooms.values())

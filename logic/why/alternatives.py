@@ -1,6 +1,6 @@
 """What could be in a house instead: other values, all other choices as they are, or what forbids them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from time import monotonic
@@ -9,7 +9,8 @@ from typing import Any
 from clingo import Function, Symbol
 
 from logic.errors import Reason
-from logic.layout.relaxed import Late, Relaxed, Statement, minimal, preferred
+from logic.generation.question import Question
+from logic.layout.relaxed import Late, Statement, minimal, preferred
 from logic.why.answer import Alternative, Choice
 
 OTHERS = "other choices"
@@ -33,23 +34,22 @@ class Search:
 
     def __init__(
         self,
-        relaxed: Relaxed,
+        question: Question,
         statements: Sequence[Statement],
-        possible: Callable[[Sequence[Statement]], bool],
         chosen: Chosen,
         layout: Iterable[Symbol],
         most: int | None = None,
     ) -> None:
-        """Know a relaxed program, its statements, a test of them, and the choices that made this layout.
+        """Know what can be asked of these statements, and the choices that made this layout.
 
         With ``most`` choices depend on each other as those of a plan do: conflicts are then of few rules and
         many choices, and no more than ``most`` others are named that would have to change too.
         """
         self._most = most
-        self._relaxed, self._statements, self._possible = relaxed, statements, possible
+        self._relaxed, self._statements, self._possible = question.relaxed, statements, question.possible
         self._chosen, self._layout = chosen, set(layout)
         self._kept = {
-            (variable, value): relaxed.choice(Reason(f"{variable} = {value}"), [_pick(variable, value)])
+            (variable, value): self._relaxed.choice(Reason(f"{variable} = {value}"), [_pick(variable, value)])
             for variable, values in chosen.picks.items()
             for value in values
         }

@@ -185,8 +185,8 @@ class PlanWitness(Witness):
     def _search(self) -> Search:
         """What could be instead."""
         relaxed, statements = self._maker.feasibility.house(self._request, laws=True)
-        possible = self._maker.feasibility.has_walls(relaxed)
-        return Search(relaxed, statements, possible, self._support.chosen, self._making.layout, MOST)
+        question = self._maker.feasibility.of_walls(relaxed)
+        return Search(question, statements, self._support.chosen, self._making.layout, MOST)
 
     @cache  # noqa: B019 (a witness is asked about one house)
     def _support_in(self, room: int) -> Support:
@@ -201,5 +201,5 @@ class PlanWitness(Witness):
         how = self._making.furniture[room]
         fixed = LooseRoom(how.room, [None] * len(how.room.doors))
         given = Refuted(self._house.rooms[room].name, fixed, True, {}, ())
-        relaxed = self._maker.feasibility.furniture(self._request, how.room.type, laws=True, room=given)
-        return Search(*relaxed, self._support_in(room).chosen, how.layout.furniture, MOST)
+        asked = self._maker.feasibility.furniture(self._request, how.room.type, laws=True, room=given)
+        return Search(*asked, self._support_in(room).chosen, how.layout.furniture, MOST)

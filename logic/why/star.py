@@ -86,8 +86,8 @@ class StarWitness(Witness):
     def _search(self) -> Search:
         """What could be instead."""
         relaxed, statements = self._builder.maker.feasibility.house(self._request, laws=True)
-        possible = lambda some: relaxed.model(some) is not None  # noqa: E731 (as Feasibility.furniture returns it)
-        return Search(relaxed, statements, possible, self._support.chosen, (self._rooms.models or [])[-1][0])
+        question = self._builder.maker.feasibility.of_walls(relaxed)
+        return Search(question, statements, self._support.chosen, (self._rooms.models or [])[-1][0])
 
     @cache  # noqa: B019 (a witness is asked about one house)
     def _support_in(self, room: int) -> Support:
@@ -101,8 +101,8 @@ class StarWitness(Witness):
     def _search_in(self, room: int) -> Search:
         """What its furniture could be instead."""
         layout = self._layout.rooms[room]
-        relaxed = self._builder.maker.feasibility.furniture(self._request, layout.type.name, laws=True)
-        return Search(*relaxed, self._support_in(room).chosen, layout.furniture)
+        asked = self._builder.maker.feasibility.furniture(self._request, layout.type.name, laws=True)
+        return Search(*asked, self._support_in(room).chosen, layout.furniture)
 
     def _main_room(self, target: str) -> Why:
         """Why the main room has its sizes: rules/star/main_room.pl."""

@@ -1,0 +1,39 @@
+"""Questions to both stages: whether there is a layout under some statements that stage 2 does not refute."""
+
+from collections.abc import Callable, Collection, Sequence
+
+from clingo import Symbol
+
+from logic.layout.program import Conflict
+from logic.layout.relaxed import Relaxed, Statement
+
+Refutation = Callable[[Sequence[Symbol], Collection[Symbol]], Conflict | None]
+"""The conflict of a layout in stage 2, some clauses left out; None if it has none."""
+
+
+class Question:
+    """Asked of one relaxed program; what stage 2 refutes is learnt, so that a core is one of both stages."""
+
+    def __init__(self, relaxed: Relaxed, refuted: Refutation | None = None) -> None:
+        """Know the program, and how stage 2 refutes its layouts, if it has any part in them."""
+        self.relaxed, self.refuted = relaxed, refuted
+
+    def layout(self, some: Sequence[Statement]) -> list[Symbol] | None:
+        """A layout under these statements; None where there is none."""
+        stated = {each.literals for each in some}
+        clauses = [each for each in self.relaxed.statements if each.clause]
+        without = {each.clause for each in clauses if each.clause and each.literals not in stated}
+        while (layout := self.relaxed.model(some)) is not None:
+            conflict = self.refuted(layout, without) if self.refuted else None
+            if conflict is None:
+                return layout
+            self.relaxed.exclude(conflict)
+        return None
+
+    def possible(self, some: Sequence[Statement]) -> bool:
+        """Whether these have a layout."""
+        return self.layout(some) is not None
+
+    def core(self, some: Sequence[Statement]) -> list[Statement]:
+        """Some of these, which have no layout, that have none by themselves."""
+        return self.relaxed.core(some)

@@ -1,0 +1,106 @@
+"""A smallest set of statements that are impossible together, so that a proof is as short as there is one.
+
+What does not hold in a layout is a correction set: each conflict has one of its statements. So the fewest
+statements that hit all correction sets found so far are a smallest conflict, if they have no layout; and if
+they have one, it leaves another correction set (Ignatiev, Previti, Liffiton and Marques-Silva, CP 2015).
+"""
+
+from collections.abc import Sequence
+
+import clingo
+
+from logic.generation.question import Question
+from logic.grammar import SHIPPED
+from logic.layout.relaxed import Relaxed, Statement, minimal
+
+MOST_LAYOUTS = 400
+"""So many layouts are looked at for a smallest conflict; past them a minimal one has to do."""
+
+
+def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list[Statement]:
+    """Statements that are impossible together, and possible with any one left out: as few as can be, where
+    stage 2 has no part in it. Else there are too many layouts to be refuted for that.
+    """
+    if isinstance(question, Question) and question.refuted is None:
+        found = fewest(statements, question.relaxed)
+        if found is not None:
+            return found
+    return minimal(statements, question.possible, question.core)
+
+
+def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement] | None:
+    """A smallest set of statements that are impossible together; of these one with the fewest shipped rules.
+
+    None where it is not found with ``MOST_LAYOUTS``.
+    """
+    relaxed.prefer(statements)
+    hitting = Hitting(statements)
+    layouts = 0
+    while layouts < MOST_LAYOUTS:
+        some = smallest = hitting.set()
+        # Correction sets that share no statement say the most about how many are needed.
+        while relaxed.model(some) is not None:
+            layouts += 1
+            left_out = relaxed.left_out(statements)
+            hitting.add(left_out)
+            some = [*some, *left_out]
+        if some is smallest:
+            return smallest
+    return None
+
+
+class Hitting:
+    """The cheapest set of statements that has one of each set that was added."""
+
+    def __init__(self, statements: Sequence[Statement]) -> None:
+        """Choose among statements, the first of them where several sets would do."""
+        self._statements = statements
+        self._control = clingo.Control(["--opt-strategy=usc"])
+        with self._control.backend() as backend:
+            self._atoms = [backend.add_atom() for _ in statements]
+            backend.add_rule(self._atoms, choice=True)
+            backend.add_minimize(2, [(atom, 1) for atom in self._atoms])
+            shipped = [str(SHIPPED) in (each.reason.file or "") for each in statements]
+            own = zip(self._atoms, shipped, strict=True)
+            backend.add_minimize(1, [(atom, 1) for atom, listed in own if listed])
+            backend.add_minimize(0, [(atom, place) for place, atom in enumerate(self._atoms)])
+        self._atom_of = {id(each): atom for each, atom in zip(statements, self._atoms, strict=True)}
+
+    def add(self, some: Sequence[Statement]) -> None:
+        """One of these is to be in the set."""
+        with self._control.backend() as backend:
+            backend.add_rule([], [-self._atom_of[id(each)] for each in some])
+
+    def set(self) -> list[Statement]:
+        """The cheapest set."""
+        best: list[Statement] = []
+        with self._control.solve(yield_=True) as handle:
+            for model in handle:
+                chosen = map(model.is_true, self._atoms)
+                best = [each for each, taken in zip(self._statements, chosen, strict=True) if taken]
+        return best
+
+
+class AnyOf:
+    """Whether there is a layout in any of several questions, of which each has the same statements."""
+
+    def __init__(self, questions: Sequence[Question], statements: Sequence[Sequence[Statement]]) -> None:
+        """Know the questions, and the statements of each; asked with those of the first."""
+        self._questions, self._statements = questions, statements
+        self._places = {id(each): place for place, each in enumerate(statements[0])}
+
+    def _of(self, number: int, some: Sequence[Statement]) -> list[Statement]:
+        return [self._statements[number][self._places[id(each)]] for each in some]
+
+    def possible(self, some: Sequence[Statement]) -> bool:
+        """Whether these have a layout."""
+        asked = enumerate(self._questions)
+        return any(question.possible(self._of(number, some)) for number, question in asked)
+
+    def core(self, some: Sequence[Statement]) -> list[Statement]:
+        """Some of these, which have no layout, that have none by themselves."""
+        found = set[int]()
+        for number, question in enumerate(self._questions):
+            core = {id(each) for each in question.core(self._of(number, some))}
+            found |= {place for place, each in enumerate(self._statements[number]) if id(each) in core}
+        return [each for each in some if self._places[id(each)] in found]
