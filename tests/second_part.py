@@ -4,7 +4,7 @@
 second part that is named on the command line runs as any other does.
 """
 
-SECOND_PART = {
+SECOND_PART: dict[str, str | dict[str, str]] = {
     "docs": "every command of the tutorials and pages is run, and the site is built and opened in a browser",
     "benchmarks": "each study is run in small",
     "test_examples.py": "agents of other libraries learn",
@@ -23,35 +23,64 @@ SECOND_PART = {
     "agent/planner/test_noise.py": "the planner in noisy worlds",
     "agent/planner/test_doors.py": "the planner behind closed doors",
     "agent/evaluation/test_task_figures.py": "evaluations of the tasks of furniture",
-    "agent/algorithms/map_completion/test_map_completion.py::test_windows_hold_the_four_cells_about_each_other_node": "large maps",
-    "agent/algorithms/map_completion/test_map_completion.py::test_who_foresees_the_truth_finds_more_and_another_house_less": "many episodes",
-    "agent/algorithms/test_dqn.py::test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk": "it learns",
-    "logic/grammars/test_grammars.py::test_every_rule_of_the_family_grammar_matters": "a grammar without each of its rules",
-    "logic/grammars/test_grammars.py::test_houses_of_every_grammar_keep_every_promise": "all grammars at all sizes",
-    "logic/proofs/test_explain.py::test_without_any_one_statement_of_a_conflict_there_is_a_house": "each proof without each of its statements",
-    "logic/generation/test_furnish.py::test_furniture_leaves_every_door_free_and_joined_to_all_the_floor": "many rooms",
-    "logic/generation/test_units.py::test_a_building_depends_on_the_rules_the_request_and_the_seed_alone": "large buildings, again and again",
-    "logic/rules/test_relations.py::test_what_rules_say_of_rooms_is_so_in_the_plan": "every relation in every topology",
-    "logic/language/test_lengths.py::test_a_length_that_lint_lets_through_holds_in_what_is_made": "every length of every grammar",
-    "sim/backends/test_doors.py::test_paths_of_the_oracle_through_closed_doors_are_shortest": "against a search of all ways",
-    "sim/backends/test_doors.py::test_a_door_opens_after_its_steps_and_is_closed_again_in_the_next_episode": "kernels of many configurations",
-    "sim/backends/test_doors.py::test_rays_and_moves_meet_closed_doors_and_no_open_ones": "kernels of many configurations",
+    "agent/algorithms/map_completion/test_map_completion.py": {
+        "test_windows_hold_the_four_cells_about_each_other_node": "large maps",
+        "test_who_foresees_the_truth_finds_more_and_another_house_less": "many episodes",
+    },
+    "agent/algorithms/dqn/test_dqn.py": {
+        "test_in_an_empty_room_it_learns_to_find_more_than_a_random_walk": "it learns",
+    },
+    "logic/grammars/test_grammars.py": {
+        "test_every_rule_of_the_family_grammar_matters": "a grammar without each of its rules",
+        "test_houses_of_every_grammar_keep_every_promise": "all grammars at all sizes",
+    },
+    "logic/proofs/test_explain.py": {
+        "test_without_any_one_statement_of_a_conflict_there_is_a_house": "without each",
+    },
+    "logic/generation/test_furnish.py": {
+        "test_furniture_leaves_every_door_free_and_joined_to_all_the_floor": "many rooms",
+    },
+    "logic/generation/test_units.py": {
+        "test_a_building_depends_on_the_rules_the_request_and_the_seed_alone": "large buildings",
+    },
+    "logic/rules/test_relations.py": {
+        "test_what_rules_say_of_rooms_is_so_in_the_plan": "every relation in every topology",
+    },
+    "logic/language/test_lengths.py": {
+        "test_a_length_that_lint_lets_through_holds_in_what_is_made": "every length of every grammar",
+    },
+    "sim/backends/test_doors.py": {
+        "test_paths_of_the_oracle_through_closed_doors_are_shortest": "against a search of all ways",
+        "test_a_door_opens_after_its_steps_and_is_closed_again_in_the_next_episode": "many kernels",
+        "test_rays_and_moves_meet_closed_doors_and_no_open_ones": "kernels of many configurations",
+    },
     "sim/backends/test_backends.py": "a backend of the docs, in every autoreset mode",
-    "sim/backends/test_exact.py::test_nothing_is_read_or_written_out_of_bounds": "kernels with every bound checked",
+    "sim/backends/test_exact.py": {
+        "test_nothing_is_read_or_written_out_of_bounds": "kernels with every bound checked",
+    },
     "sim/backends/test_original_collisions.py": "every collision that can be reached",
-    "sim/test_plans.py::test_the_searcher_finds_targets_behind_rooms": "long episodes",
+    "sim/test_plans.py": {
+        "test_the_searcher_finds_targets_behind_rooms": "long episodes",
+    },
     "sim/test_runtime.py": "many processes and threads",
-    "sim/tasks/test_furniture.py::test_a_habit_draws_targets_by_the_weights_that_it_states": "many targets",
-    "sim/tasks/test_furniture.py::test_rays_tell_the_named_kinds_of_the_pieces_that_they_end_on": "kernels of many configurations",
-    "sim/world/test_determinism.py::test_an_environment_gives_the_same_outputs_alone_and_among_4096": "thousands of environments",
-    "sim/world/test_determinism.py::test_the_number_of_threads_changes_no_output": "processes with other numbers of threads",
+    "sim/tasks/test_furniture.py": {
+        "test_a_habit_draws_targets_by_the_weights_that_it_states": "many targets",
+        "test_rays_tell_the_named_kinds_of_the_pieces_that_they_end_on": "kernels of many configurations",
+    },
+    "sim/world/test_determinism.py": {
+        "test_an_environment_gives_the_same_outputs_alone_and_among_4096": "thousands of environments",
+        "test_the_number_of_threads_changes_no_output": "processes with other numbers of threads",
+    },
     "sim/world/test_episode_end.py": "every task in every autoreset mode",
     "sim/environment/test_libraries.py": "wrappers and other libraries",
 }
-"""By path below ``tests``, of a folder, a file or a test: what it does that takes long."""
+"""By path below ``tests``: of a folder or a file what takes long there; or names, where it is some tests."""
 
 
 def of_second_part(test: str) -> bool:
     """Whether a test, as ``logic/browser/test_watch.py::test_it[1]``, is one of them."""
-    bare = test.partition("[")[0]
-    return any(bare == part or bare.startswith((f"{part}/", f"{part}::")) for part in SECOND_PART)
+    path, _, name = test.partition("[")[0].partition("::")
+    what = SECOND_PART.get(path)
+    if isinstance(what, dict):
+        return name in what
+    return what is not None or any(path.startswith(f"{part}/") for part in SECOND_PART)
