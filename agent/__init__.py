@@ -1,4 +1,4 @@
-"""Learning agents and the vitruvius command."""
+"""Agents that explore houses: they plan and learn, are measured, and play."""
 
 from importlib.util import find_spec
 from pathlib import Path

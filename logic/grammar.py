@@ -78,7 +78,7 @@ class Grammar:
         return set(PLANS) <= set(self.topology)
 
     def for_own_plan(self) -> "Grammar":
-        """The same rules without their topology: those of a plan of the user's (``own_plan.py``)."""
+        """The same rules without their topology: those of a user's plan (``logic.request.given_plan``)."""
         own = tuple(file for file in self.own if file.stem != self.topology_name)
         return replace(self, own=own, topology=(ACCESS, STATED, OWN), topology_name=OWN.stem)
 

@@ -1,1 +1,1 @@
-"""How good an agent is: episodes in houses that it did not learn in, beside baselines, with intervals."""
+"""How good agents are: episodes in houses that are new to them, beside baselines."""

@@ -1,1 +1,1 @@
-"""What every algorithm learns by: configs, replay, ranks, environments."""
+"""What all algorithms share: configs, replay, ranks, environments."""

@@ -1,4 +1,4 @@
-"""A next-best-view planner: an occupancy map, the viewpoint with most information gain, and the path to it.
+"""A next-best-view planner: an occupancy map, viewpoints by information gain, paths.
 
 It reads the agent's own rays and actions, and whether its moves were blocked. It knows nothing else: not its
 pose, its house, its target or its reward. Headings are multiples of 45 degrees to walls that lie along two

@@ -1,1 +1,1 @@
-"""People play the simulator's episodes: ``vitruvius play``, and its results beside agents."""
+"""People play the simulator's episodes, alone or beside an agent."""

@@ -1,1 +1,1 @@
-"""What an agent does: networks and their memories, under a layer that avoids."""
+"""What acts: networks and their memories, under a layer that avoids obstacles."""

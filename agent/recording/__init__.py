@@ -1,1 +1,1 @@
-"""An episode as a film or as a trace."""
+"""An episode as a film, or as a trace that a report plays."""

@@ -1,1 +1,1 @@
-"""A run as one HTML file that needs nothing else: see ``agent.report.page``."""
+"""A run as one HTML page that needs nothing else."""

@@ -1,1 +1,1 @@
-"""A training run in its folder: checkpoints, what comes with the project, exports."""
+"""A training run in its folder: checkpoints, the released agents, exports."""

@@ -1,1 +1,1 @@
-"""How hard a house is: solve time, how evenly houses are sampled, and whether they keep their promises."""
+"""How hard a house is, how evenly houses are sampled, and whether they keep their promises."""

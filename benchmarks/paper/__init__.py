@@ -1,1 +1,1 @@
-"""The study of the paper that this project grew from: what it claims, and what comes out here."""
+"""The paper that this project grew from: what it claims, and what comes out here."""

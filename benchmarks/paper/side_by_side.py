@@ -1,7 +1,7 @@
 """Runs of the paper's agent side by side: each has its environments, network, memory and optimiser; one
 process steps all at once and fits all at once, which costs little more than one run.
 
-The rules are those of ``paper.py``. A run waits where its episode has ended before those of the others.
+The rules are those of ``algorithms.paper``. A run waits where its episode has ended before the others'.
 
 Axes: N runs, E environments of a run, T steps, B samples, R rays, C channels, A actions.
 """

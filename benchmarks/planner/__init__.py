@@ -1,1 +1,1 @@
-"""Studies of the planner: ``explorers`` compares configurations, ``odds`` measures one of its tables."""
+"""What the planner's numbers, its predictions and its choices are worth."""

@@ -1,1 +1,1 @@
-"""The independent check: plain geometry on a finished house, by what it promises."""
+"""Whether a house keeps its promises: plain geometry, independent of the rules."""

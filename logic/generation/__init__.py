@@ -1,1 +1,1 @@
-"""From a request and a grammar that is loaded to a house: both stages, and the way back to the first."""
+"""From a request to a house: both stages, and the way back to the first."""

@@ -1,7 +1,7 @@
 """Plans: houses whose rooms share walls, of any topology but a star. From a request to such a house.
 
 Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``walls.pl``), and then
-the rooms are furnished at these sizes (``given_rooms.py``).
+the rooms are furnished at these sizes (``logic.generation.furnish``).
 """
 
 from collections.abc import Collection, Sequence
@@ -127,7 +127,7 @@ class SharedWallsMaker(Maker):
         rng: np.random.Generator,
         inferences: int,
     ) -> list[list[dict[str, Any]]]:
-        """The pieces of each room of a plan; raises as ``given_rooms.furnished``."""
+        """The pieces of each room of a plan; raises as ``furnish.furnished``."""
         rooms = [given_room(plan, number) for number in range(request.rooms)]
         how: dict[int, Furnished] = {}
         pieces = furnished(rooms, self._programs, self._placer, rng, inferences, request, how)

@@ -1,1 +1,1 @@
-"""The rule language: rule files are read, judged and made ready for both stages."""
+"""The rule language: rule files are read, judged, and made ready for both stages."""

@@ -64,7 +64,7 @@ class LoadedGrammar:
         self.most_rooms = MOST_ROOMS
         """How many rooms a house has at most."""
         self.depths: tuple[float, float] | None = None
-        """How deep units are, metres, where a house is one of units: ``buildings.py``."""
+        """How deep units are, metres, where a house is one of units: ``logic.generation.units``."""
         self.most_in_unit = 0
         """How many rooms a unit has at most."""
         self._words = Words()

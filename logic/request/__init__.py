@@ -1,1 +1,1 @@
-"""What a user asks for: counts of rooms, rooms that are fixed, a plan of their own."""
+"""What a user asks for: counts of rooms, fixed rooms, or a plan of their own."""

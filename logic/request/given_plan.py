@@ -1,7 +1,7 @@
 """A plan of the user's: rooms that have their places, for doors, windows and furniture to be generated in.
 
 It is read from a house file or from GeoJSON, and refused here if it is no plan: rooms that overlap, lie apart
-or leave gaps. Which rules it breaks is found later, as a proof (``own_planner.py``).
+or leave gaps. Which rules it breaks is found later, as a proof (``logic.generation.given_plan``).
 """
 
 import json

@@ -1,6 +1,6 @@
 """Finds why a part of a house is as it is: the house is made again, and its layout asked for its reasons.
 
-What holds for all houses; the rest is of stars (``star_witness.py``) and of plans (``plan_witness.py``).
+What holds for all houses; the rest is of stars (``star.py``) and of shared walls (``shared_walls.py``).
 """
 
 import math
@@ -69,7 +69,7 @@ class Witness(ABC):
 
     @abstractmethod
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
-        """Why a part of the house is as it is, by its name (``targets.py``), as it is found: the derivation
+        """Why a part of the house is as it is, by its name (``part_names``), as it is found: the derivation
         first, and then what could be instead, which is searched for until that time, of ``time.monotonic``.
         """
 

@@ -1,1 +1,1 @@
-"""Solvers in processes of their own, confined, and what is asked of them: generate, lint, explain, check."""
+"""Solvers in processes of their own, with few rights, and the questions that they answer."""

@@ -1,1 +1,1 @@
-"""How bodies move and see: a protocol, and the two that come with it, continuous and grid."""
+"""How bodies move and see: an interface, and two that have it, continuous and grid."""

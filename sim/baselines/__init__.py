@@ -1,1 +1,1 @@
-"""What an agent is measured beside: shortest paths, and search that knows where it has looked."""
+"""What agents are measured beside: shortest paths, and search in a house that is known."""

@@ -1,1 +1,1 @@
-"""Gymnasium's interface over the world: many environments, or a single one."""
+"""Gymnasium's interface: many environments at once, or a single one."""

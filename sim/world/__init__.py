@@ -1,1 +1,1 @@
-"""Rewards, resets, targets and random numbers of all environments: the kernel of a step."""
+"""The state of all environments, and the kernel that steps it: rewards, resets, targets."""

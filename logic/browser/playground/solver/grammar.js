@@ -149,7 +149,7 @@ export class Grammar {
     return Object.keys(this.files).filter((name) => name.endsWith(".pl")).sort().at(-1);
   }
 
-  /** What stage 1 knows of walls that rooms share: facts of plans/differences.lp, each with its clauses. */
+  /** What stage 1 knows of walls that rooms share: facts of shared_walls/differences.lp, each with its clauses. */
   wallFacts() {
     const [doorway, contact, extremes, total, floors] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];

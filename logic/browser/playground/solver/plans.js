@@ -1,4 +1,4 @@
-/** Plans: houses whose rooms share walls. From a request to such a house. As logic/generation/shared_walls.py and given_rooms.py. */
+/** Plans: houses whose rooms share walls. From a request to such a house. As logic/generation/shared_walls.py and furnish.py. */
 
 import { LimitReached, Unsatisfiable } from "./answers.js";
 import { granted, requirements, toFurnish } from "./grammar.js";

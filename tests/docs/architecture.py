@@ -1,0 +1,143 @@
+"""The picture of ARCHITECTURE.md, drawn from the code: ``./run python -m tests.docs.architecture``.
+
+A band for each package, a box for each of its folders, from the lowest to the highest, with the sentence of
+its ``__init__`` and the folders of its package that it imports, but for those that one of these imports too.
+An arrow leads from a folder to the next where that imports it.
+"""
+
+import ast
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from html import escape
+from pathlib import Path
+
+from tests.test_imports import FOLDERS, PACKAGES, ROOT, graph
+
+FILE = ROOT / "docs" / "architecture.svg"
+
+WIDTH, COLUMNS, GAP, MARGIN = 960, 4, 20, 16
+BOX = (WIDTH - 2 * MARGIN - (COLUMNS - 1) * GAP) / COLUMNS, 92
+HEAD, ROWS, SINGLE = 34, 12, 22
+"""Pixels of a band's title, between rows, and of the line that names modules which are in no folder."""
+
+LETTERS = 31
+"""Of a line in a box, by the widest of the usual fonts."""
+
+COLOURS = {
+    "logic": ("#e4efe7", "#2f6b46"),
+    "sim": ("#e3ecf7", "#2b5a8c"),
+    "agent": ("#f6eadb", "#8a5a17"),
+    "benchmarks": ("#f1e6f3", "#6f3c7b"),
+    "vitruvius": ("#ececec", "#444444"),
+}
+"""Of each package, its boxes and its words."""
+
+GIVES = {
+    "logic": "rules become houses: those of rules/ and grammars/, by clingo and SWI-Prolog",
+    "sim": "houses become environments",
+    "agent": "agents act and learn in them",
+    "benchmarks": "studies measure all of it",
+    "vitruvius": "commands for all of it",
+}
+
+
+def arrows(package: str) -> dict[str, set[str]]:
+    """By folder or module at the top of a package, those that it imports."""
+    found: dict[str, set[str]] = {}
+    for module, others in graph().items():
+        if module.startswith(f"{package}."):
+            own = found.setdefault(module.split(".")[1], set())
+            own |= {other.split(".")[1] for other in others if other.startswith(f"{package}.")}
+    return {name: others - {name} for name, others in found.items()}
+
+
+def below(name: str, imported: dict[str, set[str]]) -> set[str]:
+    """All that a folder imports, by itself or through others."""
+    return imported[name].union(*(below(other, imported) for other in imported[name]))
+
+
+def direct(name: str, imported: dict[str, set[str]]) -> list[str]:
+    """What a folder imports and none of the others that it imports does."""
+    others = imported[name]
+    return sorted(others - set[str]().union(*(below(other, imported) for other in others)))
+
+
+def order(package: str, imported: dict[str, set[str]]) -> list[str]:
+    """The folders and modules of a package, from the lowest up."""
+    return [*FOLDERS[package]] if package in FOLDERS else sorted(imported)
+
+
+def sentence(folder: Path) -> str:
+    """The first of a folder's docstring, as words."""
+    text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text())) or ""
+    return re.sub("`+", "", " ".join(text.partition("\n\n")[0].split())).partition(". ")[0].rstrip(".")
+
+
+def word(text: str, x: float, y: float, size: int, colour: str, style: str = "") -> str:
+    """A line of text."""
+    return f'<text x="{x:g}" y="{y:g}" font-size="{size}" fill="{colour}"{style}>{escape(text)}</text>'
+
+
+def box(name: str, says: str, uses: Sequence[str], x: float, y: float, package: str) -> Iterator[str]:
+    """A folder: its name, its sentence, and what it imports."""
+    (fill, ink), (width, height) = COLOURS[package], BOX
+    yield f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{height}" rx="6" fill="{fill}"/>'
+    yield word(f"{name}/", x + 10, y + 20, 14, ink, ' font-weight="bold"')
+    for line, part in enumerate(textwrap.wrap(says, LETTERS)):
+        yield word(part, x + 10, y + 38 + 15 * line, 12, "#222222")
+    if uses:
+        yield word("imports " + ", ".join(uses), x + 10, y + height - 8, 11, ink, ' font-style="italic"')
+
+
+def arrow(x: float, y: float, colour: str) -> str:
+    """From one box to the next."""
+    way = f"M{x + 3:g} {y:g} h{GAP - 7:g} m-5 -5 l5 5 l-5 5"
+    return f'<path d="{way}" fill="none" stroke="{colour}" stroke-width="2"/>'
+
+
+def band(package: str, top: float) -> tuple[list[str], float]:
+    """A package, and where the next one begins."""
+    imported = arrows(package)
+    names = order(package, imported)
+    folders = [name for name in names if (ROOT / package / name).is_dir()]
+    single = [name for name in names if name not in folders]
+    shapes = [
+        word(package, MARGIN, top + 20, 18, COLOURS[package][1], ' font-weight="bold"'),
+        word(GIVES[package], MARGIN + 135, top + 20, 13, "#222222"),
+    ]
+    top += HEAD
+    for place, name in enumerate(folders):
+        x = MARGIN + place % COLUMNS * (BOX[0] + GAP)
+        y = top + place // COLUMNS * (BOX[1] + ROWS)
+        uses = [each for each in direct(name, imported) if each in folders] if package in FOLDERS else []
+        shapes += box(name, sentence(ROOT / package / name), uses, x, y, package)
+        if place % COLUMNS and folders[place - 1] in uses:
+            shapes.append(arrow(x - GAP, y + BOX[1] / 2, COLOURS[package][1]))
+    top += -(-len(folders) // COLUMNS) * (BOX[1] + ROWS)
+    if single:
+        shapes.append(word(f"and the modules {', '.join(single)}", MARGIN, top + 12, 12, "#444444"))
+        top += SINGLE
+    return shapes, top + ROWS
+
+
+def picture() -> str:
+    """All packages, from the lowest, which knows none of the others, to the command line, which knows all."""
+    shapes: list[str] = []
+    top: float = MARGIN
+    for package in PACKAGES:
+        drawn, top = band(package, top)
+        shapes += drawn
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {top:g}" width="{WIDTH}" '
+            f'height="{top:g}" font-family="system-ui, Segoe UI, Helvetica, Arial, sans-serif">',
+            '<rect width="100%" height="100%" fill="#ffffff"/>',
+            *shapes,
+            "</svg>\n",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    FILE.write_text(picture())
