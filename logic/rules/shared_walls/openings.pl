@@ -72,7 +72,7 @@ span(x, sides(X1,X2,_,_), edges(West,East,_,_), X1, X2, [West,East]).
 span(y, sides(_,_,Y1,Y2), edges(_,_,North,South), Y1, Y2, [North,South]).
 
 %   outer_wall(+Room, +Side, +Atoms, +Rooms, -Type, -Starts, -Ends): an opening in this side of the room comes after all
-%   Starts, Place-Why, and before all Ends: those of the side, and of rooms beyond it (plans/topology.lp).
+%   Starts, Place-Why, and before all Ends: those of the side, and of rooms beyond it (shared_walls/topology.lp).
 
 outer_wall(R, Side, Atoms, Rooms, Type, [A1-Why|Starts], [A2-Why|Ends]) :-
     memberchk(room(R,Type,Sides,Edges), Rooms),
