@@ -22,7 +22,7 @@ GOOD = Path(released.__file__).with_name("paper.safetensors").read_bytes()
 LENGTH = struct.unpack("<Q", GOOD[:8])[0]
 HEADER: dict[str, Any] = json.loads(GOOD[8 : 8 + LENGTH])
 WEIGHTS = GOOD[8 + LENGTH :]
-FIRST = next(name for name in HEADER if name != "__metadata__")
+FIRST = next(name for name in HEADER if name not in ("__metadata__", released.LEARNT_IN))
 
 
 def packed(header: Any, data: bytes = WEIGHTS, length: int | None = None) -> bytes:
@@ -49,8 +49,8 @@ def asked(**changes: Any) -> bytes:
 
 def weights(*values: float) -> bytes:
     """The first weights are other numbers."""
-    first = struct.pack(f"<{len(values)}f", *values)
-    return packed(HEADER, first + WEIGHTS[len(first) :])
+    first, begin = struct.pack(f"<{len(values)}f", *values), HEADER[FIRST]["data_offsets"][0]
+    return packed(HEADER, WEIGHTS[:begin] + first + WEIGHTS[begin + len(first) :])
 
 
 class Shell:
