@@ -1,1 +1,9 @@
 """The command line: commands, options, help, answers for programs. It knows all and is known by none."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+for _name in ("logic", "sim", "agent", "benchmarks"):
+    _spec = find_spec(_name)
+    if _spec and Path(_spec.origin or "").parent.parent != Path(__file__).parent.parent:
+        raise ImportError(f"{_spec.origin}: hides the package {_name} of Vitruvius: give it another name")

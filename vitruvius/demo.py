@@ -33,6 +33,7 @@ from agent.runs.runs import run
 from logic import House, RequestError, VitruviusError, check, generate, save
 from logic.drawing.draw import contact_sheet
 from logic.house.files import write_whole
+from logic.house.looks import looks_of
 from sim.tasks.furniture import pieces_in
 from sim.tasks.words import in_words
 
@@ -260,12 +261,13 @@ def _measured(
     episodes: int = 1,
 ) -> Part:
     """Measure an agent beside the baselines, and film a typical episode; its trace lies beside the film."""
-    with progress(f"measuring, {in_words(mode)}", LINES) as report:
+    words = in_words(mode, looks_of(houses[0]).name)
+    with progress(f"measuring, {words}", LINES) as report:
         how = {"baselines": BASELINES, "episodes": episodes}
         [result] = measure({name: [agent]}, houses, [mode], seed, report, **how)
     filmed = _typical(result, name)
     recorder = Recorder(name, mode, seed + filmed)
-    with progress(f"filming, {in_words(mode)}", LINES) as report:
+    with progress(f"filming, {words}", LINES) as report:
         how = {"targets": mode, "seed": seed + filmed, "watchers": [recorder]}
         record(agent, houses[filmed % len(houses)], film, report=report, **how)
     trace.save(recorder.trace, film.with_suffix(trace.ENDING))

@@ -3,8 +3,8 @@
 | baseline | knows |
 |---|---|
 | random + avoidance | its rays: the paper's random walk under the paper's avoidance rule (``RandomPolicy``) |
-| script | its rays and bumps: goes to a target in sight, else looks around and walks at random (``Script``) |
-| explorer | its rays, and a map of what they showed: the planner without a network (``Explorer``) |
+| script | its rays, bumps and own actions: to a target in sight, else looks around and walks (``Script``) |
+| explorer | its rays, bumps and own actions, as a map: the planner without a network (``Explorer``) |
 | searcher | the house, but not where the target is |
 | oracle | the house and the target |
 

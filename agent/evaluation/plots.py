@@ -11,7 +11,6 @@ from matplotlib.figure import Figure  # not pyplot, which keeps global state and
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
 from agent.evaluation.tables import LABELS, capital, human_name
 from agent.learning.learner import Progress
-from sim.tasks.words import in_words
 
 COLOURS = {
     "agent": "#1f5ea8",
@@ -97,7 +96,7 @@ def _ratios(axes: Axes, result: Result) -> None:
     for label, name in zip(axes.get_yticklabels(), names, strict=False):  # only the first mode has labels
         label.set_color(COLOURS.get(name, OTHER))
     axes.set(xlim=(-0.03, 1.06), ylim=(-0.6, len(names) - 0.4), xlabel="ratio to the oracle")
-    axes.set_title(capital(in_words(result.mode)))
+    axes.set_title(capital(result.task))
     if result.mode in HUMAN:
         axes.annotate(
             human_name(result.mode), (HUMAN_RATIO, -0.5), (3, 0), textcoords="offset points", size=7

@@ -20,6 +20,7 @@ from agent.policies.policies import Policy
 from agent.progress import Report
 from agent.runs.checkpoint import Checkpoint
 from logic import House
+from logic.house.looks import looks_of
 from logic.spelling import keywords
 from sim import HouseVectorEnv
 from sim.baselines.lookout import Lookout
@@ -54,6 +55,7 @@ def measure(
     exact = undisturbed(baseline)
     for number, mode in enumerate(modes):
         suited = playable(houses, mode, backend=backend)
+        words = in_words(mode, looks_of(suited[0]).name)
         numbers = np.arange(len(suited) * episodes) % len(suited)
         sensors = {baseline, exact, *(sensor(run.config, world) for runs in agents.values() for run in runs)}
         settings = {each: Setting(suited, mode, each, backend, len(numbers)) for each in sensors}
@@ -67,12 +69,13 @@ def measure(
         ]
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
         for place, (name, setting, make) in enumerate(policies):
-            report((number + place / len(policies)) / len(modes), f"{in_words(mode)}: {name}")
+            report((number + place / len(policies)) / len(modes), f"{words}: {name}")
             played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.lookout)
             scores[name] = (*scores.get(name, ()), played)
         rooms = np.array([len(house.secondary) for house in suited])[numbers]
         shortest = shortest_ways(settings[exact].envs, seed, numbers)
-        yield Result(mode, rooms, shortest, scores, episodes, baseline.steps, task(mode).ends_on_pick_up)
+        ends = task(mode).ends_on_pick_up
+        yield Result(mode, rooms, shortest, scores, episodes, baseline.steps, ends, words)
     report(1.0, f"{len(houses)} houses")
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from agent.evaluation.episodes import COVERAGE_STEPS, EpisodeScores
 from agent.evaluation.statistics import Estimate, interquartile_mean, mean, paired_difference
+from sim.tasks.words import in_words
 
 SUCCESS_STEPS = 300
 """Steps within which the first target must be picked up for a success."""
@@ -77,6 +78,14 @@ class Result:
 
     ends_on_pick_up: bool = False
     """Whether the first pick-up ends the episode: then that is its success, whenever it comes."""
+
+    named: str = ""
+    """The mode in words, where these houses have words of their own for their pieces."""
+
+    @property
+    def task(self) -> str:
+        """The mode in words."""
+        return self.named or in_words(self.mode)
 
     @property
     def oracle(self) -> np.ndarray:

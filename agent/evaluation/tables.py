@@ -7,7 +7,6 @@ from rich.table import Table as RichTable
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
 from sim.tasks.tasks import PAPER_TASKS
-from sim.tasks.words import in_words
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
 WHERE = ROOMS | {"all": "all rooms"} | {f"paper-{mode}": f"{where}, paper's" for mode, where in ROOMS.items()}
@@ -98,7 +97,7 @@ def score_table(result: Result) -> Table:
             (human_name(result.mode), f"{human.targets} of {human.oracle}", f"{HUMAN_RATIO}", "", "", "")
         )
         headings += (f"> {human.targets}",)
-    return Table(f"{capital(in_words(result.mode))}, {_count(result)}", headings, rows)
+    return Table(f"{capital(result.task)}, {_count(result)}", headings, rows)
 
 
 def find_table(result: Result) -> Table:
@@ -109,7 +108,7 @@ def find_table(result: Result) -> Table:
         rows.append((
             label, figures["success"].text(2), figures["spl"].text(2), f"{figures['first_find'].value:.0f}"
         ))  # fmt: skip
-    title = f"{capital(in_words(result.mode))}, {_count(result)}"
+    title = f"{capital(result.task)}, {_count(result)}"
     return Table(title, ("policy", "success", "SPL", "steps to find"), rows)
 
 
@@ -129,7 +128,7 @@ def behaviour_table(result: Result) -> Table:
         counts = (f"{figures[key].value:.1f}" for key in ("blocked", "interventions"))
         rows.append((label, *shares, *counts))
     headings = ("policy", "seen by 500", "by 1500", "rooms", "blocked", "overruled")
-    return Table(f"Behaviour, {in_words(result.mode)}", headings, rows)
+    return Table(f"Behaviour, {result.task}", headings, rows)
 
 
 def rooms_table(result: Result) -> Table:
@@ -137,7 +136,7 @@ def rooms_table(result: Result) -> Table:
     by_rooms = {label: result.by_rooms(name) for name, label in _labels(result).items() if name != "oracle"}
     headings = ("policy", *map(str, sorted(set(result.rooms.tolist()))))
     rows = [(label, *(f"{each.value:.2f}" for each in row.values())) for label, row in by_rooms.items()]
-    return Table(f"Ratio by number of secondary rooms, {in_words(result.mode)}", headings, rows)
+    return Table(f"Ratio by number of secondary rooms, {result.task}", headings, rows)
 
 
 def capital(words: str) -> str:

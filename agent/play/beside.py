@@ -17,6 +17,7 @@ from agent.play.game import replayed
 from agent.play.results import PlayedGame, ResultsError, load
 from agent.runs.checkpoint import Checkpoint
 from logic import House
+from logic.house.looks import looks_of
 from sim.config import DEFAULT
 from sim.tasks.words import in_words
 
@@ -50,11 +51,12 @@ def people_tables(
 
     for (targets, view, seconds), group in groupby(sorted(games, key=kind), key=kind):
         played = list(group)
+        task = in_words(targets, looks_of(houses[played[0].index]).name)
         scores = _scores(played, houses, targets, agents)
         oracle = scores["oracle"][0]
         reachable = oracle > 0
         if not reachable.any():
-            raise ResultsError(f"{path}: {in_words(targets)}: no game has a target that can be reached")
+            raise ResultsError(f"{path}: {task}: no game has a target that can be reached")
         ratios = {name: runs[:, reachable] / oracle[reachable] for name, runs in scores.items()}
         rows = []
         for name, runs in scores.items():
@@ -65,7 +67,7 @@ def people_tables(
         players, places = len({game.player for game in played}), len({game.index for game in played})
         title = (
             f"People, {SEES[view]}: {_count(len(played), 'game')} of {_count(players, 'player')} in "
-            f"{_count(places, 'house')}, {seconds:g} s, {in_words(targets)}"
+            f"{_count(places, 'house')}, {seconds:g} s, {task}"
         )
         yield Table(title, ("policy", "targets", "ratio", "ahead"), rows)
 

@@ -42,9 +42,9 @@ MOST_BYTES, MOST_LINES, MOST_LINE = 1 << 30, 1 << 20, 1 << 25
 """What is read of a house file, unpacked: bytes, lines, and bytes of one house."""
 
 
-def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
+def load(path: str | Path, file: BinaryIO | None = None, *, whole_pixels: bool = False) -> Houses:
     """Read every house of a ``.jsonl``, ``.jsonl.gz`` or ``.json`` file, as a list that notebooks show as
-    plans; ``-`` is the standard input, plain or gzipped.
+    plans; ``-`` is the standard input, plain or gzipped. With ``file``, open, it is that one, of this name.
 
     ``whole_pixels``: cut the lengths of the original's files to whole pixels, as the original's simulator
     did. Other files have none, and are refused.
@@ -53,8 +53,8 @@ def load(path: str | Path, *, whole_pixels: bool = False) -> Houses:
     """
     path = Path(path)
     try:
-        with opened(path) as file:
-            houses = Houses(_houses(file, path, whole_pixels))
+        with file or opened(path) as content:
+            houses = Houses(_houses(content, path, whole_pixels))
     except FileNotFoundError:
         raise HouseFileError(f"{path}: {_absent(path)}") from None
     except IsADirectoryError:

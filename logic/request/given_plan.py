@@ -4,8 +4,10 @@ It is read from a house file or from GeoJSON, and refused here if it is no plan:
 or leave gaps. Which rules it breaks is found later, as a proof (``logic.generation.given_plan``).
 """
 
+import io
 import json
 import warnings
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +22,7 @@ from logic.checking.figures import figure
 from logic.checking.shared_walls import gaps
 from logic.errors import PlanWarning, RequestError
 from logic.house.boxes import TOLERANCE, Box, overlap
-from logic.house.files import load
+from logic.house.files import STANDARD, load, opened
 from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
 from logic.house.walls import remaining
@@ -170,19 +172,29 @@ def keeping(plan: OwnPlan, house: House) -> OwnPlan:
 
 
 def _from_file(path: Path) -> House | dict[str, Any]:
+    content = _content(path)
     try:
-        with path.open("rb") as file:
-            record = json.loads(file.read(MOST_BYTES))
-    except (OSError, ValueError, RecursionError):
-        record = None  # A file that is absent or no JSON; JSON Lines and packed files are no GeoJSON.
+        record = json.loads(content)
+    except (ValueError, RecursionError):
+        record = None  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
     if isinstance(record, dict) and is_geojson(record):
         return record
-    houses = load(path)
+    # The standard input is read once.
+    houses = load(path, io.BytesIO(content) if path == STANDARD else None)
     if len(houses) > 1:
         raise RequestError(
             f"plan: {path} holds {len(houses)} houses: give a file of one, or generate(plan=house)"
         )
     return houses[0]
+
+
+def _content(path: Path) -> bytes:
+    """What a file or the standard input holds; nothing where it cannot be read: ``load`` says why."""
+    try:
+        with opened(path) as file:
+            return file.read(MOST_BYTES)
+    except (OSError, EOFError, zlib.error):
+        return b""
 
 
 def _require_rooms(rooms: Sequence[Room]) -> None:

@@ -88,6 +88,7 @@ class Reader:
 
 
 def _begin(modules: tuple[str, ...], memory: int) -> None:
+    sys.dont_write_bytecode = True  # a part that an input is the first to need is no effect of the input
     for module in modules:
         importlib.import_module(module)
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))

@@ -20,6 +20,7 @@ from logic.terminal import say
 from vitruvius.commands.common import print_answer
 
 if TYPE_CHECKING:
+    from agent.evaluation.scores import Bank
     from agent.runs.checkpoint import Checkpoint
 
 
@@ -72,6 +73,9 @@ class Evaluate:
     out: Path | None = None
     """Folder for evaluation.json, evaluation.md, evaluation.png and report.html."""
 
+    replace: bool = False
+    """Write over another evaluation in the folder."""
+
     json: bool = False
     """Print one answer as JSON (docs/command-line.md): all figures, and each house's."""
 
@@ -96,18 +100,24 @@ class Evaluate:
         from agent.evaluation.protocol import measure, tasks_of
         from agent.evaluation.scores import Bank, ScoreFile, external, joined, load, modes_of
         from agent.evaluation.tables import NOTE, tables
+        from agent.play.results import load as load_games
         from agent.progress import progress
         from agent.report.folder import write_report
         from agent.runs import checkpoint
         from logic.house.files import require_folder, write_whole
 
         require_folder(self.out)
+        if self.beside:
+            load_games(self.beside)  # What is wrong there is said before the work.
         torch.set_num_threads(1)  # batches of a few hundred: a second thread only costs
         agents = by_name(self.agents)
         for name in PAPERS:
             agents.setdefault(name, [checkpoint.load(name)])
         houses = banks.named(self.houses)
         modes = self.targets or tasks_of(agents)
+        bank = Bank(banks.bank_hash(houses), str(self.houses), len(houses))
+        if self.out and not self.replace:
+            self._require_same(self.out / "evaluation.json", bank, modes)
         conditions = self.seed, self.backend, self.world, self.episodes
         others = {path: external(path, houses, modes, *conditions) for path in self.scores}
         known = with_others(learnt_in(agents, houses), agents, {path: load(path) for path in self.scores})
@@ -120,7 +130,6 @@ class Evaluate:
         for path, policies in others.items():
             results = [joined(result, policies.get(result.mode, {}), path) for result in results]
 
-        bank = Bank(banks.bank_hash(houses), str(self.houses), len(houses))
         content = ScoreFile(
             bank,
             self.seed,
@@ -153,6 +162,20 @@ class Evaluate:
             write_report(self.out)
             say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
         return 0
+
+    def _require_same(self, file: Path, bank: "Bank", modes: Sequence[str]) -> None:
+        """Raise ``RequestError`` where a file holds another evaluation: to repeat one is no loss."""
+        from agent.evaluation.scores import load
+
+        if not file.exists():
+            return
+        held = load(file)
+        theirs = held.bank.hash, held.seed, held.backend, held.world, held.episodes, set(held.targets)
+        ours = bank.hash, self.seed, self.backend, self.world, self.episodes, set(modes)
+        paths = [[str(path) for path in some] for some in (self.agents, self.scores)]
+        if theirs != ours or [held.agents, held.scores] != paths:
+            what = "holds another evaluation: name another folder, or add --replace to lose it"
+            raise RequestError(f"--out {self.out}: {what}")
 
 
 def by_name(paths: Sequence[Path]) -> dict[str, list["Checkpoint"]]:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -89,6 +90,20 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
     assert (out / "report.html").read_bytes() == report(out)
     with Image.open(out / "evaluation.png") as image:
         image.verify()
+
+
+def test_another_evaluation_is_not_lost_in_silence(tmp_path):
+    save(HOUSES[:1], tmp_path / "houses.jsonl")
+    agent = written(tmp_path, PQNConfig())
+    how: dict[str, Any] = {"targets": ("main",), "out": tmp_path / "out"}
+    more: dict[str, Any]
+    for more in ({}, {}, {"seed": 5, "replace": True}):  # the same again loses nothing
+        assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, **more).run() == 0
+    kept = (tmp_path / "out" / "evaluation.json").read_bytes()
+    for more in ({}, {"seed": 5, "episodes": 2}, {"seed": 5, "targets": ("secondary",)}):
+        with pytest.raises(RequestError, match="holds another evaluation: name another folder, or add --rep"):
+            Evaluate((agent,), tmp_path / "houses.jsonl", **(how | more)).run()
+    assert (tmp_path / "out" / "evaluation.json").read_bytes() == kept
 
 
 def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_path, capsys):

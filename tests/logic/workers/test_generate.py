@@ -346,7 +346,8 @@ def test_a_solver_imports_nothing_from_the_current_folder_or_beside_the_program(
 
 
 @pytest.mark.parametrize(
-    ("theirs", "ours"), [("logic.py", "sim"), ("logic.py", "agent"), ("sim/__init__.py", "agent")]
+    ("theirs", "ours"),
+    [("logic.py", "sim"), ("logic.py", "agent"), ("sim/__init__.py", "agent"), ("agent.py", "vitruvius")],
 )
 def test_a_user_s_module_that_hides_one_of_ours_is_named(tmp_path: Path, theirs: str, ours: str) -> None:
     file = tmp_path / theirs

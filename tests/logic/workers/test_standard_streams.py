@@ -14,7 +14,8 @@ from logic import House, load, save
 from logic.exports import FORMATS
 from vitruvius.cli import main
 
-PLANS = Path(__file__).parents[2] / "fixtures" / "plans.jsonl"
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+PLANS = FIXTURES / "plans.jsonl"
 Command = Callable[..., tuple[int, str, str]]
 
 
@@ -47,6 +48,23 @@ def test_a_dash_is_the_standard_input(words: str, packed: bool, command: Command
     code, out, err = command(*words.replace("FILE", str(PLANS)).split(), given=given)
     assert code == 0, err
     assert any(words in out + err for words in ("3 checked", "3 plans", "3 converted", "3\n", "diff-2"))
+
+
+@pytest.mark.parametrize("packed", [False, True], ids=["plain", "gzip"])
+@pytest.mark.parametrize("plan", ["GeoJSON", "a house"])
+def test_a_plan_comes_by_the_standard_input_too(plan: str, packed: bool, command: Command) -> None:
+    """Each is answered as the same plan in a file; the house has a longer hall than homes have."""
+    content = (
+        (FIXTURES / "plan.geojson").read_bytes()
+        if plan == "GeoJSON"
+        else json.dumps(load(PLANS)[0].to_dict()).encode()
+    )
+    given = gzip.compress(content) if packed else content
+    words = ["generate", "--grammar", "home", "--out", "-"]
+    code, out, err = command(*words, "--plan", "-", given=given)
+    Path("plan.json").write_bytes(content)
+    assert (code, out, err) == command(*words, "--plan", "plan.json")
+    assert code == {"GeoJSON": 0, "a house": 3}[plan]
 
 
 def test_a_dash_is_the_standard_output(command: Command) -> None:
