@@ -13,17 +13,16 @@ from logic.house.house import House
 from logic.house.promises import Promises
 from logic.language.loaded import LoadedGrammar
 
-HINT = (
-    "rooms fill what they enclose, and of two lines one comes first by the rooms between them or by court/2: "
-    "see docs/plans.md"
+NO_PLAN = (
+    "a house of {rooms} rooms by this topology is no plan: {fault}: rooms fill what they enclose, and of two "
+    "lines one comes first by the rooms between them or by court/2: see docs/plans.md"
 )
 
 
 def require_tiling(house: House, loaded: LoadedGrammar) -> None:
     """Raise ``GrammarError`` at the rules that lay out the rooms where these are no plan."""
     for fault in _faults(house):
-        rooms = len(house.rooms)
-        raise loaded.topology_error(f"a house of {rooms} rooms by this topology is no plan: {fault}: {HINT}")
+        raise loaded.topology_error(NO_PLAN.format(rooms=len(house.rooms), fault=fault))
 
 
 def _faults(house: House) -> Iterator[str]:

@@ -293,7 +293,7 @@ def preferred(
 def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
     """See ``Source.conditional``."""
     found = Conditional([ast.Program(HERE, "base", [])], [], {})
-    kinds = _left_out_facts()
+    kinds = left_out_facts()
 
     def take(statement: ast.AST) -> None:
         begin = statement.location.begin
@@ -314,7 +314,7 @@ def _conditional(files: Sequence[Path], laws: bool) -> Conditional:
 
 
 @cache
-def _left_out_facts() -> set[Signature]:
+def left_out_facts() -> set[Signature]:
     """The facts that ``rules/why/left_out.lp`` asks for."""
     found = set[Signature]()
 

@@ -11,9 +11,12 @@ from pathlib import Path
 from logic.browser.playground.npm import installed
 from logic.drawing.palettes import PALETTES
 from logic.errors import RequestError
+from logic.generation.tiling import NO_PLAN
 from logic.grammar import LENGTHS, RULES, SHIPPED, find, shipped
 from logic.house.looks import folder_looks
+from logic.house.promises import PASSAGE
 from logic.layout.messages import SYNTAX
+from logic.layout.relaxed import ABSENT, left_out_facts
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "watch" / "page"
@@ -80,6 +83,10 @@ def _rules() -> dict[str, object]:
         "others": {name: _others(SHIPPED / name) for name in names},
         "lengths": LENGTHS,
         "hints": list(SYNTAX.items()),
+        "leftOut": sorted(f"{name}/{arity}" for name, arity in left_out_facts()),
+        "absent": ABSENT,
+        "passage": PASSAGE,
+        "noPlan": NO_PLAN,
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
         "colours": PALETTES["colour"].new,
     }

@@ -48,7 +48,7 @@ function topologyOf(own, rules) {
   const [{ topology, file, line, column }] = named;
   const mine = own.some(({ name }) => name === `${topology}.lp`);
   const plans = [...PLANS, ...(adjacent ? [ADJACENT] : []), ...(mine ? [GUARD] : [])].sort().flatMap((path) => withIncludes(rules, path));
-  if (mine) return { name: topology, files: plans };
+  if (mine) return { name: topology, files: plans, isOwn: true };
   if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
   if (!rules[`topologies/${topology}.lp`]) {
     const known = Object.keys(rules).flatMap((path) => /^topologies\/(\w+)\.lp$/.exec(path)?.[1] ?? []);
@@ -176,6 +176,12 @@ export class Grammar {
     return this.programs.get(key);
   }
 
+  /** What no fact states and an explanation may add, atoms of rules/why/left_out.lp: the same for all numbers of rooms. */
+  absent(program, [part]) {
+    if (part !== "house") return [];
+    return (this.addable ??= program.atoms(["added'", 1]));
+  }
+
   /** The program of a request's rooms. */
   rooms(request) {
     const parts = ["house", ...this.walls.map(([fact]) => fact), ...requirements(request)];
@@ -232,6 +238,12 @@ export class Grammar {
       const meant = closest(name, names);
       return { severity: "warning", ...place, text: `nothing derives ${name}${meant && `: did you mean ${meant}?`}` };
     }));
+  }
+
+  /** A mistake of the topology of the user's own, where it first says on which lines rooms lie. */
+  topologyError(why) {
+    const first = this.own.flatMap((file) => [...statements(file)]).find(({ text }) => text.startsWith("edge("));
+    return new RuleError(why, first?.file, first?.line, first?.column);
   }
 
   /** A mistake at the place of a fact in the files. */

@@ -3,6 +3,7 @@
 import { LimitReached, Unsatisfiable } from "./answers.js";
 import { granted, requirements, toFurnish } from "./grammar.js";
 import { nogood, terms } from "./star.js";
+import { faults } from "./tiling.js";
 import { atom, compound, list, parseTerm, real } from "./terms.js";
 
 const MOST_TRIES = 200;
@@ -21,6 +22,7 @@ export function plan(grammar, request, rng, inferences, isFurnishable) {
   for (let turn = 0; turn < MOST_TRIES; turn++) {
     const bare = barePlan(grammar, request, rng, inferences, nogoods, unfurnishable);
     inferences = bare.inferences;
+    if (grammar.topology.isOwn) requireTiling(grammar, bare);
     const pieces = furnished(grammar, bare.plan, request, rng, inferences);
     if (pieces.failed === undefined) return house(bare, pieces);
     const { type } = bare.plan.rooms[pieces.failed];
@@ -43,6 +45,13 @@ function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
     nogoods.push(nogood(answer.infeasible));
     if (inferences <= 0) throw new LimitReached("the Prolog inferences for a house ran out");
   }
+}
+
+/** Refuse a topology of the user's own whose rooms are no plan. */
+function requireTiling(grammar, bare) {
+  const made = house(bare, bare.plan.rooms.map(() => []));
+  for (const fault of faults(made, grammar.bundle.passage))
+    throw grammar.topologyError(grammar.bundle.noPlan.replace("{rooms}", made.rooms.length).replace("{fault}", fault));
 }
 
 function house({ plan: { rooms, doors, windows }, layout }, pieces) {

@@ -12,6 +12,7 @@ import { nogood, terms } from "./star.js";
 import { rule, statements } from "./statements.js";
 import { atom, list, parseTerm, prologText, termText } from "./terms.js";
 
+const LEFT_OUT = "why/left_out.lp";
 const FAR = 1_000_000;
 const MOST_ROUNDS = 400;
 const MORE = 8;
@@ -19,17 +20,18 @@ const NEAR = 4;
 
 const written = ({ head, body }, ...more) => `${head} :- ${[body, ...more].filter(Boolean).join("; ")}.`;
 
-/** The arguments of a plain atom with this name, or null. */
-function argumentsOf(head, name) {
-  if (!head.startsWith(`${name}(`) || !head.endsWith(")")) return null;
-  const found = [""];
-  let depth = 0;
-  for (const letter of head.slice(name.length + 1, -1)) {
+/** The name and the number of arguments of an atom, or of all in a pool as lit(hall;study); none of anything else. */
+function signature(head) {
+  const [, name, args] = /^([a-z_][\w']*)\(([^]*)\)$/.exec(head) ?? [];
+  if (!name) return "";
+  let [depth, arity, ended] = [0, 1, false];
+  for (const letter of args.replace(/"(?:[^"\\]|\\.)*"/g, "")) {
     depth += "([{".includes(letter) - ")]}".includes(letter);
-    if (letter === "," && depth === 0) found.push("");
-    else found[found.length - 1] += letter;
+    if (depth < 0) return "";
+    ended ||= letter === ";" && depth === 0;
+    if (letter === "," && depth === 0 && !ended) arity++;
   }
-  return found;
+  return `${name}/${arity}`;
 }
 
 /** The same length with nothing known of it: its numbers are least and greatest ones in turn. */
@@ -46,11 +48,21 @@ class Relaxed {
     this.grammar = grammar;
     this.statements = [];
     this.nogoods = [];
+    this.first = new Map();
     const files = grammar.own.map((file) => ({ name: file.name, text: this.conditional(file) }));
     const shared = grammar.asp.filter(({ name }) => !grammar.own.some((file) => file.name === name));
+    const left = { name: LEFT_OUT, text: grammar.bundle.rules[LEFT_OUT] };
     const facts = this.conditionalLengths(lengths);
     const free = this.statements.map((_, number) => `{ stated(${number}) }.`);
-    this.program = new Program(grammar.clingo, [...shared, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts, differences);
+    this.program = new Program(grammar.clingo, [...shared, left, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts, differences);
+    for (const fact of grammar.absent(this.program, parts)) this.absent(fact);
+  }
+
+  /** That a fact is not stated; it reads at the first of its kind that is. */
+  absent(atom) {
+    const fact = termText(parseTerm(atom).args[0]);
+    const { file, line, column } = this.first.get(parseTerm(fact).name) ?? {};
+    this.statements.push({ reason: { text: fact + this.grammar.bundle.absent, file, line, column }, literals: [[atom, false]] });
   }
 
   stated(reason, clause) {
@@ -69,15 +81,13 @@ class Relaxed {
       }
       const condition = this.stated({ text, ...place });
       lines.push(written(parts, condition));
-      for (const name of ["may", "beside", "around"]) {
-        const args = argumentsOf(parts.head, name);
-        if (args?.length === 4)
-          lines.push(written({ ...parts, head: `${name}(${args[0]},${args[1]},0,${args[3]}+_More)` }, `not ${condition}`, `more(${args[1]},_More)`));
-      }
-      const opened = argumentsOf(parts.head, "opens");
-      if (opened?.length === 2) lines.push(written({ ...parts, head: `opens(${opened[0]},_Type)` }, `not ${condition}`, "type(_Type)"));
+      const kind = signature(parts.head);
+      if (!this.grammar.bundle.leftOut.includes(kind)) continue;
+      const name = kind.split("/")[0];
+      if (!this.first.has(name)) this.first.set(name, place);
+      lines.push(written({ ...parts, head: `listed'(${parts.head})` }), written({ ...parts, head: `without'(${parts.head})` }, `not ${condition}`));
     }
-    return `#defined more/2.\n${lines.join("\n")}`;
+    return lines.join("\n");
   }
 
   conditionalLengths(lengths) {
