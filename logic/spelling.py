@@ -13,15 +13,17 @@ R = TypeVar("R")
 
 
 def closest(name: str, names: Iterable[str]) -> str | None:
-    """The most similar name, of equally similar ones the one nearest in length; None if none is.
+    """The most similar name, of equally similar ones one that begins alike, and the one nearest in length;
+    None if none is.
 
     ``difflib.get_close_matches`` would take *beside* for *bde* rather than *bed*. Upper and lower case are
     as good as alike.
     """
 
-    def likeness(other: str) -> tuple[float, float, int]:
+    def likeness(other: str) -> tuple[float, float, bool, int]:
         ratio = difflib.SequenceMatcher(None, name.casefold(), other.casefold()).ratio()
-        return ratio, difflib.SequenceMatcher(None, name, other).ratio(), -abs(len(other) - len(name))
+        exact = difflib.SequenceMatcher(None, name, other).ratio()
+        return ratio, exact, name[:1] == other[:1], -abs(len(other) - len(name))
 
     best = max(sorted(names), key=likeness, default=None)
     return best if best is not None and likeness(best)[0] >= 0.65 else None

@@ -20,17 +20,33 @@ STAGES = ("house", "room")
 UNITS = "units"
 """The program that comes before them where a topology has units."""
 
+DIRECTIVES = {
+    "external": "a grammar holds rules: what is #external holds in no house",
+    "script": "a grammar holds rules, no scripts",
+    "minimize": "layouts are sampled, not optimised: use weight/2 or a constraint",
+    "show": "the core alone shows what makes a layout: leave #show out",
+    "project": "layouts are sampled by picks: leave #project out",
+    "heuristic": "layouts are sampled by picks, whatever the heuristic: use the weights of option/3",
+    "edge": "a grammar holds rules: leave #edge out, and forbid cycles by a constraint",
+    "theory": "a grammar holds rules without theories",
+    "include": "all .lp files of the grammar's directory are read: leave #include out, copy the file there",
+}
+"""Why a grammar has none of these."""
+
+CHOICE = "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
+"""What is said of a choice in a head."""
+
 OBJECTIONS = {
-    ASTType.External: "a grammar holds rules: what is #external holds in no house",
-    ASTType.Script: "a grammar holds rules, no scripts",
-    ASTType.Minimize: "layouts are sampled, not optimised: use weight/2 or a constraint",
-    ASTType.ShowSignature: "the core alone shows what makes a layout: leave #show out",
-    ASTType.ShowTerm: "the core alone shows what makes a layout: leave #show out",
-    ASTType.ProjectSignature: "layouts are sampled by picks: leave #project out",
-    ASTType.ProjectAtom: "layouts are sampled by picks: leave #project out",
-    ASTType.Heuristic: "layouts are sampled by picks, whatever the heuristic: use the weights of option/3",
-    ASTType.Edge: "a grammar holds rules: leave #edge out, and forbid cycles by a constraint",
-    ASTType.TheoryDefinition: "a grammar holds rules without theories",
+    ASTType.External: DIRECTIVES["external"],
+    ASTType.Script: DIRECTIVES["script"],
+    ASTType.Minimize: DIRECTIVES["minimize"],
+    ASTType.ShowSignature: DIRECTIVES["show"],
+    ASTType.ShowTerm: DIRECTIVES["show"],
+    ASTType.ProjectSignature: DIRECTIVES["project"],
+    ASTType.ProjectAtom: DIRECTIVES["project"],
+    ASTType.Heuristic: DIRECTIVES["heuristic"],
+    ASTType.Edge: DIRECTIVES["edge"],
+    ASTType.TheoryDefinition: DIRECTIVES["theory"],
 }
 
 
@@ -58,7 +74,7 @@ def _objection(node: Any, stages: Sequence[str]) -> str:
     if node.ast_type == ASTType.Rule and node.head.ast_type == ASTType.TheoryAtom:
         return OBJECTIONS[ASTType.TheoryDefinition]
     if node.ast_type == ASTType.Rule and node.head.ast_type in CHOICES:
-        return "a choice is made by option/3, as in option(colour,(red;blue),1): see rules/pick.lp"
+        return CHOICE
     return OBJECTIONS.get(node.ast_type, "")
 
 
@@ -88,5 +104,4 @@ def unreadable(file: Path) -> Iterator[GrammarError]:
     for number, line in enumerate(text.split("\n"), start=1):
         # In comments and strings too: a file cannot be read by another idea of where these end than clingo's.
         if include := re.search(r"#\s*include\b", line):
-            why = "all .lp files of the grammar's directory are read: leave #include out, copy the file there"
-            yield GrammarError(why, file, number, include.start() + 1)
+            yield GrammarError(DIRECTIVES["include"], file, number, include.start() + 1)

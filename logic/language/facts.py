@@ -19,6 +19,12 @@ MOST_NAMED = 3
 NAME = "[a-z][A-Za-z0-9_]*"
 """Types and pieces: what clingo, SWI-Prolog and a house file all write in the same way."""
 
+NO_NAME = {
+    "type": "a type is named by a word that begins in lower case, as in bedroom",
+    "piece": "a piece is named by a word that begins in lower case, as in bed",
+}
+"""What is said of other names."""
+
 
 class Facts:
     """The facts of a grammar with these words."""
@@ -99,12 +105,12 @@ class Facts:
         """Types and pieces whose names are no plain words."""
         pieces = [fact for name in ("may", "beside", "around") for fact in probe.atoms(name, 4)]
         for facts, place, what in (
-            (probe.atoms("type", 1), 0, "type is named by a word that begins in lower case, as in bedroom"),
-            (pieces, 1, "piece is named by a word that begins in lower case, as in bed"),
+            (probe.atoms("type", 1), 0, NO_NAME["type"]),
+            (pieces, 1, NO_NAME["piece"]),
         ):
             for fact in sorted(facts):
                 if not re.fullmatch(NAME, str(fact.arguments[place])):
-                    yield self.at(fact, f"{fact.arguments[place]}: a {what}")
+                    yield self.at(fact, f"{fact.arguments[place]}: {what}")
 
 
 def stated(fact: Symbol) -> Symbol:

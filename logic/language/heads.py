@@ -19,14 +19,22 @@ CHOICES = {("option", 3), ("picks", 2)}
 
 NAMES = {ASTType.Function, ASTType.SymbolicTerm}
 UNNAMED = "name the choice by a word, as in option(mine(X),..): what stands here may be a choice of the core"
+TAKEN = "the core picks {name} itself: state a constraint, or name another choice"
+MOVED = "the topology states {name}: move this to {topology}.lp"
+ELSEWHERE = (
+    "the topology states {name}, here {topology}: one of your own is a file NAME.lp that topology(NAME) names"
+)
+BY_CONSTRAINT = "require it by a constraint, which has no head: it says what never holds"
+"""What is said of them."""
 
 
 def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
     """Statements that derive or rename what is the core's or the topology's, each with what to write."""
     core = own.core or core_words()
     yield from _of_topology(own, core, grammar)
+    forbidden = closed(core)
     for signature, uses in own.derived.items():
-        if signature in core.derived and signature not in core.opened:
+        if signature in forbidden:
             for use in uses:
                 yield use.statement, _instead(signature, use, own, core)
     for name, use in own.defined.items():
@@ -34,17 +42,14 @@ def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]
             yield use.statement, f"{name} comes from the request: leave #const {name} out"
         elif name in core.constants:
             yield use.statement, f"{name} is a word of the core: choose another name"
-    taken = {_functor(use.node.arguments[0]) for each in CHOICES for use in core.derived.get(each, ())}
+    taken = choices(core)
     for signature in CHOICES:
         for use in own.derived.get(signature, ()):
             if use.node.arguments[0].ast_type not in NAMES:
                 yield use.statement, UNNAMED
             elif (choice := _functor(use.node.arguments[0])) in taken:
                 name = f"{choice[0]}/{choice[1]}" if choice[1] else choice[0]
-                yield (
-                    use.statement,
-                    f"the core picks {name} itself: state a constraint, or name another choice",
-                )
+                yield use.statement, TAKEN.format(name=name)
 
 
 def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
@@ -56,26 +61,43 @@ def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[St
             continue
         for use in own.derived.get(signature, ()):
             if place(use.node)[0] not in mine:
-                said = f"the topology states {signature[0]}/{signature[1]}"
-                hint = f"here {name}: one of your own is a file NAME.lp that topology(NAME) names"
-                yield use.statement, f"{said}: move this to {name}.lp" if mine else f"{said}, {hint}"
+                said = MOVED if mine else ELSEWHERE
+                yield use.statement, said.format(name=f"{signature[0]}/{signature[1]}", topology=name)
 
 
-def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
+def closed(core: Words) -> set[Signature]:
+    """The predicates that no grammar derives."""
+    return core.derived.keys() - core.opened.keys()
+
+
+def choices(core: Words) -> set[Signature]:
+    """The names of the choices that the core makes."""
+    return {_functor(use.node.arguments[0]) for each in CHOICES for use in core.derived.get(each, ())}
+
+
+def why_closed(signature: Signature, core: Words) -> tuple[str, list[str]]:
+    """Why no grammar derives a predicate; and the programs in which a constraint may require it instead."""
     name = f"{signature[0]}/{signature[1]}"
     origins = [origin.statement for origin in core.derived[signature]]
     programs = {origin.program for origin in origins}
     stages = [stage for stage in STAGES if programs & {stage, "pick"}]
     if all(_is_fact(origin) for origin in origins):
-        return f"the core states all of {name}: use it in bodies, or choose another name"
+        return f"the core states all of {name}: use it in bodies, or choose another name", []
     if signature not in core.documented or not stages:
-        return f"the core derives {name} for itself: choose another name"
+        return f"the core derives {name} for itself: choose another name", []
+    return f"the core alone derives {name}", stages
+
+
+def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
+    why, stages = why_closed(signature, core)
+    if not stages:
+        return why
     stage = use.statement.program if use.statement.program in stages else stages[0]
     rule = _constraint(use, stage, own)
     where = "" if stage == use.statement.program else f" after #program {stage}."
     hint = f"require it{where} by {rule} A constraint has no head: it says what never holds"
     hint = hint if rule else "a choice of yours is made by option/3"
-    return f"the core alone derives {name}: {hint}"
+    return f"{why}: {hint}"
 
 
 def _is_fact(statement: Statement) -> bool:

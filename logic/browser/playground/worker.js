@@ -13,7 +13,7 @@ async function load() {
     ["./solver/program.js", "./solver/prolog.js", "./solver/houses.js", "./clingo/clingo.js"].map((path) => import(path)));
   const [bundle, script, json] = await Promise.all(
     [fetched("rules.json").then(JSON.parse), fetched("solver/program.lua"), fetched("solver/json.pl")]);
-  const clingo = new Clingo(factory, script, bundle.hints);
+  const clingo = new Clingo(factory, script, bundle.says.syntax);
   const said = [];
   const [swipl] = await Promise.all([
     SWIPL({

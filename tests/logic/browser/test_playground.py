@@ -3,9 +3,7 @@
 import json
 import re
 import socket
-import threading
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +13,11 @@ from playwright.sync_api import Page, expect
 
 from logic import House, check, generate
 from logic.browser.playground import folder
-from logic.browser.playground.server import Server, listening
+from logic.browser.playground.server import listening
 from logic.errors import MissingProgram, RequestError, VitruviusError
+from logic.grammar import SHIPPED
 from tests.browsing import answered_under_the_finger, box, cut_on_paper, findings, line_is_seen, too_wide
+from tests.logic.browser.answers import answered
 
 SECONDS = 60_000
 """Milliseconds for an answer on a slow machine."""
@@ -29,50 +29,16 @@ SHEETS = {
     "clinic": {"rooms": 4, "seed": 0, "count": 1},
 }
 
-PARTS = """([grammar, files, request]) => new Promise((resolve, reject) => {
-    window.solvers ??= new Worker("worker.js");
-    const parts = [];
-    solvers.onmessage = ({ data: { part, done, error } }) => {
-        if (part) parts.push(part);
-        if (done) resolve(parts);
-        if (error) reject(new Error(error));
-    };
-    solvers.postMessage({ id: performance.now(), grammar, files, request });
-})"""
-"""What the worker answers, without the page around it."""
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory) -> Iterator[Server]:
-    """The page's folder, served as ``vitruvius playground`` serves it."""
-    made = tmp_path_factory.mktemp("playground") / "page"
-    try:
-        folder.write(made)
-    except MissingProgram as missing:
-        pytest.skip(str(missing))
-    with listening(made, 0) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield server
-        server.shutdown()
-
-
-@pytest.fixture
-def at(site: Server) -> str:
-    """The page's address."""
-    return f"http://{site.server_name}:{site.server_port}/"
-
 
 def rules(grammar: str) -> dict[str, str]:
     """The rule files of a shipped grammar, by name."""
-    return {file.name: file.read_text() for file in folder.SHIPPED.joinpath(grammar).glob("*.[lp][lp]")}
+    return {file.name: file.read_text() for file in SHIPPED.joinpath(grammar).glob("*.[lp][lp]")}
 
 
 def houses_of(page: Page, grammar: str, **asked: Any) -> list[dict[str, Any]]:
     """The houses that the browser makes."""
     request = {"types": {}, "furniture": {}, **asked}
-    return [
-        part["house"] for part in page.evaluate(PARTS, [grammar, rules(grammar), request]) if "house" in part
-    ]
+    return [part["house"] for part in answered(page, grammar, rules(grammar), request) if "house" in part]
 
 
 def drawn(page: Page, address: str) -> None:
@@ -142,11 +108,12 @@ def test_a_mistake_stands_at_its_line_and_a_changed_rule_makes_other_houses(page
     edit(page, "sizes.pl", "door_width(", "door_widht(")
     expect(page.locator("#findings li").first).to_contain_text("did you mean door_width/1?", timeout=SECONDS)
     edit(page, "sizes.pl", "door_widht(", "door_width(")
-    edit(page, "rooms.lp", "#program house.", f"#program house.\n:- room(0,{kind}).\n:- rom(_,hall).")
-    expect(page.locator("#findings li").first).to_contain_text("did you mean room?", timeout=SECONDS)
-    expect(first).not_to_have_attribute("aria-label", f"R0, {kind}")
+    edit(page, "rooms.lp", "#program house.", f"#program house.\n:- room(0,{kind}).")
+    expect(first).not_to_have_attribute("aria-label", f"R0, {kind}", timeout=SECONDS)
+    edit(page, "rooms.lp", "#program house.", "#program house.\n:- rom(_,hall).")
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=SECONDS)
     page.reload()  # What is changed outlives it, until it is taken back.
-    expect(page.locator("#findings li").first).to_contain_text("did you mean room?", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=SECONDS)
     page.get_by_role("button", name="As shipped").click()
     expect(page.locator("#findings li")).to_have_count(0, timeout=SECONDS)
     expect(first).to_have_attribute("aria-label", f"R0, {kind}", timeout=SECONDS)
@@ -159,7 +126,7 @@ def test_a_proof_names_the_rules_that_conflict(page, at):
     expect(answer).to_contain_text(":- rooms >= 3, basic(T), not room(_,T).", timeout=SECONDS)
     for reason in ("rooms: 3", "bathroom: 2", "basic(bedroom; bathroom; kitchen)."):
         expect(answer).to_contain_text(reason)
-    advice = "There is a house with 4 rooms, or without bathroom: 2."
+    advice = "There is a house with 2 rooms, or without bathroom: 2."
     expect(answer).to_contain_text(advice, timeout=SECONDS)
     page.locator("[name='type.bathroom']").fill("")
     expect(page.locator("#status")).to_contain_text("drawn in", timeout=SECONDS)
@@ -250,7 +217,7 @@ def test_the_edited_rules_come_as_a_folder_from_which_python_makes_the_same_hous
         assert file.testzip() is None
         file.extractall(tmp_path)
     made = tmp_path / "clinic-edited"
-    names = {each.name for each in (folder.SHIPPED / "clinic").iterdir()}
+    names = {each.name for each in (SHIPPED / "clinic").iterdir()}
     assert {each.name for each in made.iterdir()} == names
     [house] = generate(grammar=made, rooms=4, count=1)
     record = json.loads(kept["Houses as a file"].read_text())
@@ -276,7 +243,7 @@ def test_the_page_fits_screens_and_paper_and_axe_finds_nothing(page, at):
     drawn(page, f"{at}#grammar=family&rooms=2&count=1")
     page.locator("#sheet [data-part=R0]").click()
     edit(page, "rooms.lp", "#program house.", "#program house.\n:- rom(_,hall).")
-    expect(page.locator("#findings li").first).to_contain_text("did you mean room?", timeout=SECONDS)
+    expect(page.locator("#findings li").first).to_contain_text("did you mean room/2?", timeout=SECONDS)
     assert findings(page) == []
     assert too_wide(page) == []
     assert cut_on_paper(page) == []

@@ -1,18 +1,15 @@
 /** A grammar: its rule files, what they state, and the programs of stage 1 that they make. As logic/grammar.py, loaded.py. */
 
 import { Program, RuleError } from "./program.js";
-import { closest, derivedNames, objection, statements, usedNames } from "./statements.js";
+import { blank, placeOf, refused, unknownPredicate } from "./audit.js";
+import { statements } from "./statements.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
 const OWN = "/grammar";
-const PLANS = ["access", "differences", "stated"].map((name) => `shared_walls/${name}.lp`);
-const ADJACENT = "shared_walls/adjacent.lp"; // read where a rule names adjacent
-const GUARD = "shared_walls/topology.lp"; // read with a topology of the user's own
 const DIFFERENCES = "rules/shared_walls/differences.lp";
 const NOTHING = { rooms: 1, types: {}, furniture: {} };
 /** clingo's greatest number: no bound. */
 export const MOST = 2 ** 31 - 1;
-const GIVEN = { in_a_row: 4, fuller: 2 };
 
 /** clingo-dl's theory, as far as the rules use it. program.lua has what it means. */
 const THEORY = {
@@ -28,33 +25,26 @@ function withIncludes(rules, path) {
   return [...included, { name: `rules/${path}`, text: rules[path].replace(/^#include .*$/gm, "") }];
 }
 
-/** The topology that a fact names: its name, and the shared files that come with it. */
-function topologyOf(own, rules) {
+/** The topology that a fact names: its name, the table of it, and the shared files that come with it. */
+function topologyOf(own, { rules, topologies, adjacent }) {
   const named = [];
-  let adjacent = false;
+  let isNamed = false; // adjacent, by a rule
   for (const { name, text } of own) {
-    const bare = text.replace(/%\*[^]*?\*%|%[^\n]*/g, (comment) => comment.replace(/[^\n]/g, " "));
-    adjacent ||= /\badjacent\s*\(/.test(bare);
-    for (const found of bare.matchAll(/\btopology\s*\(\s*(\w+)\s*\)\s*\./g)) {
-      const before = bare.slice(0, found.index).split("\n");
-      named.push({ topology: found[1], file: name, line: before.length, column: before.at(-1).length + 1 });
-    }
+    const bare = blank(text);
+    isNamed ||= /\badjacent\s*\(/.test(bare);
+    for (const found of bare.matchAll(/\btopology\s*\(\s*(\w+)\s*\)\s*\./g)) named.push({ topology: found[1], file: name, ...placeOf(bare, found.index) });
   }
   if (named.length > 1) {
     const { file, line, column } = named[1];
     throw new RuleError(`a grammar has one topology, and ${named[0].topology} is named already`, file, line, column);
   }
-  if (!named.length) return { name: "star", files: withIncludes(rules, "topologies/star.lp") };
-  const [{ topology, file, line, column }] = named;
-  const mine = own.some(({ name }) => name === `${topology}.lp`);
-  const plans = [...PLANS, ...(adjacent ? [ADJACENT] : []), ...(mine ? [GUARD] : [])].sort().flatMap((path) => withIncludes(rules, path));
-  if (mine) return { name: topology, files: plans, isOwn: true };
+  const [{ topology, file, line, column }] = named.length ? named : [{ topology: "star" }];
+  const isOwn = own.some(({ name }) => name === `${topology}.lp`);
+  const table = topologies[isOwn ? "own" : topology];
   if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
-  if (!rules[`topologies/${topology}.lp`]) {
-    const known = Object.keys(rules).flatMap((path) => /^topologies\/(\w+)\.lp$/.exec(path)?.[1] ?? []);
-    throw new RuleError(`no topology ${topology}: there are ${known.join(", ")}`, file, line, column);
-  }
-  return { name: topology, files: [...plans, ...withIncludes(rules, `topologies/${topology}.lp`)] };
+  if (!table) throw new RuleError(`no topology ${topology}: there are ${Object.keys(topologies).filter((each) => each !== "own").join(", ")}`, file, line, column);
+  const files = [...table.files, ...(isNamed && topology !== "star" ? [adjacent] : [])].sort();
+  return { name: topology, isOwn, table, files: files.flatMap((path) => withIncludes(rules, path)) };
 }
 
 const millimetres = (extremes) => extremes.map((metres, place) => (place % 2 ? Math.ceil : Math.floor)(1000 * metres));
@@ -68,7 +58,7 @@ export class Grammar {
       if (!named(ending).length) throw new RuleError(`the grammar has no ${ending} file`);
     this.own = named(".lp").map((name) => ({ name, text: files[name] }));
     this.core = withIncludes(bundle.rules, "core.lp");
-    this.topology = topologyOf(this.own, bundle.rules);
+    this.topology = topologyOf(this.own, bundle);
     this.sharesWalls = this.topology.name !== "star";
     this.differences = this.topology.files.some(({ name }) => name === DIFFERENCES);
     this.asp = [...(this.differences ? [THEORY] : []), ...this.core, ...this.topology.files, ...this.own];
@@ -84,9 +74,8 @@ export class Grammar {
 
   /** What no grammar may state. */
   audit() {
-    for (const file of this.own)
-      for (const { text, line, column } of statements(file))
-        if (objection(text)) throw new RuleError(`${objection(text)}: ${text}`, file.name, line, column);
+    const found = refused(this.own, this.topology, this.bundle);
+    if (found) throw new RuleError(found.why, found.file, found.line, found.column);
   }
 
   /** Stage 2 reads the .pl files. */
@@ -100,15 +89,23 @@ export class Grammar {
   /** What the facts state, by the two programs without furniture. */
   loadTypes() {
     const signatures = [["wrong", 2], ["twice", 2], ["type", 1], ["may", 4], ["beside", 4], ["around", 4], ["turns", 2], ["lit", 1], ["most_rooms", 1]];
-    this.house = new Program(this.clingo, this.asp, { rooms: 1 }, ["house"]);
-    const facts = this.house.atoms(...signatures).map(parseTerm);
+    // Of what the core knows clingo is not to say that no rule derives it, as it says that a few times alone.
+    const known = { name: "known", text: this.topology.table.known.map((signature) => `#defined ${signature}.`).join("\n") };
+    const facts = new Program(this.clingo, [...this.asp, known], { rooms: 1 }, ["house"]).atoms(...signatures).map(parseTerm);
     const of = (name) => facts.filter((fact) => fact.name === name).map((fact) => fact.args);
-    new Program(this.clingo, this.asp, {}, ["room"]).atoms();
+    const without = this.withoutRule();
+    new Program(this.clingo, [...this.asp, known], {}, ["room"]).atoms();
+    const unknown = unknownPredicate(this.own, this.topology, [...without, ...this.withoutRule()]);
+    if (unknown) throw new RuleError(unknown.why, unknown.file, unknown.line, unknown.column);
     for (const [fact, why] of of("wrong")) throw this.at(fact, `${stated(fact)}: ${JSON.parse(why.string)}`);
     for (const [one, other] of of("twice")) throw this.at(other, `${stated(other)}: ${stated(one)} is stated too: keep one of them`);
+    const isName = new RegExp(`^${this.bundle.name}$`);
+    for (const [kind, place, names] of [["type", 0, ["type"]], ["piece", 1, ["may", "beside", "around"]]])
+      for (const { name, args } of facts.filter((fact) => names.includes(fact.name)))
+        if (!isName.test(termText(args[place]))) throw this.at({ name, args }, `${termText(args[place])}: ${this.bundle.says.noName[kind]}`);
     this.types = of("type").map(([type]) => type.name).sort();
     if (!this.types.length) throw new RuleError("no room type: state type/1 in a .lp file", this.own[0].name, 1, 1);
-    this.mostRooms = Math.min(128, ...of("most_rooms").map(([most]) => most));
+    this.mostRooms = Math.min(this.bundle.mostRooms, ...of("most_rooms").map(([most]) => most));
     this.furniture = Object.fromEntries(this.types.map((type) => [type, []]));
     for (const [type, piece] of of("may")) this.furniture[type.name].push(piece.name);
     for (const [piece, companion] of [...of("beside"), ...of("around")])
@@ -116,6 +113,11 @@ export class Grammar {
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
     this.lit = new Set(of("lit").map(([type]) => type.name));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
+  }
+
+  /** What clingo says of atoms that no rule of the last program derives, in the user's files. */
+  withoutRule() {
+    return this.clingo.placed.filter(({ text, file }) => this.files[file] && text.startsWith("atom does not occur in any rule head"));
   }
 
   /** The lengths that stage 1 knows, facts of each type of room, each with the clause that it comes from. */
@@ -198,7 +200,7 @@ export class Grammar {
   givenRoom(type, doorways, request) {
     const facts = this.lengths[type].map(([fact]) => fact).filter((fact) => !fact.startsWith("reach("));
     const parts = ["room", "plan", ...facts, ...doorways, ...this.requiredIn(type, request)];
-    return this.program({ this_room: type, ...GIVEN }, parts);
+    return this.program({ this_room: type, ...this.bundle.given }, parts);
   }
 
   /** What a request requires of the furniture of a room of this type, all counts of a piece together. */
@@ -221,23 +223,15 @@ export class Grammar {
     return this.furniture[type].length > 0;
   }
 
-  /** What clingo remarks on in the user's files, and what nothing derives in any program: warnings. */
+  /** What clingo remarks on in the user's files: warnings. */
   remarks() {
-    const found = new Map(this.underived().map((each) => [`${each.file}:${each.line}:${each.column}`, each]));
+    const found = new Map();
     for (const program of [this.rooms(NOTHING), ...this.types.map((type) => this.room(type, NOTHING))]) {
       program.options; // grounds it
       for (const { kind, text, file, line, column } of this.clingo.placed)
         if (kind && this.files[file]) found.set(`${file}:${line}:${column}`, { severity: "warning", file, line, column, text });
     }
     return [...found.values()];
-  }
-
-  underived() {
-    const names = derivedNames(this.asp);
-    return this.own.flatMap((file) => usedNames(file).filter(({ name }) => !names.has(name)).map(({ name, ...place }) => {
-      const meant = closest(name, names);
-      return { severity: "warning", ...place, text: `nothing derives ${name}${meant && `: did you mean ${meant}?`}` };
-    }));
   }
 
   /** A mistake of the topology of the user's own, where it first says on which lines rooms lie. */

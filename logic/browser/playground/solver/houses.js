@@ -9,8 +9,6 @@ import { inWords, isFurnishable, proofs } from "./proof.js";
 import { Generator } from "./random.js";
 import { star } from "./star.js";
 
-const INFERENCES = 100_000_000;
-
 export class Houses {
   constructor(bundle, clingo, prolog) {
     Object.assign(this, { bundle, clingo, prolog });
@@ -76,9 +74,9 @@ export class Houses {
 
   /** A house, as in a house file without its provenance: a function of the rules, the request, the seed and the index. */
   house(request, seed, index) {
-    const { grammar } = this, rng = new Generator([seed, index]);
-    if (!grammar.sharesWalls) return ofStar(star(grammar, request, rng, INFERENCES));
-    const made = plan(grammar, request, rng, INFERENCES, (type) => isFurnishable(grammar, type, request));
+    const { grammar } = this, { inferences } = this.bundle, rng = new Generator([seed, index]);
+    if (!grammar.sharesWalls) return ofStar(star(grammar, request, rng, inferences));
+    const made = plan(grammar, request, rng, inferences, (type) => isFurnishable(grammar, type, request));
     return { format: "vitruvius-2", unit: "m", ...made, topology: grammar.topology.name };
   }
 

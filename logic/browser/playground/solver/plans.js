@@ -6,20 +6,12 @@ import { nogood, terms } from "./star.js";
 import { faults } from "./tiling.js";
 import { atom, compound, list, parseTerm, real } from "./terms.js";
 
-const MOST_TRIES = 200;
 const TOLERANCE = 1e-6;
-const STEP = 0.016, BITS = 9;
-const WALLS = {
-  front: ["front_left", "front_right"],
-  left: ["left_front", "left_back"],
-  back: ["back_left", "back_right"],
-  right: ["right_front", "right_back"],
-};
 
 /** A plan, { rooms, doors, windows, hub }, without a hub where there is not just one; metres, as in a house file. `isFurnishable`: whether a room of a type can be. */
 export function plan(grammar, request, rng, inferences, isFurnishable) {
-  const nogoods = [], unfurnishable = new Set();
-  for (let turn = 0; turn < MOST_TRIES; turn++) {
+  const nogoods = [], unfurnishable = new Set(), { mostTries } = grammar.bundle;
+  for (let turn = 0; turn < mostTries; turn++) {
     const bare = barePlan(grammar, request, rng, inferences, nogoods, unfurnishable);
     inferences = bare.inferences;
     if (grammar.topology.isOwn) requireTiling(grammar, bare);
@@ -28,7 +20,7 @@ export function plan(grammar, request, rng, inferences, isFurnishable) {
     const { type } = bare.plan.rooms[pieces.failed];
     if (!isFurnishable(type)) unfurnishable.add(type);
   }
-  throw new LimitReached(`${MOST_TRIES} times a room could not be furnished at its size: try another seed, or larger rooms`);
+  throw new LimitReached(`${mostTries} times a room could not be furnished at its size: try another seed, or larger rooms`);
 }
 
 /** Walls, doors and windows, and the layout that they have. What is found infeasible is added to the nogoods. */
@@ -51,7 +43,7 @@ function barePlan(grammar, request, rng, inferences, nogoods, unfurnishable) {
 function requireTiling(grammar, bare) {
   const made = house(bare, bare.plan.rooms.map(() => []));
   for (const fault of faults(made, grammar.bundle.passage))
-    throw grammar.topologyError(grammar.bundle.noPlan.replace("{rooms}", made.rooms.length).replace("{fault}", fault));
+    throw grammar.topologyError(grammar.bundle.says.noPlan.replace("{rooms}", made.rooms.length).replace("{fault}", fault));
 }
 
 function house({ plan: { rooms, doors, windows }, layout }, pieces) {
@@ -69,7 +61,7 @@ const sides = ({ x, y, width, height }) => ({ x, y, width, height });
 
 /** The pieces of each room of a bare plan; { failed: number } of a room that can have none. */
 function furnished(grammar, bare, request, rng, inferences) {
-  const frames = bare.rooms.map((room, number) => new Frame(bare, number));
+  const frames = bare.rooms.map((room, number) => new Frame(bare, number, grammar.bundle));
   const pieces = bare.rooms.map(() => []), nogoods = bare.rooms.map(() => []);
   let waiting = [...bare.rooms.keys()].filter((number) => grammar.hasFurniture(bare.rooms[number].type));
   while (waiting.length) {
@@ -98,7 +90,8 @@ function furnished(grammar, bare, request, rng, inferences) {
 
 /** A room as seen from its entrance: x to the right along the front wall, y inwards. */
 class Frame {
-  constructor(bare, number) {
+  constructor(bare, number, { walls, short }) {
+    Object.assign(this, { walls, short });
     const room = bare.rooms[number];
     const doors = bare.doors.filter(({ between }) => between.includes(number))
       .sort((a, b) => (a.between[0] !== number) - (b.between[0] !== number));
@@ -118,7 +111,7 @@ class Frame {
   }
 
   byWall(segments) {
-    const found = Object.fromEntries(Object.keys(WALLS).map((wall) => [wall, []]));
+    const found = Object.fromEntries(Object.keys(this.walls).map((wall) => [wall, []]));
     for (const segment of segments) {
       const [left, front, right, back] = this.own(box(segment));
       const across = right - left > back - front;
@@ -150,7 +143,7 @@ class Frame {
   *lengths() {
     yield ["across", this.width];
     yield ["inwards", this.depth];
-    for (const [wall, [first, last]] of Object.entries(WALLS)) {
+    for (const [wall, [first, last]] of Object.entries(this.walls)) {
       const size = wall === "front" || wall === "back" ? this.width : this.depth;
       const spans = this.doors[wall];
       if (!spans.length) {
@@ -166,10 +159,10 @@ class Frame {
 
   /** What rules/room/doors.lp is to assume of the room. */
   given() {
-    const holds = [], fails = [];
+    const holds = [], fails = [], { step, bits } = this.short;
     for (const [what, length] of this.lengths()) {
-      const short = Math.max(0, Math.trunc(2 ** BITS - 1 - length / STEP));
-      for (let bit = 0; bit < BITS; bit++) ((short >> bit) & 1 ? holds : fails).push(`short(${what},${bit})`);
+      const short = Math.max(0, Math.trunc(2 ** bits - 1 - length / step));
+      for (let bit = 0; bit < bits; bit++) ((short >> bit) & 1 ? holds : fails).push(`short(${what},${bit})`);
     }
     for (const [wall, spans] of Object.entries(this.windows)) {
       (spans.length ? holds : fails).push(`window(${wall})`);

@@ -43,7 +43,7 @@ export class Clingo {
     }
     source += `#program base.\n#script (lua)\ntask = ${luaText(task)}\n${this.script}\n#end.\n`;
     const options = Object.entries(constants).map(([name, value]) => `-c ${name}=${value}`);
-    const failed = this.call(source, `--outf=0 -Wno-atom-undefined ${options.join(" ")} 1`);
+    const failed = this.call(source, `--outf=0 ${task.atoms ? "" : "-Wno-atom-undefined "}${options.join(" ")} 1`);
     this.placed = this.remarks.join("\n").split("\n\n").map((remark) => placed(remark.trim(), starts));
     const errors = this.placed.filter(({ kind }) => kind === "error");
     if (errors.length) {

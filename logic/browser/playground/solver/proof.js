@@ -9,36 +9,19 @@ import { LimitReached } from "./answers.js";
 import { MOST, granted, requirements, toFurnish } from "./grammar.js";
 import { Program } from "./program.js";
 import { nogood, terms } from "./star.js";
-import { rule, statements } from "./statements.js";
+import { atomOf, rule, statements } from "./statements.js";
 import { atom, list, parseTerm, prologText, termText } from "./terms.js";
 
 const LEFT_OUT = "why/left_out.lp";
-const FAR = 1_000_000;
 const MOST_ROUNDS = 400;
-const MORE = 8;
-const NEAR = 4;
 
 const written = ({ head, body }, ...more) => `${head} :- ${[body, ...more].filter(Boolean).join("; ")}.`;
 
-/** The name and the number of arguments of an atom, or of all in a pool as lit(hall;study); none of anything else. */
-function signature(head) {
-  const [, name, args] = /^([a-z_][\w']*)\(([^]*)\)$/.exec(head) ?? [];
-  if (!name) return "";
-  let [depth, arity, ended] = [0, 1, false];
-  for (const letter of args.replace(/"(?:[^"\\]|\\.)*"/g, "")) {
-    depth += "([{".includes(letter) - ")]}".includes(letter);
-    if (depth < 0) return "";
-    ended ||= letter === ";" && depth === 0;
-    if (letter === "," && depth === 0 && !ended) arity++;
-  }
-  return `${name}/${arity}`;
-}
-
 /** The same length with nothing known of it: its numbers are least and greatest ones in turn. */
-function unbound(fact) {
+function unbound(fact, far) {
   const term = parseTerm(fact);
   let place = 0;
-  return termText({ ...term, args: term.args.map((each) => (typeof each === "number" ? (place++ % 2 ? FAR : 0) : each)) });
+  return termText({ ...term, args: term.args.map((each) => (typeof each === "number" ? (place++ % 2 ? far : 0) : each)) });
 }
 
 /** A program in which each statement of the user's can be left out. */
@@ -62,7 +45,7 @@ class Relaxed {
   absent(atom) {
     const fact = termText(parseTerm(atom).args[0]);
     const { file, line, column } = this.first.get(parseTerm(fact).name) ?? {};
-    this.statements.push({ reason: { text: fact + this.grammar.bundle.absent, file, line, column }, literals: [[atom, false]] });
+    this.statements.push({ reason: { text: fact + this.grammar.bundle.says.absent, file, line, column }, literals: [[atom, false]] });
   }
 
   stated(reason, clause) {
@@ -81,9 +64,8 @@ class Relaxed {
       }
       const condition = this.stated({ text, ...place });
       lines.push(written(parts, condition));
-      const kind = signature(parts.head);
-      if (!this.grammar.bundle.leftOut.includes(kind)) continue;
-      const name = kind.split("/")[0];
+      const { name, signature } = atomOf(parts.head) ?? {};
+      if (!this.grammar.bundle.leftOut.includes(signature)) continue;
       if (!this.first.has(name)) this.first.set(name, place);
       lines.push(written({ ...parts, head: `listed'(${parts.head})` }), written({ ...parts, head: `without'(${parts.head})` }, `not ${condition}`));
     }
@@ -100,7 +82,7 @@ class Relaxed {
     }
     return lengths.flatMap(([fact, each]) => {
       const given = each.flatMap((clause) => conditions.get(clause) ?? []);
-      const free = unbound(fact);
+      const free = unbound(fact, this.grammar.bundle.far);
       const without = free === fact ? [] : given.map((condition) => `${free} :- not ${condition}.`);
       return [`${fact}${given.length ? ` :- ${given.join(", ")}` : ""}.`, ...without];
     });
@@ -172,7 +154,7 @@ function furniture(grammar, type, request) {
   const lengths = grammar.lengths[type].map(([fact, clause]) => [fact, fact.startsWith("extent(") ? [clause, size] : [clause]]);
   const asked = grammar.counted(type, request);
   const required = asked.map(([, piece, [least, most]]) => `has(${piece},${least},${most ?? MOST})`);
-  const more = asked.flatMap(([, piece, [least]]) => (least ? `more(${piece},${Math.min(least, MORE)})` : []));
+  const more = asked.flatMap(([, piece, [least]]) => (least ? `more(${piece},${Math.min(least, grammar.bundle.more)})` : []));
   const relaxed = new Relaxed(grammar, { this_room: type }, ["room", "capacity", ...required, ...more], lengths);
   for (const [place, [name, , counts]] of asked.entries())
     relaxed.choice({ text: `${name}: ${inWords(counts)}` }, [[granted(required[place]), true]]);
@@ -241,12 +223,16 @@ function* numbersWithout(needed, grammar, request, unfurnishable) {
   }
 }
 
-/** Other numbers of rooms, the nearest first: near this one, and near the sum of types. */
+/** Other numbers of rooms, the nearest first: near this one and near the sum of types; where rooms do not share walls, powers of
+ * two as well. */
 function* otherNumbers(grammar, { rooms: number, types }) {
   const wanted = Object.values(types).reduce((sum, [least]) => sum + least, 0);
-  const near = Array.from({ length: 2 * NEAR }, (_, place) => number + (place % 2 ? -1 : 1) * (1 + (place >> 1)));
-  for (const other of new Set([...near, wanted, wanted + 1]))
-    if (other >= 1 && other <= grammar.mostRooms && other !== number) yield other;
+  const { star, plans } = grammar.bundle.near, near = grammar.sharesWalls ? plans : star;
+  const some = new Set(grammar.sharesWalls ? [] : [0, 1, 2, 3, 4, 5, 6, 7].map((power) => 2 ** power));
+  for (let each = 1; each < near; each++) some.add(each);
+  for (const middle of [number, wanted]) for (let each = middle - near; each <= middle + near; each++) some.add(each);
+  const others = [...some].filter((other) => other >= 1 && other <= grammar.mostRooms && other !== number);
+  yield* others.sort((one, other) => Math.abs(one - number) - Math.abs(other - number) || one - other);
 }
 
 /** Each choice of the request's in words, and the request without it. */

@@ -1,0 +1,137 @@
+"""What the page knows from Python, as ``rules.json``: rules, and what Python says and assumes beside them."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+from logic.drawing.palettes import PALETTES
+from logic.generation.feasibility import MORE
+from logic.generation.furnish import BITS, STEP, WALLS
+from logic.generation.shared_walls import MOST_TRIES
+from logic.generation.tiling import NO_PLAN
+from logic.grammar import (
+    ADJACENT,
+    GUARD,
+    LENGTHS,
+    PLANS,
+    RULES,
+    SHIPPED,
+    STAR,
+    STATED,
+    TOPOLOGIES,
+    find,
+    shipped,
+)
+from logic.house.looks import folder_looks
+from logic.house.promises import PASSAGE
+from logic.language.audit import CHOICE, DIRECTIVES, STAGES
+from logic.language.facts import NAME, NO_NAME
+from logic.language.heads import BY_CONSTRAINT, ELSEWHERE, MOVED, TAKEN, UNNAMED, choices, closed, why_closed
+from logic.language.statements import place
+from logic.language.vocabulary import Signature, Words, core_words
+from logic.layout.messages import SYNTAX
+from logic.layout.programs import GIVEN
+from logic.layout.relaxed import ABSENT, FAR, left_out_facts
+from logic.proofs.proof import NEAR, NEXT
+from logic.request.request import MOST_ROOMS
+from logic.workers.explain import INFERENCES
+
+BUILDING = "building"
+"""The topology of houses of units: the page does not make those."""
+
+
+def bundle() -> dict[str, object]:
+    """The core's rule files by path, the shipped grammars' by name, and what Python knows beside them."""
+    names = [name for name in shipped() if find(name).topology_name != BUILDING]
+    return {
+        "version": version("vitruvius"),
+        "rules": {_path(file): _text(file) for file in _rule_files(RULES)},
+        "grammars": {
+            name: {file.name: _text(file) for file in _rule_files(SHIPPED / name)} for name in names
+        },
+        "others": {name: _others(SHIPPED / name) for name in names},
+        "topologies": _topologies(),
+        "adjacent": _path(ADJACENT),
+        "lengths": LENGTHS,
+        "passage": PASSAGE,
+        "given": GIVEN,
+        "walls": WALLS,
+        "short": {"step": STEP, "bits": BITS},
+        "name": NAME,
+        "mostTries": MOST_TRIES,
+        "mostRooms": MOST_ROOMS,
+        "inferences": INFERENCES,
+        "far": FAR,
+        "more": MORE,
+        "near": {"star": NEAR, "plans": NEXT},
+        "leftOut": _named(left_out_facts()),
+        "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
+        "colours": PALETTES["colour"].new,
+        "programs": STAGES,
+        "says": {
+            "absent": ABSENT,
+            "choice": CHOICE,
+            "directives": DIRECTIVES,
+            "elsewhere": ELSEWHERE,
+            "moved": MOVED,
+            "noName": NO_NAME,
+            "noPlan": NO_PLAN,
+            "syntax": list(SYNTAX.items()),
+            "taken": TAKEN,
+            "unnamed": UNNAMED,
+        },
+    }
+
+
+def _topologies() -> dict[str, object]:
+    """By name, and as ``own`` for those of users, the files that come with a topology, and what is closed to
+    a grammar by them.
+    """
+    shared = [file for file in sorted(TOPOLOGIES.glob("*.lp")) if file.stem not in (BUILDING, STAR.stem)]
+    files = {STAR.stem: (STAR,), "own": (*PLANS, GUARD), **{file.stem: (*PLANS, file) for file in shared}}
+    return {name: _topology(each) for name, each in files.items()}
+
+
+def _topology(files: Sequence[Path]) -> dict[str, object]:
+    core = core_words(tuple(files))
+    known = core.used.keys() | core.derived.keys() | core.opened.keys()
+    stated = [each for each, use in core.opened.items() if place(use.node)[0] == str(STATED)]
+    return {
+        "files": [_path(file) for file in files],
+        "closed": {f"{each[0]}/{each[1]}": _why_closed(each, core) for each in sorted(closed(core))},
+        "stated": _named(stated),
+        "known": _named(known),
+        "inputs": _named(known - closed(core)),
+        "documented": _named(core.documented),
+        "choices": _named(choices(core)),
+        "constants": sorted(core.constants),
+        "defined": sorted(core.defined),
+    }
+
+
+def _why_closed(signature: Signature, core: Words) -> str:
+    why, stages = why_closed(signature, core)
+    return f"{why}: {BY_CONSTRAINT}" if stages else why
+
+
+def _named(signatures: Sequence[Signature] | set[Signature]) -> list[str]:
+    return sorted(f"{name}/{arity}" for name, arity in signatures)
+
+
+def _path(file: Path) -> str:
+    return file.relative_to(RULES).as_posix()
+
+
+def _rule_files(folder: Path) -> list[Path]:
+    files = (file for file in folder.rglob("*") if file.suffix in {".lp", ".pl"})
+    return sorted(files, key=lambda file: file.name)  # as a grammar's hash takes them
+
+
+def _others(folder: Path) -> dict[str, str]:
+    """What else a grammar has, by name: how its types look."""
+    return {file.name: _text(file) for file in sorted(folder.glob("*.json"))}
+
+
+def _text(file: Path) -> str:
+    return file.read_text(encoding="utf-8")
