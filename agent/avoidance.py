@@ -46,16 +46,17 @@ class Shield:
         step: float,
         margin: float = 0.005,
         noise: float = 0.0,
-        doors: bool = False,
+        distance: int = -2,
+        door: int | None = None,
     ) -> None:
         """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
-        keeps on every side, ``noise`` the standard deviation of the rays' distances; metres. ``doors``:
-        observations tell walls, pieces and closed doors, as (distance, wall, piece, door, target), and a
-        body may walk at a door, which opens it.
+        keeps on every side, ``noise`` the standard deviation of the rays' distances; metres.
+        ``distance`` is the observations' column that has it, ``door`` the one that says which rays end on a
+        closed door, where there are such: a body may walk at it, which opens it.
         """
-        self.doors = doors
+        self.distance, self.door = distance, door
         self.reach, self.apart, self.tolerance = reach, pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
         self.most = 1 - SPREAD * noise / reach
         self.clear = torch.tensor(clearance(angles, body, step, margin) / reach, dtype=torch.float32)
@@ -66,9 +67,9 @@ class Shield:
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed."""
-        distance, passed = observation[..., -2], observation[..., -1]
-        if self.doors:
-            distance, is_door = observation[..., -5], observation[..., -2]
+        distance, passed = observation[..., self.distance], observation[..., -1]
+        if self.door is not None:
+            is_door = observation[..., self.door]
             passed = passed + is_door
             # A bump before a door is a push.
             blocked = blocked & ~((is_door > 0) & (distance < self.at_door.to(distance.device))).any(-1)
@@ -128,13 +129,15 @@ class PaperRule:
     It overrules the network altogether, and a door of 0.76 m stops most bodies that would pass it.
     """
 
-    def __init__(self, generator: torch.Generator, threshold: float = 0.049) -> None:
-        """Take a threshold as a fraction of the range (the paper's 10.8 px of 220) and a generator."""
-        self.generator, self.threshold = generator, threshold
+    def __init__(self, generator: torch.Generator, threshold: float = 0.049, distance: int = -2) -> None:
+        """Take a threshold as a fraction of the range (the paper's 10.8 px of 220), a generator, and the
+        observations' column that has the distance.
+        """
+        self.generator, self.threshold, self.distance = generator, threshold, distance
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed: all, or one rotation alone."""
-        distance, is_target = observation[..., -2], observation[..., -1] > 0
+        distance, is_target = observation[..., self.distance], observation[..., -1] > 0
         far = (distance.masked_fill(is_target, 1.0) >= self.threshold).all(-1)
         left = torch.rand(far.shape, generator=self.generator, device=far.device) < 0.5
         allowed = torch.empty(*far.shape, ACTIONS, dtype=torch.bool, device=far.device)

@@ -1,6 +1,6 @@
 """What the body, its eye, its task and its episodes are like. Metres and degrees."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from numbers import Integral, Real
 from typing import Any, Literal
 
@@ -27,6 +27,15 @@ MOST_PUSHES = 255
 """Steps that a door may take to open: they are counted in 8 bits."""
 
 
+SENSOR = "sensor"
+"""In a field's metadata: it says what a body senses, which an agent takes along to where it is measured."""
+
+
+def sensed(default: Any) -> Any:
+    """A field of the sensor."""
+    return field(default=default, metadata={SENSOR: True})
+
+
 @dataclass(frozen=True)
 class Config:
     """What environments are like. The defaults are the paper's lengths; ``PAPER`` has its quirks too."""
@@ -50,22 +59,22 @@ class Config:
     ends_on_collision: bool = False
     """Whether a blocked move ends the episode."""
 
-    rays: int = 40
+    rays: int = sensed(40)
     """Number of rays."""
 
-    first_ray: float = 58.5
+    first_ray: float = sensed(58.5)
     """Degrees from the heading to ray 0, counter-clockwise. 58.5 makes 40 rays mirror-symmetric."""
 
-    ray_spacing: int = 3
+    ray_spacing: int = sensed(3)
     """Degrees from a ray to the next one, clockwise: a divisor of 45, so that directions are few."""
 
-    range: float = 220 * PIXEL
+    range: float = sensed(220 * PIXEL)
     """How far a ray sees, metres."""
 
-    sees_angle: bool = False
+    sees_angle: bool = sensed(False)
     """Whether an observation begins with each ray's absolute direction."""
 
-    sees_kind: bool = False
+    sees_kind: bool = sensed(False)
     """Whether an observation says for each ray if it ends on a wall and if on a piece, before the target;
     where doors are closed, after these, also if on one of them."""
 
@@ -73,14 +82,14 @@ class Config:
     """Steps of walking at a closed door until it opens for the rest of the episode: all doors between rooms
     begin an episode closed. 0: doorways are open."""
 
-    kinds: tuple[str, ...] = ()
+    kinds: tuple[str, ...] = sensed(())
     """Kinds of pieces that an observation tells apart: of each, before the distance, whether the ray ends on
     such a piece. One at least must be in some house of the bank."""
 
-    noise: float = 0.0
+    noise: float = sensed(0.0)
     """Standard deviation of each distance, metres: normal, cut to 0 and the range."""
 
-    dropout: float = 0.0
+    dropout: float = sensed(0.0)
     """The probability that a ray returns nothing, as if there were nothing in its range."""
 
     slip: float = 0.0
@@ -98,10 +107,10 @@ class Config:
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` for impossible values."""
-        for field in fields(self):
-            kind, words = KINDS.get(field.type, (object, ""))
-            if not isinstance(value := getattr(self, field.name), kind):
-                raise ValueError(f"{field.name} must be {words}, not {value!r}")
+        for each in fields(self):
+            kind, words = KINDS.get(each.type, (object, ""))
+            if not isinstance(value := getattr(self, each.name), kind):
+                raise ValueError(f"{each.name} must be {words}, not {value!r}")
         lengths = (*self.body, self.step, self.range, self.target)
         if not all(0 < length < float("inf") for length in lengths):
             raise ValueError("body, step, range and target must be positive lengths in metres")
@@ -133,9 +142,27 @@ class Config:
         return np.deg2rad(self.first_ray - self.ray_spacing * np.arange(self.rays))
 
     @property
+    def columns(self) -> tuple[str, ...]:
+        """What an observation says of each ray, in this order; ``is target`` is the last. ``Episodes.look``
+        writes it.
+        """
+        return (
+            *(("angle",) if self.sees_angle else ()),
+            *(f"kind {kind}" for kind in self.kinds),
+            "distance",
+            *(("is wall", "is piece") if self.sees_kind else ()),
+            *(("is door",) if self.sees_doors else ()),
+            "is target",
+        )
+
+    def column(self, name: str) -> int:
+        """Where an observation says this of each ray: see ``columns``."""
+        return self.columns.index(name)
+
+    @property
     def channels(self) -> int:
         """Numbers in an observation for each ray."""
-        return 2 + self.sees_angle + 2 * self.sees_kind + self.sees_doors + len(self.kinds)
+        return len(self.columns)
 
     @property
     def notes_hits(self) -> bool:

@@ -91,7 +91,7 @@ class Privileged:
 def random_walk(envs: HouseVectorEnv, seed: int) -> Policy:
     """Random + avoidance, see above."""
     generator = torch.Generator().manual_seed(seed)
-    return RandomPolicy(PaperRule(generator), generator)
+    return RandomPolicy(PaperRule(generator, distance=envs.config.column("distance")), generator)
 
 
 def script(envs: HouseVectorEnv, seed: int) -> Policy:

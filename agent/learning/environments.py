@@ -74,7 +74,8 @@ def shield(envs: HouseVectorEnv) -> Shield:
         config.step,
         margin=air(config),
         noise=config.noise,
-        doors=config.sees_doors,
+        distance=config.column("distance"),
+        door=config.column("is door") if config.sees_doors else None,
     )
 
 
@@ -82,7 +83,7 @@ def layer_of(config: TrainConfig, envs: HouseVectorEnv, generator: torch.Generat
     """The config's avoidance layer, for the body and the rays of these environments."""
     match config.avoidance:
         case "paper":
-            return PaperRule(generator)
+            return PaperRule(generator, distance=envs.config.column("distance"))
         case "none":
             return Free()
     return shield(envs)

@@ -7,10 +7,10 @@ import msgspec
 from agent.learning.config import TrainConfig
 from logic import RequestError
 from logic.spelling import unknown
-from sim.config import DEFAULT, PRESETS, Config
+from sim.config import DEFAULT, PRESETS, SENSOR, Config
 from sim.tasks.tasks import task
 
-SENSOR = "rays", "first_ray", "ray_spacing", "range", "sees_angle", "sees_kind", "kinds", "noise", "dropout"
+SENSED = tuple(each.name for each in fields(Config) if SENSOR in each.metadata)
 """The fields of a simulator's configuration that say what an agent observes."""
 
 DISTURBED = "noise", "dropout"
@@ -52,7 +52,7 @@ def sensor(config: TrainConfig, world: str = "default") -> Config:
 def with_sensor(world: Config, seeing: Config = DEFAULT) -> Config:
     """A simulator with what another one's body observes, but for the noise of a world that has its own."""
     kept = DISTURBED if world.noise or world.dropout else ()
-    return replace(world, **{name: getattr(seeing, name) for name in SENSOR if name not in kept})
+    return replace(world, **{name: getattr(seeing, name) for name in SENSED if name not in kept})
 
 
 def undisturbed(world: Config) -> Config:

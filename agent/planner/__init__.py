@@ -134,9 +134,7 @@ class Planner:
         self.arrays = given | tables | memory | kept | {"picks": Array(ti.i64, count)}
         self.body = body = Body(
             rays=rays,
-            channels=world.channels,
-            distance=world.sees_angle + len(world.kinds),
-            doors=world.sees_doors,
+            columns=world.columns,
             step=step,
             touching=world.in_cells,
             target=world.target / 2 / self.cell,

@@ -7,12 +7,8 @@ class Body(NamedTuple):
     """The body that a planner leads."""
 
     rays: int
-    channels: int
-    distance: int
-    """The channel that has it."""
-
-    doors: bool
-    """Whether the channel before the last tells the rays that end on a closed door."""
+    columns: tuple[str, ...]
+    """What an observation says of each ray: ``Config.columns``."""
 
     step: int
     """Half cells."""

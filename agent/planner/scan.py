@@ -35,8 +35,8 @@ class Scan:
 
     def __init__(self, body: Body) -> None:
         """Read what its sensor says."""
-        self.rays, self.channels, self.column = body.rays, body.channels, body.distance
-        self.doors = body.doors
+        self.rays, self.columns = body.rays, body.columns
+        self.doors = "is door" in body.columns
         self.reach, self.noise, self.dropout = body.reach / FINE, body.noise, body.dropout
         self.apart, self.eighth = pair(body.noise), body.eighth
         self.error = max(body.noise, 0.05) / self.reach
@@ -45,18 +45,24 @@ class Scan:
         self.tolerance = 1e-3 + SPREAD * 2**0.5 * self.noise
 
     @ti.func
+    def said(self, observation: ti.template(), e, ray, column: ti.template()):
+        """What the sensor says of a ray in a column."""
+        at = ti.static(self.columns.index(column))
+        return observation[(e * self.rays + ray) * ti.static(len(self.columns)) + at]
+
+    @ti.func
     def raw(self, observation: ti.template(), e, ray):
         """How far a ray reaches, as a part of its range, by the sensor."""
-        return observation[(e * self.rays + ray) * self.channels + self.column]
+        return self.said(observation, e, ray, "distance")
 
     @ti.func
     def kind(self, observation: ti.template(), e, ray):
         """What a ray ends on, by the sensor."""
         kind = ti.select(self.raw(observation, e, ray) < self.most, WALL, NOTHING)
-        if observation[(e * self.rays + ray + 1) * self.channels - 1] > 0:
+        if self.said(observation, e, ray, "is target") > 0:
             kind = TARGET
         if ti.static(self.doors):  # noqa: SIM102 - decided as it is compiled
-            if observation[(e * self.rays + ray + 1) * self.channels - 2] > 0:
+            if self.said(observation, e, ray, "is door") > 0:
                 kind = DOOR
         return kind
 

@@ -107,7 +107,7 @@ class Step:
             end = d * reach
             if (kind == WALL) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
                 sight.forward = 0
-            if ti.static(self.body.doors):
+            if ti.static(self.scan.doors):
                 sight.door |= ti.cast(
                     (kind == DOOR) & (d < 1.5 * tables.clear[(heading & 1) * self.body.rays + r]), ti.i32
                 )

@@ -11,6 +11,7 @@ import numpy as np
 from sim.baselines.lookout import WORD, origins_of
 from sim.tasks.places import Region, free_floor
 from sim.tasks.survey import Survey
+from sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES
 from sim.world.world import World
 
 DRAWS = 8192
@@ -73,9 +74,9 @@ class Weighted(Uniform):
     def weigh(self, weights: np.ndarray) -> None:
         """Write the weights of environments with a new target."""
         wholes, rows = self.world.arrays["wholes"].view(), weights.reshape(self.world.num_envs, -1)
-        now = wholes.reshape(-1, 10)[:, [7, 5]]
+        now = wholes.reshape(-1, WHOLES)[:, [NUMBER, FOUND]]
         for e in np.flatnonzero((now != self.noted).any(axis=1)):
-            house, again = int(wholes[e, 3]), now[e, 0] == self.noted[e, 0]
+            house, again = int(wholes[e, HOUSE]), now[e, 0] == self.noted[e, 0]
             shares = self.believed(int(e), house, again=bool(again))
             rows[e] = 0
             rows[e, : len(shares)] = shares

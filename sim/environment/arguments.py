@@ -80,7 +80,7 @@ def single_spaces(config: Config) -> tuple[spaces.Box, spaces.Discrete]:
     # An angle of 359.5 degrees would be more than 1 in units of 359: the original's unit is kept.
     high = np.ones(shape, np.float32)
     if config.sees_angle:
-        high[:, 0] = 360 / 359
+        high[:, config.column("angle")] = 360 / 359
     return spaces.Box(np.zeros(shape, np.float32), high, shape, np.float32), spaces.Discrete(ACTIONS)
 
 

@@ -379,14 +379,14 @@ class HouseVectorEnv(VectorEnv):
         """What there is to see of one environment, for ``sim.film``."""
         from sim.film import Scene
 
-        info, column = self._outputs.info(), int(self.config.sees_angle)
+        info, config = self._outputs.info(), self.config
         seen, state = self._outputs.observation()[index], self.world.environment(index)
         return Scene(
             house=self.houses[info["house"][index]],
-            config=self.config,
+            config=config,
             pose=info["pose"][index],
             target=info["target"][index],
-            distance=seen[:, column] * self.config.range,
+            distance=seen[:, config.column("distance")] * config.range,
             is_target=seen[:, -1] > 0,
             step=state["time"],
             found=state["found"] - 1,

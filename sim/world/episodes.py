@@ -21,8 +21,12 @@ TRIES = 32
 EPISODE, SENSOR, WHEELS = range(3)
 """What a random number is for: the fourth word of its counter."""
 
-HOUSE = 3
-"""Where the house is among the whole numbers of an environment's state."""
+HOUSE, TIME, FOUND, OVER, NUMBER, SEED = range(3, 9)
+"""Where these are among the whole numbers of an environment's state, after the cell's three; the number is
+the episode's, and the seed is two of them.
+"""
+WHOLES = SEED + 2
+"""Whole numbers of a state."""
 
 MOST_CELLS = 1 << 16, 1 << 16, 8
 """Of a house, east and south, and headings."""
@@ -35,7 +39,7 @@ the same as two float32."""
 Numbers = ti.types.ndarray(ti.f32, 1)
 Indices = ti.types.ndarray(ti.i32, 1)
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
-Wholes = ti.types.ndarray(ti.types.vector(10, ti.i32), 1)
+Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
 State = ti.types.struct(
     origin=ti.math.vec2,  # of the body's lattice, metres
@@ -54,17 +58,17 @@ State = ti.types.struct(
 def loaded(reals: ti.template(), wholes: ti.template(), e):
     """An environment's state."""
     real, whole = reals[e], wholes[e]
-    low = ti.cast(ti.bit_cast(whole[8], ti.u32), ti.u64)
-    high = ti.cast(ti.bit_cast(whole[9], ti.u32), ti.u64)
+    low = ti.cast(ti.bit_cast(whole[ti.static(SEED)], ti.u32), ti.u64)
+    high = ti.cast(ti.bit_cast(whole[ti.static(SEED + 1)], ti.u32), ti.u64)
     return State(
         origin=ti.Vector([real[0], real[1]]),
         target=ti.Vector([real[2], real[3]]),
         cell=ti.Vector([whole[0], whole[1], whole[2]]),
-        house=whole[3],
-        time=whole[4],
-        found=whole[5],
-        over=whole[6],
-        episode=whole[7],
+        house=whole[ti.static(HOUSE)],
+        time=whole[ti.static(TIME)],
+        found=whole[ti.static(FOUND)],
+        over=whole[ti.static(OVER)],
+        episode=whole[ti.static(NUMBER)],
         seed=low | (high << ti.u64(32)),
     )
 
@@ -77,7 +81,7 @@ def store(reals: ti.template(), wholes: ti.template(), e, state):
     wholes[e] = ti.Vector(
         [
             state.cell[0], state.cell[1], state.cell[2], state.house, state.time,
-            state.found, state.over, state.episode, seed[8], seed[9],
+            state.found, state.over, state.episode, seed[ti.static(SEED)], seed[ti.static(SEED + 1)],
         ]
     )  # fmt: skip
 
@@ -235,8 +239,8 @@ class Episodes:
         observation: ti.template(),
         e,
     ):
-        """Write what ``lanes`` rays see, from number ``ray`` on: (angle / 359 degrees,) (is a piece of each
-        named kind,) distance / range, (is wall, is piece, (is door,)) is target.
+        """Write what ``lanes`` rays see, from number ``ray`` on: ``Config.columns``, the angle in units of
+        359 degrees, the distance in those of the range.
         """
         distance, kind = self.backend.see(
             numbers, indices, state.house, state.origin, state.cell, state.target, ray
@@ -261,23 +265,26 @@ class Episodes:
                 if ti.static(self.config.sees_angle):
                     angle = 45.0 * state.cell[2] + ti.static(self.config.first_ray)
                     angle -= ti.static(self.config.ray_spacing) * (ray + r)
-                    observation[to] = (angle - 360.0 * ti.floor(angle / 360.0)) / 359.0
-                    to += 1
+                    turned = angle - 360.0 * ti.floor(angle / 360.0)
+                    self.write(observation, to, "angle", turned / 359.0)
                 if ti.static(self.config.kinds):
+                    first = to + ti.static(self.config.column("distance") - len(self.config.kinds))
                     for place in range(ti.static(len(self.config.kinds))):
                         named = ti.cast(kind[r], ti.i32) == NAMED + place
-                        observation[to + place] = ti.select(named, 1.0, 0.0)
-                    to += ti.static(len(self.config.kinds))
-                observation[to] = distance[r] * ti.static(1 / self.config.range)
-                to += 1
+                        observation[first + place] = ti.select(named, 1.0, 0.0)
+                self.write(observation, to, "distance", distance[r] * ti.static(1 / self.config.range))
                 if ti.static(self.config.sees_kind):
-                    observation[to] = ti.select(kind[r] == WALL, 1.0, 0.0)
-                    observation[to + 1] = ti.select((kind[r] == PIECE) | (kind[r] >= NAMED), 1.0, 0.0)
-                    to += 2
+                    is_piece = (kind[r] == PIECE) | (kind[r] >= NAMED)
+                    self.write(observation, to, "is wall", ti.select(kind[r] == WALL, 1.0, 0.0))
+                    self.write(observation, to, "is piece", ti.select(is_piece, 1.0, 0.0))
                 if ti.static(self.config.sees_doors):
-                    observation[to] = ti.select(kind[r] == DOOR, 1.0, 0.0)
-                    to += 1
-                observation[to] = ti.select(kind[r] == TARGET, 1.0, 0.0)
+                    self.write(observation, to, "is door", ti.select(kind[r] == DOOR, 1.0, 0.0))
+                self.write(observation, to, "is target", ti.select(kind[r] == TARGET, 1.0, 0.0))
+
+    @ti.func
+    def write(self, observation: ti.template(), ray, column: ti.template(), number):
+        """Write a number into a ray's column, see ``Config.columns``."""
+        observation[ray + ti.static(self.config.column(column))] = number
 
     @ti.func
     def disturbed(self, state, ray, distance, kind):

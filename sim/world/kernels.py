@@ -13,7 +13,7 @@ from sim.backends.backend import Backend
 from sim.backends.doors import DoorArrays, Pushes
 from sim.config import Config
 from sim.runtime import ti
-from sim.world.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded, store
+from sim.world.episodes import OVER, Episodes, Indices, Numbers, Reals, Wholes, loaded, store
 
 TERMINATED, TRUNCATED, BLOCKED = range(3)
 """Rows of ``step``'s flags."""
@@ -143,10 +143,10 @@ def kernels(
         if ti.static(by_ray):
             if ti.static(mode == SAME_STEP):
                 for e, r in ti.ndrange(reals.shape[0], rays):
-                    if wholes[e][6]:
+                    if wholes[e][ti.static(OVER)]:
                         episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, final, e)
                 for e in range(reals.shape[0]):
-                    if wholes[e][6]:
+                    if wholes[e][ti.static(OVER)]:
                         store(
                             reals,
                             wholes,

@@ -15,7 +15,7 @@ from sim.runtime import Array, Launch, start, ti
 from sim.tasks.places import Places, places
 from sim.tasks.survey import survey
 from sim.tasks.tasks import AnyTask, FixedTask, Targets, task
-from sim.world.episodes import HEADER, HOUSE
+from sim.world.episodes import FOUND, HEADER, HOUSE, NUMBER, OVER, SEED, TIME, WHOLES
 from sim.world.kernels import NEXT_STEP, SAME_STEP, kernels
 
 STATE = "reals", "wholes"
@@ -63,7 +63,7 @@ class World:
         ended = numbers if mode == SAME_STEP else 1
         self.arrays = {
             "reals": Array(ti.f32, count, 4),
-            "wholes": Array(ti.i32, count, 10),
+            "wholes": Array(ti.i32, count, WHOLES),
             "action": Array(ti.i64, count),
             "observation": Array(observation, numbers),
             "final": Array(observation, ended),
@@ -76,7 +76,7 @@ class World:
             "target": Array(ti.f32, 2 * count),
             "house": Array(ti.i32, count),
             "last_reals": Array(ti.f32, count if mode == SAME_STEP else 1, 4),
-            "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, 10),
+            "last_wholes": Array(ti.i32, count if mode == SAME_STEP else 1, WHOLES),
         }
         self.launches: dict[str, Launch] = {}
 
@@ -161,8 +161,8 @@ class World:
     def seed(self, seeds: np.ndarray, chosen: np.ndarray) -> None:
         """Give the chosen (E,) bool environments their seeds (E,) uint64; their next episode is number 0."""
         wholes = self.arrays["wholes"].numpy()
-        wholes[chosen, 7] = -1
-        wholes[chosen, 8:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
+        wholes[chosen, NUMBER] = -1
+        wholes[chosen, SEED:] = np.ascontiguousarray(seeds, "<u8").view("<i4").reshape(-1, 2)[chosen]
         self.arrays["wholes"].fill(wholes)
 
     def reset(self, option_wholes: np.ndarray, option_reals: np.ndarray) -> None:
@@ -227,10 +227,10 @@ class World:
         """One environment's counts: steps and targets sampled in its episode, if it is over, its number."""
         whole = self.arrays["wholes"].numpy()[e]
         return {
-            "time": int(whole[4]),
-            "found": int(whole[5]),
-            "over": int(whole[6]),
-            "episode": int(whole[7]),
+            "time": int(whole[TIME]),
+            "found": int(whole[FOUND]),
+            "over": int(whole[OVER]),
+            "episode": int(whole[NUMBER]),
         }
 
     @property
@@ -249,8 +249,8 @@ class World:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, 10) and (E,) int32; where
-        doors are closed also how often each was walked at, (E D,) uint8.
+        """All that a step depends on, but for the bank: copies (E, 4) float32, (E, WHOLES) int32; where doors
+        are closed also how often each was walked at, (E D,) uint8.
         """
         return {name: self.arrays[name].numpy() for name in self._state_names}
 

@@ -41,11 +41,11 @@ class Marks:
         self.found[:] = found
         if not self.world.kinds:
             return
-        first = int(self.world.sees_angle)
-        shown = observation.numpy()[..., first : first + len(self.world.kinds) + 1]
-        environment, ray, kind = shown[..., :-1].nonzero()
+        shown, columns = observation.numpy(), [self.world.column(f"kind {kind}") for kind in self.world.kinds]
+        distance = shown[..., self.world.column("distance")]
+        environment, ray, kind = shown[..., columns].nonzero()
         way = self.directions[heading[environment], ray]
-        away = (shown[environment, ray, -1] + INSIDE / np.linalg.norm(way, axis=-1))[:, None] * way
+        away = (distance[environment, ray] + INSIDE / np.linalg.norm(way, axis=-1))[:, None] * way
         east, south = (
             np.floor((each[environment] / 2 + way + 1) / 2).astype(int) & last
             for each, way in zip((x, y), away.T, strict=True)

@@ -10,9 +10,10 @@ import torch
 
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.table import PRESETS
+from agent.avoidance import PaperRule
 from agent.evaluation.episodes import play
 from agent.learning.environments import make_envs, shield
-from agent.learning.simulator import sensor, simulator
+from agent.learning.simulator import sensor, simulator, with_sensor
 from agent.policies.policies import RandomPolicy
 from logic import House, HouseFileError, Rect, Star, StarRoom
 from sim import DEFAULT, PAPER, Config, HouseVectorEnv
@@ -63,6 +64,32 @@ def test_fields_of_the_simulator_replace_those_of_the_preset_and_the_sensor_is_k
     assert simulator(config) == learnt_in
     measured_in = replace(DEFAULT, rays=20, first_ray=PAPER.first_ray, sees_angle=True)
     assert sensor(config) == measured_in
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [{"sees_kind": True}, {"sees_angle": True, "sees_kind": True, "kinds": ("table",)}],
+    ids="+".join,
+)
+def test_what_a_body_senses_besides_changes_nothing_for_layers_and_pictures(fields):
+    worlds = DEFAULT, replace(DEFAULT, **fields)
+    both = [make_envs([random_house(seed) for seed in range(4)], 8, "all", preset=world) for world in worlds]
+    layers = [(shield(envs), PaperRule(chance(), distance=envs.config.column("distance"))) for envs in both]
+    walk, forward, blocked = RandomPolicy(layers[0][0], chance()), 0, torch.zeros(8, dtype=torch.bool)
+    steps: list[Any] = [envs.reset(seed=3) for envs in both]
+    for _ in range(100):
+        seen = [torch.from_numpy(step[0]) for step in steps]
+        for one, other in zip(*layers, strict=True):
+            assert torch.equal(one(seen[0], blocked), other(seen[1], blocked))
+        assert (both[0].scene(0).distance == both[1].scene(0).distance).all()
+        actions = walk(seen[0], blocked)
+        steps = [envs.step(actions.numpy()) for envs in both]
+        forward, blocked = (
+            forward + int((actions == FORWARD).sum()),
+            torch.from_numpy(steps[0][-1]["blocked"]),
+        )
+    assert forward > 200
+    assert with_sensor(DEFAULT, worlds[1]) == worlds[1]
 
 
 def test_the_presets_learn_in_the_simulators_presets():
