@@ -219,7 +219,12 @@ def _option(name: str, hint: Any, default: Any, sentence: str, group: str) -> Op
     return Option(
         name,
         str if choices else hint,
-        " ".join(sentence.replace("``", "").split()),
+        " ".join(
+            [
+                *sentence.replace("``", "").split(),
+                *(mark.help for mark in marks if getattr(mark, "help", None)),
+            ]
+        ),
         group,
         default,
         choices,

@@ -7,10 +7,12 @@ needs is imported when it is used.
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from logic.house.house import House
 from logic.spelling import unknown
+
+if TYPE_CHECKING:
+    from logic.house.house import House
 
 
 class Format(NamedTuple):
@@ -20,19 +22,20 @@ class Format(NamedTuple):
     endings: tuple[str, ...]
     """Of the files that are written for one house; the first is named in messages."""
     words: str
+    """What the command's help says of it."""
 
 
 FORMATS = {
-    "geojson": Format("geojson", (".geojson",), "GeoJSON in metres: rooms, doors, windows, furniture"),
-    "gltf": Format("gltf", (".glb",), "binary glTF 2.0: walls 2.5 m high, furniture as boxes"),
-    "mjcf": Format("mjcf", (".xml",), "MuJoCo's XML: the house and a robot with range finders"),
+    "geojson": Format("geojson", (".geojson",), "in metres: rooms, doors, windows, furniture"),
+    "gltf": Format("gltf", (".glb",), "binary glTF 2.0, walls 2.5 m high, furniture as boxes"),
+    "mjcf": Format("mjcf", (".xml",), "MuJoCo's XML, with a robot and its range finders"),
     "ros": Format("ros", (".yaml", ".png"), "an occupancy map for map_server of ROS and ROS 2"),
-    "usd": Format("usd", (".usda",), "OpenUSD: the same solids as glTF"),
+    "usd": Format("usd", (".usda",), "OpenUSD, the same solids as gltf"),
 }
 """By the name that ``--to`` takes."""
 
 
-def export(houses: Iterable[House], out: str | Path, format: str) -> list[Path]:
+def export(houses: Iterable["House"], out: str | Path, format: str) -> list[Path]:
     """Write each house into the folder ``out`` in a format of ``FORMATS``; return the first file of each.
 
     House 0 is ``house-0``. Each file appears whole or not at all. Raises ``ValueError`` for another format

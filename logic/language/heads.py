@@ -95,7 +95,8 @@ def _instead(signature: Signature, use: Use, own: Words, core: Words) -> str:
     stage = use.statement.program if use.statement.program in stages else stages[0]
     rule = _constraint(use, stage, own)
     where = "" if stage == use.statement.program else f" after #program {stage}."
-    hint = f"require it{where} by {rule} A constraint has no head: it says what never holds"
+    other = "choose another name, or " if where else ""
+    hint = f"{other}require it{where} by {rule} A constraint has no head: it says what never holds"
     hint = hint if rule else "a choice of yours is made by option/3"
     return f"{why}: {hint}"
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import tyro
 
+from logic.exports import FORMATS
 from logic.spelling import printable
 from logic.terminal import progress, say
 from vitruvius.commands.common import Repeated, print_answer
@@ -15,6 +16,12 @@ if TYPE_CHECKING:
 
     from logic.house.house import House
     from vitruvius.answers.houses import Differences
+
+    Format = str
+else:
+    Format = Literal["vitruvius-2", *FORMATS]
+
+OTHERS = "; ".join(f"{name}: {each.words}" for name, each in FORMATS.items()) + "."
 
 
 @dataclass(frozen=True)
@@ -209,12 +216,8 @@ class Convert:
     out: Path
     """The new house file (.jsonl, .jsonl.gz, or .json for one house); for other formats a folder."""
 
-    to: Annotated[
-        Literal["vitruvius-2", "geojson", "gltf", "mjcf", "ros", "usd"], tyro.conf.arg(metavar="FORMAT")
-    ] = "vitruvius-2"
-    """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house.
-    geojson: in metres; gltf, usd: walls 2.5 m high; mjcf: MuJoCo's XML, with a robot and its range finders;
-    ros: an occupancy map for map_server."""
+    to: Annotated[Format, tyro.conf.arg(metavar="FORMAT", help=OTHERS)] = "vitruvius-2"
+    """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house."""
 
     replace: bool = False
     """Lose the other houses that the new house file holds, if any."""
@@ -225,7 +228,7 @@ class Convert:
     def run(self) -> int:
         """Read the houses and write them."""
         from logic import load, save
-        from logic.exports import FORMATS, export
+        from logic.exports import export
         from logic.house.files import HOUSE_FILES, require_ending, require_folder
         from logic.house.replacing import require_same_houses
         from vitruvius.answers.houses import Written
