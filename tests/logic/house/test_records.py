@@ -101,13 +101,49 @@ def test_the_published_schema_is_that_of_the_reader(capsys: pytest.CaptureFixtur
     assert published.read_text() == capsys.readouterr().out, "./run schema > docs/house.schema.json"
 
 
+PAGE = (Path(__file__).parents[3] / "docs" / "house-file.md").read_text()
+
+
 def test_the_page_about_house_files_shows_a_house_that_conforms_and_a_plan_that_is_read() -> None:
-    page = (Path(__file__).parents[3] / "docs" / "house-file.md").read_text()
-    example, plan = re.findall(r"```json\n(.*?)```", page, re.DOTALL)
+    example, plan = re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)
     ((room,), _) = from_geojson(json.loads(plan))
     assert (room.name, room.width, room.height) == ("hall", 2.5, 4)
     assert accepts(SCHEMA, json.loads(example))
     assert check(House.from_dict(json.loads(example))) == []
+
+
+TABLES = {"House": "A house", "Room": "A room", "Piece": "A piece", "Door": "A door", "Window": "A window"}
+TABLES |= {"Provenance": "Provenance", "Promises": "What a house is judged by"}
+"""Where the page says what the fields of each part are."""
+
+
+def table(title: str) -> dict[str, str]:
+    """The first table after a title in bold on the page: the field, and what its values are."""
+    text = PAGE.partition(f"**{title}")[2].partition("\n|---")[2].partition("\n\n")[0]
+    return dict(re.findall(r"^\| `(\w+)` \| (.+?) \| .+ \|$", text, re.MULTILINE))
+
+
+@pytest.mark.parametrize("part", TABLES)
+def test_the_page_about_house_files_says_of_each_field_what_its_values_are(part: str) -> None:
+    fields, rule = table(TABLES[part]), SCHEMA["$defs"][part]
+    if {"x", "y", "width", "height"} <= set(rule["properties"]):
+        fields = table("A rectangle") | fields
+    assert set(fields) == set(rule["properties"])
+    for name, said in fields.items():
+        values = [rule["properties"][name], *rule["properties"][name].get("anyOf", [])]
+        bounds = [each[key] for each in values for key in BOUNDS if each.get(key, 2) != 2]
+        words = [str(word) for each in values for word in each.get("enum", [])]
+        assert all(re.search(rf"(?<![\w.]){re.escape(f'{each:g}')}(?![\w.])", said) for each in bounds), (
+            name,
+            said,
+        )
+        assert all(word in said for word in words), (name, said)
+        if part != "Promises":
+            assert ("optional" in said) == (name not in rule["required"]), (name, said)
+
+
+BOUNDS = ("minimum", "maximum", "maxItems")
+"""What a schema says of numbers and lists that the page says, too; pairs are said in words."""
 
 
 def accepts(rule: dict[str, Any], value: Any) -> bool:  # noqa: PLR0911
