@@ -18,19 +18,19 @@ LEAST, GREATEST = -(2**31), 2**31 - 1
 MOST_DIGITS = 40
 """More than any number of 32 bits has, in any base."""
 
-_LITERAL = re.compile(r"(?<![\w'])(?:0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
+_LITERAL = re.compile(r"((?<![\w)])-\s*)?(?<![\w'])(0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
+"""A sign that is no subtraction, and a number."""
 
 
 def too_large(code: str, file: Path) -> Iterator[GrammarError]:
     """Each number of a file's text, without comments and strings, that clingo reads as another one."""
     for found in _LITERAL.finditer(code):
-        before = code[: found.start()]
-        base = {"0x": 16, "0o": 8, "0b": 2}.get(found[0][:2], 10)
-        negated = re.search(r"(?<![\w)])\s*-\s*$", before)
+        sign, number = found.groups()
+        base = {"0x": 16, "0o": 8, "0b": 2}.get(number[:2], 10)
         # Python itself refuses to read thousands of digits.
-        if len(found[0].lstrip("0")) > MOST_DIGITS or int(found[0], base) > GREATEST + bool(negated):
-            lines = before.split("\n")
-            why = f"{_short(found[0])}: a whole number is {GREATEST} at most"
+        if len(number.lstrip("0")) > MOST_DIGITS or int(number, base) > GREATEST + bool(sign):
+            lines = code[: found.start(2)].split("\n")
+            why = f"{_short(number)}: a whole number is {GREATEST} at most"
             yield GrammarError(why, file, len(lines), len(lines[-1]) + 1)
 
 

@@ -25,10 +25,6 @@ CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
 """What is said of a choice of ``option/3``, by its name."""
 
 
-CHOICES = {("pick", 2), ("picks", 2), ("turn", 2)}
-"""What is said of a choice of ``option/3``, by its name."""
-
-
 class Use(NamedTuple):
     """A word in a statement: its node."""
 
