@@ -92,18 +92,21 @@ def test_evaluate_measures_an_agent_beside_the_references_and_writes_a_page_a_pi
         image.verify()
 
 
-def test_another_evaluation_is_not_lost_in_silence(tmp_path):
+def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypatch):
+    """Whether it is another is known before anything is measured, which here takes no time."""
+    monkeypatch.setattr("agent.evaluation.protocol.measure", lambda *_, **__: [measured])
     save(HOUSES[:1], tmp_path / "houses.jsonl")
     agent = written(tmp_path, PQNConfig())
-    how: dict[str, Any] = {"targets": ("main",), "out": tmp_path / "out"}
-    more: dict[str, Any]
-    for more in ({}, {}, {"seed": 5, "replace": True}):  # the same again loses nothing
-        assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, **more).run() == 0
+    how: dict[str, Any] = {"targets": ("secondary",), "out": tmp_path / "out"}
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how).run() == 0
     kept = (tmp_path / "out" / "evaluation.json").read_bytes()
-    for more in ({}, {"seed": 5, "episodes": 2}, {"seed": 5, "targets": ("secondary",)}):
+    more: dict[str, Any]
+    for more in ({"seed": 5}, {"episodes": 2}, {"targets": ("main",)}):
         with pytest.raises(RequestError, match="holds another evaluation: name another folder, or add --rep"):
             Evaluate((agent,), tmp_path / "houses.jsonl", **(how | more)).run()
     assert (tmp_path / "out" / "evaluation.json").read_bytes() == kept
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5, replace=True).run() == 0  # in its place
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5).run() == 0  # the same loses nothing
 
 
 def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_path, capsys):
