@@ -1,6 +1,7 @@
 """The demo, small: its houses, its files, what its report says, its verdict."""
 
 import io
+from dataclasses import replace
 
 import imageio_ffmpeg
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
+from agent.algorithms.table import PRESETS
 from agent.banks import geometry_hash
 from agent.report.folder import report
 from agent.runs.checkpoint import load as load_checkpoint
@@ -22,8 +24,8 @@ from vitruvius.demo import FILES, banks, demo, gain, sought
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A demo of 8 homes and 8 stars, of 2,000 steps, of short episodes: its folder, its exit code, what a
-    terminal shows.
+    """A demo of 8 homes and 8 stars, 2,000 steps, small networks, short episodes: its folder, its exit code,
+    what a terminal shows.
     """
     out = tmp_path_factory.mktemp("demo") / "runs"
     console = Console(width=80, file=io.StringIO())
@@ -33,6 +35,8 @@ def made(tmp_path_factory):
         for name, value in {**few, "ROOMS": sizes, "STEPS": 2000, "LINES": 0.0}.items():
             patch.setattr(module, name, value)
         patch.setattr(module, "COMPLETION_SECONDS", 0.1)
+        small = replace(PRESETS["map-completion"], num_envs=16, channels=(4, 8))
+        patch.setitem(PRESETS, "map-completion", small)
         patch.setattr(module, "Console", lambda: console)
         out.mkdir()
         (out / "report.md").write_text(f"{module.TITLE}\n\nof an older run")

@@ -105,8 +105,8 @@ def test_another_evaluation_is_not_lost_in_silence(tmp_path, measured, monkeypat
         with pytest.raises(RequestError, match="holds another evaluation: name another folder, or add --rep"):
             Evaluate((agent,), tmp_path / "houses.jsonl", **(how | more)).run()
     assert (tmp_path / "out" / "evaluation.json").read_bytes() == kept
-    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5, replace=True).run() == 0  # in its place
-    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5).run() == 0  # the same loses nothing
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5, replace=True).run() == 0
+    assert Evaluate((agent,), tmp_path / "houses.jsonl", **how, seed=5).run() == 0  # no loss
 
 
 def test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number(tmp_path, capsys):
