@@ -5,6 +5,8 @@ from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
+from msgspec import structs
+
 from logic.drawing.palettes import PALETTES
 from logic.generation.feasibility import MORE
 from logic.generation.furnish import BITS, STEP, WALLS
@@ -67,7 +69,7 @@ def bundle() -> dict[str, object]:
         "near": {"star": NEAR, "plans": NEXT},
         "leftOut": _named(left_out_facts()),
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},
-        "colours": PALETTES["colour"].new,
+        "palette": structs.asdict(PALETTES["colour"]),
         "programs": STAGES,
         "says": {
             "absent": ABSENT,

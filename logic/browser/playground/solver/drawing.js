@@ -3,41 +3,43 @@
  * Each part is a group with data-part, named as `explain --why` names it.
  */
 
-const PAPER = "#fbfaf6", WALL = "#333a45", INK = "#3d4450", FAINT = "#9aa1ab", WOOD = "#ffffff", EDGE = "#6f7783", MARK = "#d9734e";
+/** As logic/drawing/palettes.json has it: of the drawing that is being made. */
+let palette = {};
 /** Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first. */
 const STEPS = [-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1];
 const SPOTS = STEPS.flatMap((u) => STEPS.map((v) => [u, v])).sort(([a, b], [c, d]) => Math.hypot(a, b) - Math.hypot(c, d));
 const SIDE = 360, MARGIN = 14, FOOT = 24;
 
-/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/house/looks.py has them; `fresh`:
- * colours of types that have none there, as logic/drawing/palettes.json has them.
+/** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/house/looks.py has them; `inks`: the colours
+ * of the parts, and as `new` those of types that have none in `looks`.
  */
-export function planSvg(house, looks, fresh) {
+export function planSvg(house, looks, inks) {
+  palette = inks;
   const boxes = house.rooms.map(box);
   const west = Math.min(...boxes.map(([x]) => x)), north = Math.min(...boxes.map(([, y]) => y));
   const wide = Math.max(...boxes.map(([, , x]) => x)) - west, tall = Math.max(...boxes.map(([, , , y]) => y)) - north;
   const scale = (SIDE - 2 * MARGIN) / Math.max(wide, tall);
   const at = (x, y) => [MARGIN + (x - west) * scale + ((SIDE - 2 * MARGIN) - wide * scale) / 2, MARGIN + (y - north) * scale];
   const height = 2 * MARGIN + tall * scale + FOOT;
-  const colours = coloursOf(house.rooms, looks, fresh);
+  const colours = coloursOf(house.rooms, looks, palette.new);
   const pen = new Pen(at, scale, looks, colours);
   const wall = Math.min(4, Math.max(1.5, 0.09 * scale));
   const isStar = house.topology === "star";
   const counted = isStar ? house.rooms.filter(({ name }) => name !== house.hub) : house.rooms;
   const hub = isStar ? house.rooms.find(({ name }) => name === house.hub) : null;
 
-  const shapes = hub ? [part(hub.name, pen.rect(hub, PAPER, WALL, wall))] : [];
+  const shapes = hub ? [part(hub.name, pen.rect(hub, palette.paper, palette.wall, wall))] : [];
   shapes.push(...counted.map((room) => part(room.name, pen.rect(room, colours.get(room.type)))));
   for (const room of counted)
     for (const [name, piece] of named(room.children)) shapes.push(part(`${room.name}.${name}`, pen.piece(piece)));
-  shapes.push(...counted.map((room) => pen.rect(room, "none", WALL, wall)));
+  shapes.push(...counted.map((room) => pen.rect(room, "none", palette.wall, wall)));
   for (const [name, door] of doorsByName(house)) shapes.push(part(name, pen.door(door, house, wall)));
-  for (const [name, window] of windowsByName(house)) shapes.push(part(name, pen.rect(window, WOOD, WALL, wall / 3, wall / 2)));
+  for (const [name, window] of windowsByName(house)) shapes.push(part(name, pen.rect(window, palette.wood, palette.wall, wall / 3, wall / 2)));
   shapes.push(...counted.map((room) => pen.name(room, room.type)));
   if (hub) shapes.push(pen.hubName(hub, counted));
   const floor = house.rooms.reduce((sum, room) => sum + room.width * room.height, 0);
   const count = `${counted.length} room${counted.length === 1 ? "" : "s"} · ${floor.toFixed(0)} m²`;
-  shapes.push(text(MARGIN, height - 11, count, 11, INK, "start"), pen.metre(SIDE - MARGIN, height - 11));
+  shapes.push(text(MARGIN, height - 11, count, 11, palette.ink, "start"), pen.metre(SIDE - MARGIN, height - 11));
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${SIDE} ${round(height)}" font-family="sans-serif">${shapes.join("")}</svg>`;
 }
 
@@ -57,21 +59,21 @@ class Pen {
   piece(piece) {
     const corners = [...this.at(piece.x, piece.y), ...this.at(piece.x + piece.width, piece.y + piece.height)];
     const place = (across, forth) => inFrame(corners, piece.orientation, across, forth);
-    const shapes = [block(corners, WOOD, EDGE, 0.8, 0.05 * this.scale)];
+    const shapes = [block(corners, palette.wood, palette.edge, 0.8, 0.05 * this.scale)];
     const forms = this.looks.symbols[this.looks.pieces[piece.type]];
     for (const [form, numbers] of forms ?? []) shapes.push(symbol(form, numbers, corners, place));
     const size = Math.min(10, (1.6 * (corners[2] - corners[0])) / piece.type.length, corners[3] - corners[1]);
-    if (!forms && size >= 6) shapes.push(text((corners[0] + corners[2]) / 2, (corners[1] + corners[3]) / 2, piece.type, size, EDGE));
+    if (!forms && size >= 6) shapes.push(text((corners[0] + corners[2]) / 2, (corners[1] + corners[3]) / 2, piece.type, size, palette.edge));
     if (piece.orientation) {
       const half = Math.min(0.3, 0.3 / (/[NS]/.test(piece.orientation) ? piece.width : piece.height));
-      shapes.push(line([...place(0.5 - half, 1), ...place(0.5 + half, 1)], MARK, 2));
+      shapes.push(line([...place(0.5 - half, 1), ...place(0.5 + half, 1)], palette.mark, 2));
     }
     return shapes.join("");
   }
 
   /** Paper over the wall; of an entrance with an arrow inwards. */
   door(door, house, wall) {
-    const paper = this.rect(door, PAPER, "none", 0, 0.75 * wall);
+    const paper = this.rect(door, palette.paper, "none", 0, 0.75 * wall);
     if (!door.between.includes("outside")) return paper;
     const room = house.rooms.find(({ name }) => door.between.includes(name));
     const [x, y] = [door.x + door.width / 2, door.y + door.height / 2];
@@ -79,7 +81,7 @@ class Pen {
     const [u, v] = along ? [0, 0.4 * Math.sign(room.y + room.height / 2 - y)] : [0.4 * Math.sign(room.x + room.width / 2 - x), 0];
     const points = [[x + u / 8, y + v / 8], [x + u, y + v], [x + u / 2 - v / 2, y + v / 2 - u / 2], [x + u, y + v], [x + u / 2 + v / 2, y + v / 2 + u / 2]];
     const path = points.map(([a, b]) => this.at(a, b).map(round).join(",")).join(" ");
-    return `${paper}<polyline points="${path}" fill="none" stroke="${MARK}" stroke-width="2"/>`;
+    return `${paper}<polyline points="${path}" fill="none" stroke="${palette.mark}" stroke-width="2"/>`;
   }
 
   /** A room's name, as large and as near to its middle as it hides no furniture. */
@@ -100,20 +102,20 @@ class Pen {
       }
       if (best.hidden < 1e-6) break;
     }
-    return text(...this.at(best.x, best.y), words, best.size, INK, "middle", this.colours.get(room.type));
+    return text(...this.at(best.x, best.y), words, best.size, palette.ink, "middle", this.colours.get(room.type));
   }
 
   /** The word for the main room, where the rooms around it leave most free. */
   hubName(hub, rooms) {
     const free = (y) => rooms.every((room) => y < room.y - 0.4 || y > room.y + room.height + 0.4);
     const place = [0.5, 0.4, 0.6, 0.3, 0.7].map((share) => hub.y + share * hub.height).find(free) ?? hub.y + hub.height / 2;
-    return text(...this.at(hub.x + hub.width / 2, place), "main room", 11, FAINT, "middle", PAPER);
+    return text(...this.at(hub.x + hub.width / 2, place), "main room", 11, palette.faint, "middle", palette.paper);
   }
 
   metre(right, y) {
     const metres = [1, 2, 5, 10].find((each) => each * this.scale >= 18) ?? 20;
     const left = right - metres * this.scale;
-    return line([left, y, right, y], INK, 1.4) + text(left - 6, y, `${metres} m`, 10, INK, "end");
+    return line([left, y, right, y], palette.ink, 1.4) + text(left - 6, y, `${metres} m`, 10, palette.ink, "end");
   }
 }
 
@@ -122,13 +124,13 @@ function symbol(form, numbers, corners, place) {
   const points = Array.from({ length: numbers.length >> 1 }, (_, index) => place(numbers[2 * index], numbers[2 * index + 1]).map(round));
   const [[x0, y0], [x1, y1] = []] = points;
   const around = [Math.min(x0, x1), Math.min(y0, y1), Math.max(x0, x1), Math.max(y0, y1)];
-  if (form === "box") return block(around, "none", FAINT, 0.8);
+  if (form === "box") return block(around, "none", palette.faint, 0.8);
   if (form === "oval") return oval(around);
   if (form === "ring") {
     const radius = numbers[2] * Math.min(corners[2] - corners[0], corners[3] - corners[1]);
     return oval([x0 - radius, y0 - radius, x0 + radius, y0 + radius]);
   }
-  return `<path d="M${points[0]}${form === "curve" ? "C" : "L"}${points.slice(1).join(" ")}" fill="none"${stroked(FAINT, 0.8)}/>`;
+  return `<path d="M${points[0]}${form === "curve" ? "C" : "L"}${points.slice(1).join(" ")}" fill="none"${stroked(palette.faint, 0.8)}/>`;
 }
 
 /** A point of a piece's own frame: across, and from its back to its front. */
@@ -192,7 +194,7 @@ const stroked = (stroke, width) => (stroke === "none" ? "" : ` stroke="${stroke}
 const block = ([x0, y0, x1, y1], fill, stroke = "none", width = 0, radius = 0) =>
   `<rect x="${round(x0)}" y="${round(y0)}" width="${round(x1 - x0)}" height="${round(y1 - y0)}" rx="${round(radius)}" fill="${fill}"${stroked(stroke, width)}/>`;
 const oval = ([x0, y0, x1, y1]) =>
-  `<ellipse cx="${round((x0 + x1) / 2)}" cy="${round((y0 + y1) / 2)}" rx="${round((x1 - x0) / 2)}" ry="${round((y1 - y0) / 2)}" fill="none"${stroked(FAINT, 0.8)}/>`;
+  `<ellipse cx="${round((x0 + x1) / 2)}" cy="${round((y0 + y1) / 2)}" rx="${round((x1 - x0) / 2)}" ry="${round((y1 - y0) / 2)}" fill="none"${stroked(palette.faint, 0.8)}/>`;
 const line = ([x0, y0, x1, y1], stroke, width) =>
   `<line x1="${round(x0)}" y1="${round(y0)}" x2="${round(x1)}" y2="${round(y1)}"${stroked(stroke, width)}/>`;
 const text = (x, y, words, size, fill, anchor = "middle", halo = "") =>
