@@ -315,7 +315,7 @@ class Episode {
     const key = this.article.querySelector(".timeline-key");
     const said = [[1, "pick-ups", this.pickups.length], [5, "vetoes", this.vetoes.length], [6, "blocked moves", bumps]];
     if (this.values) said.push([0, "greatest Q-value", ""]);
-    for (const [slot, words, count] of said) {
+    for (const [slot, words, count] of said.filter((each) => each[2] !== 0)) {
       const mark = made("b", {}, "▍");
       mark.style.color = `var(--c${slot})`;
       key.append(made("span", {}, mark, `${count} ${words}`.trim()));

@@ -26,7 +26,7 @@ LISTED = 30
 """Points of a line in the table below its plot, at most."""
 
 WIDTH, HEIGHT = 520, 300
-LEFT, RIGHT, TOP, BOTTOM = 58, 14, 12, 44
+LEFT, RIGHT, TOP, BOTTOM = 58, 24, 12, 44
 """Pixels of a plot, and around its area."""
 
 

@@ -298,6 +298,24 @@ def test_on_a_telephone_the_plan_its_controls_and_what_is_said_of_the_step_are_s
     context.close()
 
 
+CUT_OFF = """() => [...document.querySelectorAll(".plot text, .timeline-key span, caption")]
+    .filter((each) => {
+    const { left, right, width } = each.getBoundingClientRect();
+    const within = each.closest("svg")?.getBoundingClientRect() ?? { left: 0, right: innerWidth };
+    return width && (left < Math.max(0, within.left) - 1 || right > Math.min(innerWidth, within.right) + 1);
+    }).map((each) => each.outerHTML.slice(0, 120))"""
+
+
+def test_on_a_telephone_plots_keys_and_captions_are_whole_and_keys_name_what_is_there(opened: Page) -> None:
+    for width in (390, 1280):
+        opened.set_viewport_size({"width": width, "height": 844})
+        assert opened.evaluate(CUT_OFF) == [], width
+    for episode in opened.locator(".episode").all():
+        key, marks = episode.locator(".timeline-key"), episode.locator(".timeline")
+        for words, mark in (("pick-ups", "picked"), ("vetoes", "veto"), ("blocked moves", "bump")):
+            assert (words in str(key.text_content())) == (marks.locator(f".{mark}").count() > 0)
+
+
 def test_the_first_screen_is_an_episode_that_can_be_played_under_one_sentence(opened: Page) -> None:
     lead = opened.locator("header p:visible")
     expect(lead).to_have_count(1)

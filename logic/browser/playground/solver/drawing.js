@@ -8,6 +8,8 @@ let palette = {};
 /** Where a name may stand in a room, from its middle (0, 0) to its walls (1), the middle first. */
 const STEPS = [-1, -0.75, -0.5, -0.25, 0, 0.25, 0.5, 0.75, 1];
 const SPOTS = STEPS.flatMap((u) => STEPS.map((v) => [u, v])).sort(([a, b], [c, d]) => Math.hypot(a, b) - Math.hypot(c, d));
+/** How wide a letter is, as a share of its size. */
+const WIDE = 0.62;
 const SIDE = 360, MARGIN = 14, FOOT = 24;
 
 /** The plan of a house of today's format, as the text of an SVG file. `looks`: as logic/house/looks.py has them; `inks`: the colours
@@ -86,12 +88,12 @@ class Pen {
 
   /** A room's name, as large and as near to its middle as it hides no furniture. */
   name(room, words) {
-    const largest = Math.min(12, (1.6 * room.width * this.scale) / words.length);
+    const largest = Math.min(12, (0.87 * room.width * this.scale) / (WIDE * words.length));
     if (largest < 6) return "";
     const pieces = room.children.flatMap((piece) => [piece, ...piece.children]);
     let best = null;
     for (const size of [largest, Math.max(6, 0.8 * largest), 6]) {
-      const half = (0.3 * size * words.length) / this.scale, high = (0.6 * size) / this.scale;
+      const half = (WIDE * size * words.length) / 2 / this.scale, high = (0.6 * size) / this.scale;
       const [wide, tall] = [room.width / 2 - half, room.height / 2 - high].map((each) => Math.max(0, each - 0.1));
       for (const [u, v] of SPOTS) {
         const [x, y] = [room.x + room.width / 2 + u * wide, room.y + room.height / 2 + v * tall];

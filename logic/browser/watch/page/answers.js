@@ -55,7 +55,7 @@ export function showPart(house, part, index) {
   const [name, inside] = part.split(".");
   const room = house.rooms.find((each) => each.name === name);
   const { type, width, height } = (inside ? piecesOf(room)[inside] : room) ?? {};
-  const what = !type ? "A door or a window" : inside ? `A ${type} in ${name}, a ${room.type}` : `A ${type}`;
+  const what = !type ? "A door or a window" : inside ? `A ${type} in ${name} (${room.type})` : `A ${type}`;
   const size = type ? `: ${width.toFixed(2)} m by ${height.toFixed(2)} m` : "";
   const named = type ? linesWith(type) : [];
   showAnswer(`${part} of house ${index}`, element("p", {}, `${what}${size}.`),
