@@ -103,6 +103,20 @@ def test_pages_fit_screens_and_paper_and_axe_finds_nothing(site: Path, page: Pag
     assert cut_on_paper(page) == []
 
 
+BROKEN = """() => [...document.querySelectorAll("td code")].filter((each) => {
+    const lines = new Set([...each.getClientRects()].map(({ top }) => Math.round(top)));
+    return lines.size > each.textContent.trim().split(/[\\s(-]+/).length;
+}).map((each) => each.textContent)"""
+"""Code in tables with more lines than words, a bracket beginning one."""
+
+
+@pytest.mark.parametrize("name", ["docs/rules", "docs/plans", "docs/playground"])
+def test_words_of_rules_in_tables_are_whole_on_a_telephone(site: Path, phone: Page, name: str) -> None:
+    phone.goto((site / f"{name}.html").as_uri())
+    assert phone.evaluate(BROKEN) == []
+    assert too_wide(phone) == []
+
+
 def test_a_link_that_leads_nowhere_stops_the_build(tmp_path: Path) -> None:
     copy = Copy(tmp_path)
     with pytest.raises(RequestError, match=r"docs/plans.md: there is no docs/nowhere.md"):
