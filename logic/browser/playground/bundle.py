@@ -35,6 +35,7 @@ from logic.language.vocabulary import Signature, Words, core_words
 from logic.layout.messages import SYNTAX
 from logic.layout.programs import GIVEN
 from logic.layout.relaxed import ABSENT, FAR, left_out_facts
+from logic.proofs.least import MOST_LAYOUTS
 from logic.proofs.proof import NEAR, NEXT
 from logic.request.request import MOST_ROOMS
 from logic.workers.explain import INFERENCES
@@ -66,6 +67,7 @@ def bundle() -> dict[str, object]:
         "inferences": INFERENCES,
         "far": FAR,
         "more": MORE,
+        "mostLayouts": MOST_LAYOUTS,
         "near": {"star": NEAR, "plans": NEXT},
         "leftOut": _named(left_out_facts()),
         "looks": {name: asdict(folder_looks(SHIPPED / name)) for name in names},

@@ -12,7 +12,8 @@ from playwright.sync_api import Page
 
 from logic import GrammarError, Unsatisfiable, check
 from logic.browser.playground.bundle import bundle
-from logic.grammar import find
+from logic.errors import RequestError
+from logic.grammar import SHIPPED, find
 from logic.house.house import House
 from logic.language.linter import findings
 from logic.spelling import closest
@@ -128,6 +129,40 @@ def test_a_topology_of_the_user_s_makes_the_houses_of_python_or_is_refused_at_th
         else:
             assert answer == python, name
     assert {*kinds} == {"house", "proof", "mistake"}
+
+
+STARS: tuple[tuple[int, dict[str, int]], ...] = (
+    (3, {"bathroom": 2}),
+    (2, {"kitchen": 3}),
+    (4, {"hall": 4}),
+)
+"""Rooms and types of which `family` has no house; of several conflicts of the last, one is the smallest."""
+
+
+def test_proofs_of_stars_have_the_fewest_reasons_as_those_of_python(opened, tmp_path):
+    files = {file.name: file.read_text() for file in (SHIPPED / "family").glob("*.[lp][lp]")}
+    for number, (rooms, types) in enumerate(STARS):
+        assert asked(opened, files, rooms, types) == made(tmp_path / str(number), files, rooms, types)
+
+
+UNKNOWN: tuple[dict[str, dict[str, int]], ...] = (
+    {"types": {"kitchn": 1}, "furniture": {}},
+    {"types": {}, "furniture": {"bedroom.bd": 1}},
+    {"types": {}, "furniture": {"kitchn.table": 1}},
+    {"types": {}, "furniture": {"sofaa": 1}},
+)
+
+
+def test_names_in_a_link_that_the_grammar_does_not_have_are_refused_in_words(opened):
+    files = {file.name: file.read_text() for file in (SHIPPED / "family").glob("*.[lp][lp]")}
+    for counts in UNKNOWN:
+        request = {"rooms": 2, "seed": 0, "count": 1, **counts}
+        *_, last = answered(opened, "family", files, request)
+        with pytest.raises(RequestError) as refused:
+            next(
+                in_process.generate(2, grammar="family", types=counts["types"], furniture=counts["furniture"])
+            )
+        assert last["problem"]["message"] == str(refused.value)
 
 
 def test_what_python_refuses_to_load_makes_no_house_in_the_page(opened, tmp_path):

@@ -10,3 +10,6 @@ export class Unsatisfiable extends Error {
 
 /** The budget ran out before a house or a proof. */
 export class LimitReached extends Error {}
+
+/** What is asked for cannot be: a name that the grammar does not have. */
+export class RequestError extends Error {}

@@ -2,6 +2,7 @@
 
 import { Program, RuleError } from "./program.js";
 import { blank, placeOf, refused, unknownPredicate } from "./audit.js";
+import { unknown } from "./spelling.js";
 import { statements } from "./statements.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
 
@@ -41,8 +42,9 @@ function topologyOf(own, { rules, topologies, adjacent }) {
   const [{ topology, file, line, column }] = named.length ? named : [{ topology: "star" }];
   const isOwn = own.some(({ name }) => name === `${topology}.lp`);
   const table = topologies[isOwn ? "own" : topology];
-  if (topology === "building") throw new RuleError("houses of units are not made in the browser: install Vitruvius for them", file, line, column);
-  if (!table) throw new RuleError(`no topology ${topology}: there are ${Object.keys(topologies).filter((each) => each !== "own").join(", ")}`, file, line, column);
+  if (topology === "building") throw new RuleError("houses of units are not made in the browser: the command vitruvius generate makes them", file, line, column);
+  const others = Object.keys(topologies).map((each) => (each === "own" ? "building" : each));
+  if (!table) throw new RuleError(`${unknown("topology", topology, others)}; one of yours is a file ${topology}.lp beside this one`, file, line, column);
   const files = [...table.files, ...(isNamed && topology !== "star" ? [adjacent] : [])].sort();
   return { name: topology, isOwn, table, files: files.flatMap((path) => withIncludes(rules, path)) };
 }

@@ -1,12 +1,13 @@
 /** Houses of a grammar, as messages for the page: what it calls the parts of a sheet (page.js). */
 
-import { LimitReached, Unsatisfiable } from "./answers.js";
+import { LimitReached, RequestError, Unsatisfiable } from "./answers.js";
 import { planSvg } from "./drawing.js";
 import { Grammar } from "./grammar.js";
 import { plan } from "./plans.js";
 import { RuleError } from "./program.js";
 import { inWords, isFurnishable, proofs } from "./proof.js";
 import { Generator } from "./random.js";
+import { unknown } from "./spelling.js";
 import { star } from "./star.js";
 
 export class Houses {
@@ -57,6 +58,7 @@ export class Houses {
       const request = read(asked);
       const { furniture, mostRooms, warnings } = this.grammar;
       yield { kinds: { types: furniture, most_rooms: mostRooms }, warnings };
+      requireKnown(request, furniture);
       if (request.rooms > mostRooms)
         throw new LimitReached(`a house of this grammar has at most ${mostRooms} rooms, by its topology`);
       for (let index = 0; index < asked.count; index++) {
@@ -67,6 +69,7 @@ export class Houses {
     } catch (error) {
       if (error instanceof RuleError) yield { findings: error.findings };
       else if (error instanceof Unsatisfiable) yield* this.proofs(read(asked), error);
+      else if (error instanceof RequestError) yield { index: 0, problem: { kind: "RequestError", message: error.message } };
       else if (error instanceof LimitReached) yield { index: 0, problem: { kind: "LimitReached", message: error.message } };
       else throw error;
     }
@@ -104,6 +107,19 @@ function ofStar({ floor, rooms }) {
   const main = { ...floor, name: "main", type: "main", children: [], storey: 0 };
   const doors = rooms.map(({ door }, number) => ({ ...door, between: [`R${number}`, "main"] }));
   return { format: "vitruvius-2", unit: "m", rooms: [...named, main], doors, hub: "main", topology: "star" };
+}
+
+/** Refuse types and pieces that a grammar does not have: `furniture` of each type. As Request.check of logic/request/request.py. */
+function requireKnown(request, furniture) {
+  const known = (what, name, names) => {
+    if (!names.includes(name)) throw new RequestError(unknown(what, name, names));
+  };
+  for (const type of Object.keys(request.types)) known("room type", type, Object.keys(furniture));
+  for (const name of Object.keys(request.furniture)) {
+    const [piece, type] = name.split(".").reverse();
+    if (type) known("room type", type, Object.keys(furniture));
+    known("piece", piece, type ? furniture[type] : [...new Set(Object.values(furniture).flat())]);
+  }
 }
 
 const range = (count) => (typeof count === "number" ? [count, count] : count);

@@ -229,6 +229,71 @@ function tasks.conflict(prg)
   say("conflict", table.unpack(needed))
 end
 
+local MOST_LAYOUTS = task.mostLayouts
+
+-- The fewest statements that have no layout together, of these the first: as logic/proofs/least.py. What a layout leaves out holds
+-- a statement of each conflict, so a smallest set that has one of each is a conflict, or shows another layout.
+function tasks.fewest(prg)
+  prg.configuration.solver.heuristic = "Domain"
+  local all = {}
+  for number, literals in ipairs(task.statements) do
+    all[number] = {}
+    for _, each in ipairs(literals) do
+      if literal(prg, each[1]) then
+        table.insert(all[number], { clingo.parse_term(each[1]), each[2] })
+      elseif each[2] then
+        return say("conflict", number)
+      end
+    end
+  end
+  local hitting = clingo.Control{"--opt-strategy=usc"}
+  hitting:add("base", {}, "{ take(1.." .. #all .. ") }. #minimize { 1@2,N : take(N); N@1,N : take(N) }. #show take/1.")
+  hitting:ground{ { "base", {} } }
+  local function smallest()
+    local found = {}
+    hitting:solve{ on_model = function(m)
+      found = {}
+      for _, symbol in ipairs(m:symbols{ shown = true }) do found[symbol.arguments[1].number] = true end
+    end }
+    return found
+  end
+  local function left_out(some)
+    local assumed, found = {}, nil
+    for number in pairs(some) do table.move(all[number], 1, #all[number], #assumed + 1, assumed) end
+    prg:solve{ assumptions = assumed, on_model = function(m)
+      found = {}
+      for number, literals in ipairs(all) do
+        for _, each in ipairs(literals) do
+          if m:contains(each[1]) ~= each[2] then found[number] = true end
+        end
+      end
+      return false
+    end }
+    return found
+  end
+  local layouts = 0
+  while true do
+    local some, isConflict = smallest(), true
+    for found in function() return left_out(some) end do
+      isConflict, layouts = false, layouts + 1
+      local rule = {}
+      for number in pairs(found) do
+        some[number] = true
+        rule[#rule + 1] = "not take(" .. number .. ")"
+      end
+      if #rule == 0 or layouts >= MOST_LAYOUTS then return tasks.conflict(prg) end
+      hitting:add("layout" .. layouts, {}, ":- " .. table.concat(rule, ", ") .. ".")
+      hitting:ground{ { "layout" .. layouts, {} } }
+    end
+    if isConflict then
+      local conflict = {}
+      for number in pairs(some) do conflict[#conflict + 1] = number end
+      table.sort(conflict)
+      return say("conflict", table.unpack(conflict))
+    end
+  end
+end
+
 local function work(prg)
   if task.differences then prg:register_propagator(setmetatable({}, Differences)) end
   local parts = { { "base", {} } }

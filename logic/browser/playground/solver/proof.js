@@ -36,7 +36,7 @@ class Relaxed {
     const shared = grammar.asp.filter(({ name }) => !grammar.own.some((file) => file.name === name));
     const left = { name: LEFT_OUT, text: grammar.bundle.rules[LEFT_OUT] };
     const facts = this.conditionalLengths(lengths);
-    const free = this.statements.map((_, number) => `{ stated(${number}) }.`);
+    const free = this.statements.map((_, number) => `{ stated(${number}) }. #heuristic stated(${number}). [1@1,true]`);
     this.program = new Program(grammar.clingo, [...shared, left, ...files, { name: "conditions", text: [...facts, ...free].join("\n") }], constants, parts, differences);
     for (const fact of grammar.absent(this.program, parts)) this.absent(fact);
   }
@@ -104,17 +104,18 @@ class Relaxed {
   }
 
   /** { layout } under these statements, or { conflict }: a minimal set of them, only proved to be there with `once`.
-   * `refuted(layout, without)`: reasons of stage 2. */
+   * `refuted(layout, without)`: reasons of stage 2; null where it has
+   * no part in it, and then there are as few statements as can be. */
   solve(refuted, some = this.statements, once = false) {
     for (let round = 0; round < MOST_ROUNDS; round++) {
-      const lines = this.program.run({ what: "conflict", differences: this.program.differences, once, nogoods: this.nogoods, statements: some.map(({ literals }) => literals) });
+      const lines = this.program.run({ what: refuted || once ? "conflict" : "fewest", mostLayouts: this.grammar.bundle.mostLayouts, differences: this.program.differences, once, nogoods: this.nogoods, statements: some.map(({ literals }) => literals) });
       const layouts = [];
       let conflict = [];
       for (const [tag, ...fields] of lines)
         if (tag === "keeps") layouts.push({ kept: new Set(fields.map((number) => some[number - 1])), atoms: [] });
         else if (tag === "atom") layouts.at(-1).atoms.push(fields[0]);
         else if (tag === "conflict") conflict = fields.map((number) => some[number - 1]);
-      const learnt = layouts.map((layout) => this.refute(layout, refuted)).filter(Boolean);
+      const learnt = layouts.map((layout) => refuted && this.refute(layout, refuted)).filter(Boolean);
       this.nogoods.push(...learnt);
       const whole = layouts.find(({ kept }) => kept.size === some.length);
       if (whole && !learnt.length) return { layout: whole.atoms };
@@ -144,7 +145,7 @@ function rooms(grammar, request, unfurnishable) {
     relaxed.choice({ bare: type }, toFurnish(type, request.rooms).map((text) => [text, false]));
   const refuted = grammar.sharesWalls
     ? (layout, without) => grammar.prolog.ask("plan_conflict", terms(layout), without)
-    : () => null;
+    : null;
   return [relaxed, refuted];
 }
 

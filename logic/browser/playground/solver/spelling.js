@@ -14,6 +14,12 @@ export function closest(name, names) {
   return best?.other ?? "";
 }
 
+/** As in: there is no preset papre: did you mean paper? There are dqn, paper, pqn. */
+export function unknown(what, name, names) {
+  const near = closest(name, names);
+  return `there is no ${what} ${name}${near ? `: did you mean ${near}? There are ` : ": there are "}${[...names].sort().join(", ")}`;
+}
+
 /** The share of letters in common runs (Ratcliff and Obershelp), from 0 to 1. */
 const like = (one, other) => (2 * common(one, other)) / (one.length + other.length || 1);
 
