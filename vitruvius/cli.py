@@ -12,7 +12,7 @@ import re
 import sys
 import tempfile
 import traceback
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from benchmarks import STUDIES
@@ -139,7 +139,6 @@ def parse(arguments: list[str]) -> Any:
     Raises ``RequestError`` for what is wrong in them.
     """
     from logic.errors import RequestError
-    from logic.spelling import unknown
     from vitruvius.options import options_of, require
 
     prog, table, words = "vitruvius", COMMANDS, list[str]()
@@ -147,13 +146,32 @@ def parse(arguments: list[str]) -> Any:
         prog, table, words, arguments = "vitruvius bench", STUDIES, ["bench"], arguments[1:]
     name, *rest = arguments
     if name not in table:
-        raise RequestError(f"{prog}: {unknown('study' if words else 'command', name, table)}")
+        raise RequestError(f"{prog}: {_no_command(prog, arguments, table)}")
     if "-h" in rest or "--help" in rest:
         _print_and_end(command_help([*words, name], rest))
     kind, prog = pkgutil.resolve_name(table[name][0]), f"{prog} {name}"
     like = kind.like(rest) if name == "train" else None  # its defaults are a preset's, or a file's
     require(prog, rest, options_of(like or kind))
     return _parsed(kind[type(like.learning)] if like else kind, like, prog, rest)
+
+
+def _no_command(prog: str, arguments: Sequence[str], table: Collection[str]) -> str:
+    """What to say where the first word is no command of the table."""
+    from logic.spelling import closest, quoted, unknown
+
+    name, *rest = arguments
+    if name.startswith("-"):
+        command = next((word for word in rest if word in table), "")
+        others = [quoted(word) for word in arguments if word != command]
+        first = (
+            f": {' '.join([prog, command, *others])}"
+            if command
+            else f", as in {prog} {next(iter(table))} --help"
+        )
+        return f"{name} comes after a command{first}"
+    if f"--{name}" == closest(name, [*table, "--version", "--help"]):
+        return f"there is no command {name}: did you mean --{name}?"
+    return unknown("study" if table is STUDIES else "command", name, table)
 
 
 def _parsed(kind: Any, like: Any, prog: str, arguments: list[str]) -> Any:
@@ -196,9 +214,9 @@ def _run(arguments: list[str]) -> int:
 
 def _quick(arguments: list[str]) -> str | None:
     """What needs no command's module: help that lists commands, and the version."""
-    if arguments in ([], ["-h"], ["--help"], ["help"]):
+    if arguments in ([], ["-h"], ["--help"]):
         return top()
-    if arguments in (["bench"], ["bench", "-h"], ["bench", "--help"], ["help", "bench"]):
+    if arguments in (["bench"], ["bench", "-h"], ["bench", "--help"]):
         return studies()
     if arguments == ["--version"]:
         from importlib.metadata import version
@@ -210,14 +228,14 @@ def _quick(arguments: list[str]) -> str | None:
 
 
 def _exit_code(arguments: list[str]) -> int:
+    if arguments[:1] == ["help"] or arguments[:2] == ["bench", "help"]:
+        arguments = [*(word for word in arguments[:2] if word != "help"), *arguments[2:], "--help"]
     if text := _quick(arguments):
         try:
             print(text, flush=True)
         except OSError as error:
             return _unwritten(error)
         return 0
-    if arguments[0] == "help":
-        arguments = [*arguments[1:], "--help"]
     from logic.errors import VitruviusError
     from logic.stopping import at_signals, end
     from logic.terminal import say

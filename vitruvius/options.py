@@ -165,11 +165,13 @@ def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> N
             values.append(left.pop(0))
             most -= 1
         if not values and option.type is not bool and not option.several:
-            raise RequestError(f"{option.flag}: give a value, as in {option.flag} {option.metavar}")
+            raise RequestError(
+                f"{option.flag}: give a value, as in {option.flag} {option.metavar}: {option.help}"
+            )
         for each in values:
             option.require(each)
         given.add(option.name)
-    _require_loose(prog, loose, [option for option in options if option.positional])
+    _require_loose(prog, loose, options)
     for option in options:
         if option.default is MISSING and not option.positional and option.name not in given:
             raise RequestError(f"{prog}: give {option.flag} {option.metavar}: {option.help}")
@@ -187,8 +189,14 @@ def _named(prog: str, flag: str, options: Iterable[Option]) -> Option:
     return found
 
 
-def _require_loose(prog: str, words: Sequence[str], options: Sequence[Option]) -> None:
+def _require_loose(prog: str, words: Sequence[str], known: Sequence[Option]) -> None:
     """Raise ``RequestError`` for arguments without names that are too few, too many or wrong."""
+    options = [option for option in known if option.positional]
+    for word in words:
+        flag = f"--{word.lstrip('-').partition('=')[0].casefold()}"
+        if flag in [option.flag for option in known if not option.positional] and not Path(word).exists():
+            meant = f"--{word.lstrip('-')}"
+            raise RequestError(f"{prog}: {word}: did you mean {meant}?")
     if len(words) > len(options) and not any(option.several for option in options):
         surplus = words[len(options)]
         raise RequestError(f"{prog}: {surplus} is one word too many: see {prog} --help")

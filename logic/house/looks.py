@@ -17,7 +17,7 @@ from typing import Any, TypeGuard
 
 from logic.encoding import illegible
 from logic.errors import GrammarError
-from logic.grammar import SHIPPED, shipped
+from logic.grammar import SHIPPED, folder, shipped
 from logic.house.house import House
 from logic.house.parts import ORIGINAL
 from logic.spelling import closest
@@ -87,17 +87,18 @@ def looks_of(house: House, grammar: str | Path | None = None) -> Looks:
     Raises ``GrammarError`` for a file of looks that is wrong: file, line, column.
     """
     if grammar is not None:
+        folder(grammar)  # refuses what is none
         return folder_looks(SHIPPED / grammar if str(grammar) in shipped() else Path(grammar))
     named = house.provenance.grammar if house.provenance else ""
     named = "paper" if house.topology == ORIGINAL else named
     return _shipped_looks(named) if named in shipped() else DEFAULT
 
 
-def folder_looks(folder: Path) -> Looks:
+def folder_looks(directory: Path) -> Looks:
     """Those of a grammar's folder, over those of all grammars; for errors see ``looks_of``."""
-    file = folder / NAME
-    if not folder.is_dir():
-        raise GrammarError("there is no such directory of a grammar", folder)
+    file = directory / NAME
+    if not directory.is_dir():
+        raise GrammarError("there is no such directory of a grammar", directory)
     if not file.exists():
         return DEFAULT
     looks, errors = read_looks(file, DEFAULT)

@@ -27,7 +27,7 @@ def target_in(house: House, target: str) -> tuple[int | None, Part]:
 def _in_star(house: House, target: str) -> tuple[int | None, Part]:
     rooms = [room.name for room in house.counted]
     name, part = _split(target, [house.hub, *rooms])
-    _require(name, [house.hub, *rooms])
+    _require(name, [house.hub, *rooms], house)
     if name not in rooms:
         if part:
             raise RequestError(f"{target}: the main room has no parts: ask for {name}")
@@ -42,7 +42,7 @@ def _in_plan(house: House, target: str) -> tuple[int | None, Part]:
     if door := (either_way | outside | doors).get(target):
         return None, door
     name, part = _split(target, [*rooms, *doors])
-    _require(name, [*rooms, *doors])
+    _require(name, [*rooms, *doors], house)
     if name not in rooms:
         raise RequestError(f"{target}: a door has no parts: ask for {name}")
     windows = _numbered((WINDOW, window) for window in house.windows if window.room == name)
@@ -114,9 +114,12 @@ def _part(name: str, part: str, parts: dict[str, Part]) -> Part:
     return found
 
 
-def _require(name: str, names: Sequence[str]) -> None:
-    if name not in names:
-        raise RequestError(f"there is no {name}: {_hint('', name, names)}the house has {', '.join(names)}")
+def _require(name: str, names: Sequence[str], house: House) -> None:
+    if name in names:
+        return
+    pieces = [f"{room.name}.{name}" for room in house.rooms if name in _pieces(house, room.name)]
+    hint = f"did you mean {' or '.join(pieces)}? " if pieces else _hint("", name, names)
+    raise RequestError(f"there is no {name}: {hint}the house has {', '.join(names)}")
 
 
 def _hint(before: str, name: str, names: Sequence[str]) -> str:

@@ -12,6 +12,7 @@ from logic.errors import HouseFileError, RequestError
 from logic.grammar import find, shipped
 from logic.house.house import House
 from logic.house.promises import PROMISES, Promises, read_promises
+from logic.spelling import unknown
 from logic.workers.messages import Open, Promise, Promised
 from logic.workers.solver import Solver
 
@@ -77,9 +78,11 @@ def _read(file: Path) -> dict[str, Any]:
     try:
         stated = msgspec.json.decode(file.read_bytes(), type=dict[str, Any])
         read_promises(stated, Promises())
+    except FileNotFoundError:
+        other = unknown("grammar", file, shipped())
+        raise HouseFileError(f"{file}: there is no such JSON file of promises, and {other}") from None
     except OSError as error:
-        kinds = f"a JSON file of promises, or a grammar: {', '.join(shipped())}"
-        raise HouseFileError(f"{file}: {error.strerror}: give {kinds}") from None
+        raise HouseFileError(f"{file}: cannot be read: {error.strerror}") from None
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise HouseFileError(f"{file}: no promises: {error}") from None
     except RequestError as error:

@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from pathlib import Path
 from typing import Any
 
 import tyro
@@ -19,10 +20,19 @@ def counts(option: str, texts: tuple[str, ...]) -> dict[str, Any]:
     counts = {}
     for text in texts:
         name, _, number = text.partition("=")
-        if not name or not re.fullmatch(r"\d+|\d*\.\.\d*", number) or name in counts:
-            raise RequestError(f"{option} {text}: give each name once, as in {option} bed=2 or bed=1..3")
+        if name in counts:
+            raise RequestError(f"{option} {text}: {name} is given before: give each name once")
+        if not name or not re.fullmatch(r"\d+|\d*\.\.\d*", number):
+            like = re.split(r"[^\w.]", text)[0] or "bed"
+            raise RequestError(f"{option} {text}: say how many, as in {option} {like}=2 or {like}=1..3")
         counts[name] = from_option(number)
     return counts
+
+
+def require_plan(plan: Path | None, unit: str, snap: float) -> None:
+    """Raise ``RequestError`` for what is said of a plan where there is none."""
+    if plan is None and (unit, snap) != ("m", 0.01):
+        raise RequestError("--plan-unit and --snap are of a plan: give it by --plan FILE")
 
 
 def print_answer(command: str, answer: Any, exit_code: int = 0) -> None:

@@ -15,7 +15,7 @@ from logic.errors import RequestError, VitruviusError
 from logic.house.house import House
 from logic.spelling import quoted
 from logic.terminal import progress, progress_bar, say
-from vitruvius.commands.common import Repeated, counts, print_answer, say_warnings
+from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
 
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
@@ -106,6 +106,7 @@ class Generate:
         from logic.house.replacing import require_same_series
 
         say_warnings()
+        require_plan(self.plan, self.plan_unit, self.snap)
         if self.count_layouts:
             return self._count()
         out = None if self.out == STANDARD else self.out

@@ -9,9 +9,9 @@ from typing import Annotated, ClassVar
 import tyro
 
 from logic.errors import RequestError
-from logic.spelling import printable
+from logic.spelling import printable, quoted
 from logic.terminal import say
-from vitruvius.commands.common import Repeated, counts, print_answer, say_warnings
+from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,7 @@ class Explain:
                 "explain a request, as in explain --rooms 3 --type bathroom=9, or a part of a house, as in "
                 "explain houses.jsonl --why R3"
             )
+        require_plan(self.plan, self.plan_unit, self.snap)
         houses = generate(
             rooms=self.rooms,
             types=counts("--type", self.type),
@@ -96,8 +97,17 @@ class Explain:
         if self.json:
             print_answer("explain", Explained(True, self.grammar or "family"), 1)
         else:
-            print("There are such houses: vitruvius generate")
+            print(f"There are such houses: {self._generate()}")
         return 1
+
+    def _generate(self) -> str:
+        """The command that makes a house of the request."""
+        asked = {"--grammar": self.grammar, "--rooms": self.rooms, "--plan": self.plan}
+        words = [(flag, value) for flag, value in asked.items() if value is not None]
+        words += [("--type", each) for each in self.type] + [("--piece", each) for each in self.piece]
+        words += [("--cell", self.cell)] if self.cell else []
+        words += [("--plan-unit", self.plan_unit)] if self.plan_unit != "m" else []
+        return " ".join(["vitruvius generate", *(f"{flag} {quoted(value)}" for flag, value in words)])
 
     def _house(self, file: Path) -> int:
         """Print why a part of a house is as it is."""

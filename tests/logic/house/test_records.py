@@ -16,7 +16,7 @@ from logic.house.records import schema
 from logic.request.geojson import from_geojson
 from tests.logic.house.handmade import houses
 from tests.plans import PLANS
-from tests.sample_houses import FIXTURES, changed_record
+from tests.sample_houses import FIXTURES, changed_record, random_house
 from vitruvius.cli import main
 
 SCHEMA = schema()
@@ -121,6 +121,15 @@ def table(title: str) -> dict[str, str]:
     """The first table after a title in bold on the page: the field, and what its values are."""
     text = PAGE.partition(f"**{title}")[2].partition("\n|---")[2].partition("\n\n")[0]
     return dict(re.findall(r"^\| `(\w+)` \| (.+?) \| .+ \|$", text, re.MULTILINE))
+
+
+def test_the_page_about_house_files_names_all_fields_of_a_stars_file() -> None:
+    record = random_house(1).to_dict()
+    rooms = [each for name, each in record.items() if re.fullmatch(r"R\d+", name)]
+    others = {name for name in record if not re.fullmatch(r"R\d+", name)}
+    assert set(table("A star")) == others | {"provenance"}
+    for room in rooms:
+        assert set(table("A rectangle") | table("A room of a star")) == set(room)
 
 
 @pytest.mark.parametrize("part", TABLES)

@@ -158,5 +158,6 @@ def test_explain_answers_in_words_or_in_json(explained: Callable[..., tuple[int,
 
 
 def test_explain_says_so_where_there_are_houses(explained: Callable[..., tuple[int, str]]) -> None:
-    code, words = explained("explain", "--rooms", "3", "--type", "bathroom=1..2", "--piece", "bed=1")
-    assert (code, words) == (1, "There are such houses: vitruvius generate\n")
+    request = "--rooms", "3", "--type", "bathroom=1..2", "--piece", "bed=1"
+    code, words = explained("explain", *request)
+    assert (code, words) == (1, f"There are such houses: vitruvius generate {' '.join(request)}\n")

@@ -17,7 +17,17 @@ MISTAKES = (
     Command("trian", ("there is no command trian", "did you mean train?")),
     Command("frobnicate", ("there is no command frobnicate: there are generate, check",)),
     Command("bench generatr", ("there is no study generatr", "did you mean generator?")),
+    Command("--rooms 3 generate", ("--rooms comes after a command: vitruvius generate --rooms 3",)),
+    Command("--seed", ("--seed comes after a command, as in vitruvius generate",)),
+    Command("bench --rounds 3 generator", ("after a command: vitruvius bench generator --rounds 3",)),
+    Command("version", ("there is no command version", "did you mean --version?")),
     # options
+    Command("generate rooms=3", ("rooms=3: did you mean --rooms=3?",)),
+    Command("generate -rooms 3", ("-rooms: did you mean --rooms?",)),
+    Command("draw houses.jsonl format svg", ("format: did you mean --format?",)),
+    Command("explain houses.jsonl --why", ("--why: give a value, as in --why TEXT: The part: a room (R3)",)),
+    Command("generate --rooms 3 --snap 0.1", ("--plan-unit and --snap are of a plan: give it by --plan",)),
+    Command("explain --rooms 3 --plan-unit cm", ("--plan-unit and --snap are of a plan",)),
     Command("generate --rooom 3", ("generate: there is no option --rooom", "did you mean --rooms?")),
     Command("generate --rooms 3 --tpye hall=1", ("no option --tpye", "did you mean --type?")),
     Command("generate --rooms 3 --zoo 2", ("no option --zoo", "see vitruvius generate --help")),
@@ -68,7 +78,9 @@ MISTAKES = (
     Command("check none/flats.json", ("no such file", "vitruvius generate --rooms 4"), 5),
     Command("evaluate --targets scondary", ("there is no task scondary", "did you mean secondary?")),
     # values
-    Command("generate --rooms 3 --type bathroom", ("--type bathroom", "--type bed=2 or bed=1..3")),
+    Command(
+        "generate --rooms 3 --type bathroom", ("--type bathroom: say how many, as in --type bathroom=2 or",)
+    ),
     Command("generate --rooms 0", ("rooms must be a whole number, 1 or more, not 0",)),
     Command("generate --rooms 300", ("rooms must be at most 128, not 300",)),
     Command("generate --rooms 3 --seconds inf", ("seconds must be above 0 and below a million",)),
@@ -81,6 +93,14 @@ MISTAKES = (
     Command("train --targets {'task':'reach'}", ("is no JSON",)),
     Command('train --targets {"task":"reach"}', ("cannot be had", "'room'")),
     Command("train --targets nowhere:Task", ("cannot be had", "nowhere")),
+    Command("generate --rooms 3 --piece bed=two", ("--piece bed=two: say how many, as in --piece bed=2",)),
+    Command("generate --rooms 3 --type hall=1 --type hall=2", ("hall is given before: give each name once",)),
+    Command(
+        "explain houses.jsonl --why bed", ("there is no bed: did you mean R", ".bed? the house has main")
+    ),
+    Command("lint houses.jsonl", ("houses.jsonl: is a file, and a grammar is a folder of rule files",), 5),
+    Command("draw houses.jsonl --grammar famly", ("no grammar famly", "did you mean family?"), 5),
+    Command("check houses.jsonl --promises famly", ("no grammar famly", "did you mean family?"), 5),
     # files that are written
     Command("generate --rooms 2 --out x.txt", ("x.txt: .txt is not written", ".jsonl")),
     Command("generate --rooms 2 --out x.csv", ("x.csv: .csv is not written", ".jsonl")),
