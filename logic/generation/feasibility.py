@@ -4,6 +4,7 @@ Every rule, fact and length of the user's may be left out (``logic.layout.relaxe
 learnt by stage 1, so a test ends with a house or with what conflicts in both.
 """
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -89,6 +90,12 @@ class Feasibility:
             self._furnishable[type_, asked] = question.possible(statements)
         return self._furnishable[type_, asked]
 
+    def depends_on_doors(self, type_: str) -> bool:
+        """Whether a rule of the grammar's speaks of the doors of a room of this type: it may ask for more."""
+        of_others = re.compile(rf"this_room\s*=\s*(?!{type_}\b)[a-z]")
+        rules = self.source.conditional(self.source.files, laws=False).reasons
+        return any("doorway(" in rule.text and not of_others.search(rule.text) for rule in rules)
+
     def furniture(
         self, request: Request, type_: str, laws: bool = False, room: Refuted | None = None
     ) -> tuple[Question, list[Statement]]:
@@ -108,10 +115,10 @@ class Feasibility:
             for _, piece, (least, _) in asked
             if least
         ]
-        size = Function("size", [Function(type_)])
-        # How much of a wall a piece takes may depend on the wall, and so on the room.
+        # How much of a wall a piece takes may depend on the wall, and so on a room of any size.
+        size = () if room else (Function("size", [Function(type_)]),)
         lengths = self._stated(
-            (fact, (clause, size) if fact.name == "extent" else (clause,)) for fact, clause in facts
+            (fact, (clause, *size) if fact.name == "extent" else (clause,)) for fact, clause in facts
         )
         relaxed = Relaxed(
             self.source,
@@ -126,7 +133,8 @@ class Feasibility:
             lengths,
             laws=laws,
         )
-        statements = list(relaxed.statements)
+        # With fewer pieces less is to be refuted: that there must be a piece is the first to be left out.
+        statements = sorted(relaxed.statements, key=_keeps)
         statements += [relaxed.choice(reason, [granted(requirement)]) for reason, requirement in required]
         if room:
             relaxed.give(*room.room.given(room.windows))
@@ -166,6 +174,11 @@ class Feasibility:
             except Infeasible as proof:
                 conflict = proof.conflicts[0]
         return conflict
+
+
+def _keeps(statement: Statement) -> int:
+    """In which order statements are kept: lengths, rules, facts."""
+    return 0 if statement.clause else 1 if ":-" in statement.reason.text else 2
 
 
 def option(option: str, name: str, ranges: Mapping[str, Range]) -> Reason:

@@ -15,7 +15,7 @@ from logic.errors import LimitReached
 from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, Walls
 from logic.generation.furnish import Unfurnishable
-from logic.generation.movable_doors import LooseRoom, Refuted
+from logic.generation.movable_doors import MOST_LAYOUTS, LooseRoom, OneDoor, Refuted
 from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, doors_of, given_room
 from logic.grammar import Grammar
 from logic.house.house import House
@@ -24,6 +24,7 @@ from logic.language.loaded import LoadedGrammar
 from logic.layout.account import FURNITURE
 from logic.layout.program import Nogood
 from logic.layout.programs import Programs
+from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
 from logic.request.given_plan import OwnPlan
 from logic.request.request import Request
@@ -44,13 +45,14 @@ class GivenPlanMaker(SharedWallsMaker):
         facts: Walls = [*_meetings(plan), *loaded.placer.own_plan_faults(plan, sorted(loaded.furniture))]
         super().__init__(rules, loaded, Feasibility(rules, loaded.placer, loaded.lengths, facts, placed=True))
         self._failures, self._refuted = 0, list[Refuted]()
+        self._too_small: dict[tuple[int, str], list[Refuted]] = {}
         meetings = [fact for fact, _ in facts]
         account = loaded.placer.account
         self._programs = Programs(rules, loaded.furniture, loaded.lengths, account, meetings)
 
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """A furnished house in the plan; see ``Maker.made``."""
-        self._failures, self._refuted = 0, []
+        self._failures, self._refuted, self._too_small = 0, [], {}
         return super().made(request, rng, inferences)
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
@@ -96,9 +98,11 @@ class GivenPlanMaker(SharedWallsMaker):
                 self._failures = -MOST_TRIES
                 return False
             if furniture is None:
-                refuted = self._refutation(request, plan, layout, place, room, windows)
-                self._refuted.append(refuted)
-                nogoods.append(refuted.atoms)
+                refuted = self._anywhere(request, plan, place) or [
+                    self._refutation(request, plan, layout, place, room, windows)
+                ]
+                self._refuted += refuted
+                nogoods += [each.atoms for each in refuted]
                 return False
         starts = self._placer.loose_starts(room.loose_term(furniture or ()), int(rng.integers(2**63)))
         for door, moved in zip(doors, room.moved(starts), strict=True):
@@ -119,6 +123,28 @@ class GivenPlanMaker(SharedWallsMaker):
             return Rect(wall.start, wall.place, length, 0.0)
         return Rect(wall.place, wall.start, 0.0, length)
 
+    def _anywhere(self, request: Request, plan: dict[str, Any], place: int) -> list[Refuted]:
+        """That a room has no furniture at its size, wherever its doors and windows are; nothing if it may."""
+        room, name = given_room(plan, place), plan["rooms"][place]["name"]
+        if (place, room.type) not in self._too_small:
+            atoms = {Function("room", [Number(place), Function(room.type)]): True}
+            grants = self._granted({place}, "drawn")
+            axes = "x" if room.rect.width == room.rect.height else "xy"
+            refuted = [Refuted(name, OneDoor(room, axis), False, atoms, grants) for axis in axes]
+            bare = not self.feasibility.depends_on_doors(room.type) and not any(
+                self._may_be_furnished(request, each) for each in refuted
+            )
+            self._too_small[place, room.type] = refuted if bare else []
+        return self._too_small[place, room.type]
+
+    def _may_be_furnished(self, request: Request, room: Refuted) -> bool:
+        """Whether a layout fits in a room, or it is not known soon that none does."""
+        question, statements = self.feasibility.furniture(request, room.room.room.type, room=room)
+        try:
+            return question.possible(statements, MOST_LAYOUTS)
+        except TooMany:
+            return True
+
     def _refutation(
         self,
         request: Request,
@@ -137,13 +163,18 @@ class GivenPlanMaker(SharedWallsMaker):
         near = {place, *(each for door in doors_of(plan, place) for each in door["between"])}
         if OUTSIDE in near:
             near |= {wall.behind for wall in self.plan.walls if wall.room == place}
-        grants = [
+        grants = self._granted(near, "drawn") + self._granted({place}, "joined")
+        return Refuted(plan["rooms"][place]["name"], room, windows, atoms, grants)
+
+    def _granted(self, rooms: Collection[int | str], kind: str) -> tuple[Symbol, ...]:
+        """What the user's plan says of where rooms lie (``drawn``), or of their doors (``joined``)."""
+        numbers = {Number(each) for each in rooms if isinstance(each, int)}
+        own = own_requirements(self.plan)
+        return tuple(
             granted(each)
-            for each in own_requirements(self.plan)
-            if (each.name == "drawn" and each.arguments[0].number in near)
-            or (each.name == "joined" and number in each.arguments)
-        ]
-        return Refuted(plan["rooms"][place]["name"], room, windows, atoms, tuple(grants))
+            for each in own
+            if each.name == kind and not numbers.isdisjoint(each.arguments[: 1 if kind == "drawn" else 2])
+        )
 
     def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
         """The plan's own rooms with their types, and doors and windows in their walls."""

@@ -105,9 +105,37 @@ class LooseRoom(Frame):
         raise LimitReached(f"{MOST_LAYOUTS} layouts of {self.room} have no places, and there are more")
 
 
+class OneDoor(LooseRoom):
+    """A room of given size with one door, anywhere in the walls that lie along an axis, and with any windows.
+
+    More doors leave less of its walls: a room that cannot be furnished so cannot be furnished in any plan.
+    """
+
+    def __init__(self, room: GivenRoom, axis: str) -> None:
+        """Take the type and size of a room."""
+        west, north, east, south = room.rect.box
+        wall = Rect(west, south, east - west, 0.0) if axis == "x" else Rect(east, north, 0.0, south - north)
+        super().__init__(GivenRoom(room.type, room.rect, [wall]), [None])
+
+    @property
+    def earliest(self) -> dict[str, list[Span]]:
+        """The door at the near end of its wall, however wide it is."""
+        return self.doors | {"front": [(0.0, 0.0)]}
+
+    @property
+    def latest(self) -> dict[str, list[Span]]:
+        """And at the far end."""
+        return self.doors | {"front": [(self.width, self.width)]}
+
+    def loose_term(self, furniture: Iterable[Symbol]) -> Term:
+        """The room for ``rules/room/given_rooms.pl``."""
+        size = Term("-", float(self.width), float(self.depth))
+        return Term("room", 0, self.room.type, [*furniture], 0, size, "any", "none")
+
+
 @dataclass(frozen=True)
 class Refuted:
-    """Proved: a room of a plan cannot have its furniture as this type, where it has just these doors."""
+    """Proved: a room of a plan cannot have its furniture as this type, where it has these doors."""
 
     name: str
     room: LooseRoom

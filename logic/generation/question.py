@@ -1,5 +1,6 @@
 """Questions to both stages: whether there is a layout under some statements that stage 2 does not refute."""
 
+import math
 from collections.abc import Callable, Collection, Sequence
 
 from clingo import Symbol
@@ -18,21 +19,22 @@ class Question:
         """Know the program, and how stage 2 refutes its layouts, if it has any part in them."""
         self.relaxed, self.refuted = relaxed, refuted
 
-    def layout(self, some: Sequence[Statement]) -> list[Symbol] | None:
-        """A layout under these statements; None where there is none."""
+    def layout(self, some: Sequence[Statement], most: float = math.inf) -> list[Symbol] | None:
+        """A layout under these statements; None where there is none.
+
+        Raises ``TooMany`` where stage 2 refutes so many.
+        """
+        refuted = self.refuted
+        if refuted is None:
+            return self.relaxed.model(some)
         stated = {each.literals for each in some}
         clauses = [each for each in self.relaxed.statements if each.clause]
         without = {each.clause for each in clauses if each.clause and each.literals not in stated}
-        while (layout := self.relaxed.model(some)) is not None:
-            conflict = self.refuted(layout, without) if self.refuted else None
-            if conflict is None:
-                return layout
-            self.relaxed.exclude(conflict)
-        return None
+        return self.relaxed.model(some, lambda layout: refuted(layout, without), most)
 
-    def possible(self, some: Sequence[Statement]) -> bool:
-        """Whether these have a layout."""
-        return self.layout(some) is not None
+    def possible(self, some: Sequence[Statement], most: float = math.inf) -> bool:
+        """Whether these have a layout; raises as ``layout``."""
+        return self.layout(some, most) is not None
 
     def core(self, some: Sequence[Statement]) -> list[Statement]:
         """Some of these, which have no layout, that have none by themselves."""

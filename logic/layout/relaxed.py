@@ -84,8 +84,20 @@ class Conditional(NamedTuple):
     first: dict[str, Reason]
 
 
+CONFLICTS = 100
+"""How many conflicts clingo may meet for each layout that may be refuted, where these are limited."""
+
+
 class Late(Exception):
     """The time to try something is over."""
+
+
+class TooMany(Exception):
+    """So many layouts were refuted that it is not known whether there is one."""
+
+
+Refutation = Callable[[Sequence[Symbol]], Conflict | None]
+"""Why a layout is impossible in stage 2, if it is."""
 
 
 class Relaxed:
@@ -142,6 +154,7 @@ class Relaxed:
         with contextlib.suppress(Endless):
             self._control.ground([("base", []), *parts, ("pick", [])])
         self._differences.prepare()
+        self._control.configuration.solve.enum_mode = "user"
         self._literal_of = Literals(self._control.symbolic_atoms)
         self._given: list[int] = []
         self._failing: set[int] = set()
@@ -197,16 +210,41 @@ class Relaxed:
         """The statement with the most ground instances, where these are counted."""
         return max(self.statements, key=lambda statement: self._instances.of[statement.literals[0]])
 
-    def model(self, statements: Iterable[Statement]) -> list[Symbol] | None:
-        """The shown atoms of a layout under these statements; None if there is none. Raises ``Late``."""
+    def model(
+        self,
+        statements: Iterable[Statement],
+        refuted: Refutation = lambda _: None,
+        most: float = math.inf,
+    ) -> list[Symbol] | None:
+        """The shown atoms of a layout under these statements that is not ``refuted``; None if there is none.
+
+        What is refuted is excluded from then on. Raises ``Late``, and ``TooMany`` past so many refuted
+        layouts, or ``CONFLICTS`` of clingo's own for each of these.
+        """
         if monotonic() > self.until:
             raise Late
-        with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
-            model = handle.model()
-            if model is None:
-                return None
-            self._failing = {literal for literal in self._known if not model.is_true(literal)}
-            return sorted(model.symbols(shown=True))
+        excluded: list[list[int]] = []
+        self._search(models=0, conflicts="umax" if most == math.inf else str(CONFLICTS * int(most)))
+        try:
+            # One search goes on past what is refuted: to begin another takes longer than all the rest.
+            with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
+                for model in handle:
+                    layout = sorted(model.symbols(shown=True))
+                    conflict = refuted(layout)
+                    if conflict is None:
+                        self._failing = {each for each in self._known if not model.is_true(each)}
+                        return layout
+                    excluded.append(self._literals_of(conflict))
+                    model.context.add_clause([-literal for literal in excluded[-1]])
+                    if monotonic() > self.until:
+                        raise Late
+                    if len(excluded) >= most:
+                        raise TooMany
+                if not handle.get().exhausted:
+                    raise TooMany
+            return None
+        finally:
+            self._exclude(excluded)
 
     def left_out(self, statements: Iterable[Statement]) -> list[Statement]:
         """Those of the known statements that do not hold in the layout that was found last."""
@@ -224,8 +262,13 @@ class Relaxed:
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
         """Some of these statements, which have no layout, that have none by themselves."""
         core: set[int] = set()
+        self._search(models=1, conflicts="umax")
         self._control.solve(assumptions=self._assumed(statements), on_core=core.update)
         return [statement for statement in statements if core.intersection(statement.literals)]
+
+    def _search(self, models: int, conflicts: str) -> None:
+        solve = self._control.configuration.solve
+        solve.models, solve.solve_limit = models, f"{conflicts},umax"
 
     def _assumed(self, statements: Iterable[Statement]) -> list[int]:
         return self._given + [literal for statement in statements for literal in statement.literals]
@@ -240,16 +283,22 @@ class Relaxed:
 
     def exclude(self, conflict: Conflict) -> None:
         """Exclude all layouts with this conflict, as long as its clauses are stated."""
+        self._exclude([self._literals_of(conflict)])
+
+    def _literals_of(self, conflict: Conflict) -> list[int]:
         clauses = [
             statement.literals[0] for statement in self.statements if statement.clause in conflict.clauses
         ]
-        atoms = [
+        return clauses + [
             self._literal_of[atom] if holds else -self._literal_of[atom]
             for atom, holds in conflict.atoms.items()
             if atom in self._literal_of
         ]
+
+    def _exclude(self, conflicts: Iterable[list[int]]) -> None:
         with self._control.backend() as backend:
-            backend.add_rule([], clauses + atoms)
+            for literals in conflicts:
+                backend.add_rule([], literals)
 
 
 def minimal(

@@ -5,27 +5,38 @@ statements that hit all correction sets found so far are a smallest conflict, if
 they have one, it leaves another correction set (Ignatiev, Previti, Liffiton and Marques-Silva, CP 2015).
 """
 
+import math
 from collections.abc import Sequence
 
 import clingo
 
 from logic.generation.question import Question
 from logic.grammar import SHIPPED
-from logic.layout.relaxed import Relaxed, Statement, minimal
+from logic.layout.relaxed import Relaxed, Statement, TooMany, minimal
 
 MOST_LAYOUTS = 400
 """So many layouts are looked at for a smallest conflict; past them a minimal one has to do."""
 
+MOST_REFUTED = 60
+"""So many layouts are refuted in stage 2 to see whether a statement can be left out; past them it stays."""
+
 
 def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list[Statement]:
-    """Statements that are impossible together, and possible with any one left out: as few as can be, where
-    stage 2 has no part in it. Else there are too many layouts to be refuted for that.
+    """Statements that are impossible together, and possible with any one left out, or not known to be
+    impossible after ``MOST_REFUTED``: as few as can be, where stage 2 has no part in it.
     """
     if isinstance(question, Question) and question.refuted is None:
         found = fewest(statements, question.relaxed)
         if found is not None:
             return found
-    return minimal(statements, question.possible, question.core)
+
+    def possible(some: Sequence[Statement]) -> bool:
+        try:
+            return question.possible(some, MOST_REFUTED)
+        except TooMany:
+            return True
+
+    return minimal(statements, possible, question.core)
 
 
 def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement] | None:
@@ -92,10 +103,10 @@ class AnyOf:
     def _of(self, number: int, some: Sequence[Statement]) -> list[Statement]:
         return [self._statements[number][self._places[id(each)]] for each in some]
 
-    def possible(self, some: Sequence[Statement]) -> bool:
-        """Whether these have a layout."""
+    def possible(self, some: Sequence[Statement], most: float = math.inf) -> bool:
+        """Whether these have a layout; raises as ``Question.layout``."""
         asked = enumerate(self._questions)
-        return any(question.possible(self._of(number, some)) for number, question in asked)
+        return any(question.possible(self._of(number, some), most) for number, question in asked)
 
     def core(self, some: Sequence[Statement]) -> list[Statement]:
         """Some of these, which have no layout, that have none by themselves."""

@@ -10,6 +10,7 @@
 :- use_module('../linear/grid').
 :- use_module('../language/lengths').
 :- use_module(plan).
+:- use_module(shape).
 :- use_module(solution).
 
 %!  rooms_furnished(+Rooms, +Proof, +Limit, -Json) is det.
@@ -62,7 +63,8 @@ given_room_system(room(_,Type,Layout,_,Size,Doors,_), Json) :-
 %!  loose_room_conflict(+Room, +Without, -Json) is det.
 %
 %   Json lists the reasons, as in placed/3, of a minimal conflict of such a room, where the clauses Without are left out; or is
-%   null where there is none. A door of it may be span(Start,End)-Width: it stands anywhere in this part of its wall.
+%   null where there is none. A door of it may be span(Start,End)-Width: it stands anywhere in this part of its wall. Where the
+%   doors are `any`, it has one, anywhere in its front wall.
 
 loose_room_conflict(Given, Without, Json) :-
     loose_system(Given, Room, _, System),
@@ -84,6 +86,9 @@ loose_room_starts(Given, Seed, Json) :-
 
 door_start(door(Start,_,_), Start).
 
+loose_system(room(_,Type,Layout,_,W-D,any,_), Room, Doors, System) :-
+    one_door(_, Doors),
+    whole_system(Type, Layout, shape(W,D,Doors), Room, System).
 loose_system(room(_,Type,Layout,_,W-D,doors(F,L,B,K),_), Room, Doors, System) :-
     foldl(loose_doors, [F,L,B,K], [Front,Left,Back,Right], [], Ranges),
     Doors = doors(Front,Left,Back,Right),

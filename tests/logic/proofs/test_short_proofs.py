@@ -1,11 +1,15 @@
 """A proof that a plan is impossible has as few statements as suffice."""
 
+import re
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from logic import Unsatisfiable
+from logic import House, Unsatisfiable
 from logic.generation.builder import Builder
+from logic.grammar import SHIPPED, find
 from tests.logic.generation.test_shared_walls import builder
 from tests.logic.request.test_given_plan import BOXES, Box, geojson, made
 
@@ -58,3 +62,87 @@ def test_a_proof_has_as_few_lines_as_suffice(title: str, home: Builder) -> None:
     found = [each.text for each in caught.value.reasons]
     assert len(found) == len(lines), found
     assert all(any(line in text for text in found) for line in lines), found
+
+
+HOTEL = Path(__file__).parents[3] / "examples" / "hotel"
+
+FURNISHED: dict[str, tuple[Path, str, str, dict[str, Box], dict[str, str], list[str]]] = {
+    "a bed longer than its room": (
+        SHIPPED / "home",
+        "piece_size(bed, L, D, _) :- {",
+        "L >= 0.9, L =< 1.8, D >= 4.1, D =< 4.3 }.",
+        BOXES,
+        TYPED,
+        ["plan: bedroom is 4.00 by 3.50", "plan: bedroom is of type bedroom", "may(bedroom,bed,"],
+    ),
+    "a washbasin for a school": (
+        SHIPPED / "home",
+        "piece_size(sink, L, D, _) :- {",
+        "L >= 2.5, L =< 2.6, D = 0.5 }.",
+        BOXES,
+        TYPED,
+        ["plan: bath is 2.40 by 2.20", "plan: bath is of type bathroom", "may(bathroom,sink,"],
+    ),
+    "a stove for a canteen": (
+        SHIPPED / "home",
+        "piece_size(stove, L, D, _) :- {",
+        "L = 2.9, D = 2.8 }.",
+        BOXES,
+        TYPED,
+        ["plan: kitchen is 3.00 by 3.00", "plan: kitchen is of type kitchen", "may(kitchen,stove,"],
+    ),
+    "a basin for a surgery": (
+        SHIPPED / "clinic",
+        "piece_size(basin, L, D, _) :- {",
+        "L = 2.3, D = 2.0 }.",
+        {"desk": (0, 0, 5, 5), "doctor": (5, 0, 9.8, 5), "wc": (0, 5, 2.2, 7.4)},
+        {"desk": "reception", "doctor": "consulting", "wc": "washroom"},
+        ["plan: wc is 2.20 by 2.40", "plan: wc is of type washroom", "may(washroom,basin,"],
+    ),
+    "a shower for a team": (
+        HOTEL,
+        "piece_size(shower, L, D, _) :- {",
+        "L >= 2.1, L =< 2.2, D = L }.",
+        {
+            "floor": (0, 0, 10, 1.5),
+            **{f"room {n}": (5 * n, 1.5, 5 * n + 3, 5.5) for n in (0, 1)},
+            **{f"bath {n}": (5 * n + 3, 1.5, 5 * n + 5, 5.5) for n in (0, 1)},
+        },
+        {"floor": "corridor"}
+        | {f"{name} {n}": type_ for n in (0, 1) for name, type_ in (("room", "guest"), ("bath", "bath"))},
+        ["plan: bath 0 is 2.00 by 4.00", "plan: bath 0 is of type bath", "may(bath,shower,"],
+    ),
+}
+"""A grammar, a clause to edit, a plan, and what its proof names beside that clause and clearances."""
+
+CLEARANCES = ("passage(", "door_clearance(", "door_width(")
+
+
+def edited(folder: Path, pattern: str, text: str) -> None:
+    """Replace what stands once in the rules of a folder, with any spaces."""
+    spaced = r"\s*".join(map(re.escape, re.findall(r"\w+|[^\w\s]", pattern)))
+    changed = 0
+    for file in (*folder.glob("*.pl"), *folder.glob("*.lp")):
+        rules, count = re.subn(spaced, lambda _: text, file.read_text())
+        file.write_text(rules)
+        changed += count
+    assert changed == 1, pattern
+
+
+@pytest.mark.parametrize("title", FURNISHED)
+def test_a_proof_that_a_room_is_too_small_for_its_furniture_is_of_that_room_alone(
+    title: str, tmp_path: Path
+) -> None:
+    """Of the piece's size, that it must be there, the room's size and type, and what is to be free in it."""
+    grammar, size, body, boxes, types, lines = FURNISHED[title]
+    folder = shutil.copytree(grammar, tmp_path / "mine")
+    edited(folder, size, f"{size} {body} %")
+    plan = geojson(boxes, **types)
+    with pytest.raises(Unsatisfiable) as caught:
+        made(Builder(find(folder)), plan)
+    found = [each.text for each in caught.value.reasons]
+    known = (*lines, size.partition(" :-")[0])
+    assert all(any(text.startswith(line) for text in found) for line in known), found
+    assert all(text.startswith((*known, *CLEARANCES)) for text in found), found
+    edited(folder, f"{lines[2]}1,", f"{lines[2]}0,")
+    assert isinstance(made(Builder(find(folder)), plan), House)
