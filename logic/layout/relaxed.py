@@ -84,6 +84,9 @@ class Conditional(NamedTuple):
     first: dict[str, Reason]
 
 
+EVERYTHING = 15
+"""What clasp's option ``forget_on_step`` can say: scores, signs, nogoods and lemmas."""
+
 CONFLICTS = 100
 """How many conflicts clingo may meet for each layout that may be refuted, where these are limited."""
 
@@ -93,7 +96,7 @@ class Late(Exception):
 
 
 class TooMany(Exception):
-    """So many layouts were refuted that it is not known whether there is one."""
+    """The search was ended before it was known whether there is a layout."""
 
 
 Refutation = Callable[[Sequence[Symbol]], Conflict | None]
@@ -215,16 +218,19 @@ class Relaxed:
         statements: Iterable[Statement],
         refuted: Refutation = lambda _: None,
         most: float = math.inf,
+        conflicts: int | None = None,
     ) -> list[Symbol] | None:
         """The shown atoms of a layout under these statements that is not ``refuted``; None if there is none.
 
         What is refuted is excluded from then on. Raises ``Late``, and ``TooMany`` past so many refuted
-        layouts, or ``CONFLICTS`` of clingo's own for each of these.
+        layouts or ``conflicts`` of clingo's own, ``CONFLICTS`` for each of these unless it is said.
         """
         if monotonic() > self.until:
             raise Late
         excluded: list[list[int]] = []
-        self._search(models=0, conflicts="umax" if most == math.inf else str(CONFLICTS * int(most)))
+        if conflicts is None and most != math.inf:
+            conflicts = CONFLICTS * int(most)
+        self._search(models=0, conflicts=conflicts)
         try:
             # One search goes on past what is refuted: to begin another takes longer than all the rest.
             with self._control.solve(assumptions=self._assumed(statements), yield_=True) as handle:
@@ -246,6 +252,10 @@ class Relaxed:
         finally:
             self._exclude(excluded)
 
+    def forget(self) -> None:
+        """Forget after each search what it learnt: a hard one would lead those after it astray."""
+        self._control.configuration.solver.forget_on_step = EVERYTHING
+
     def left_out(self, statements: Iterable[Statement]) -> list[Statement]:
         """Those of the known statements that do not hold in the layout that was found last."""
         return [each for each in statements if not self._failing.isdisjoint(each.literals)]
@@ -262,13 +272,14 @@ class Relaxed:
     def core(self, statements: Sequence[Statement]) -> list[Statement]:
         """Some of these statements, which have no layout, that have none by themselves."""
         core: set[int] = set()
-        self._search(models=1, conflicts="umax")
+        self._search(models=1, conflicts=None)
         self._control.solve(assumptions=self._assumed(statements), on_core=core.update)
         return [statement for statement in statements if core.intersection(statement.literals)]
 
-    def _search(self, models: int, conflicts: str) -> None:
+    def _search(self, models: int, conflicts: int | None) -> None:
+        """Look for so many layouts, all with 0, before so many conflicts, if these are limited."""
         solve = self._control.configuration.solve
-        solve.models, solve.solve_limit = models, f"{conflicts},umax"
+        solve.models, solve.solve_limit = models, f"{conflicts or 'umax'},umax"
 
     def _assumed(self, statements: Iterable[Statement]) -> list[int]:
         return self._given + [literal for statement in statements for literal in statement.literals]

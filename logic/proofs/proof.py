@@ -31,7 +31,9 @@ class Prover:
     def unsatisfiable(self, found: NoLayout) -> Unsatisfiable:
         """Why a request has no house, by the evidence that stage 1 has found no layout for it."""
         request = found.request
-        self._of.placer.account.at(PROOF, f"the proof that there is no house with {request}")
+        self._of.placer.account.at(
+            PROOF, f"why there is no house with {request}: that there is none is proved"
+        )
         relaxed, statements = self._of.house(request, found.unfurnishable)
         bare_rooms: dict[Reason, list[Refuted]] = defaultdict(list)
         for each in found.refuted:

@@ -250,7 +250,7 @@ def _houses(
             worker = team[turn % len(team)]
             late = f"house {index} reached its limit of {seconds:g} seconds: raise it with --seconds"
             try:
-                made = worker.answer(Made, seconds, late, rooms)
+                made = worker.answer(Made, seconds, late, rooms, question.request)
             finally:
                 if warn and worker.is_alive():
                     _warn(worker, *rooms)

@@ -61,6 +61,12 @@ class Explain(Question, frozen=True, tag=True):
     inferences: int
 
 
+class Ease(Question, frozen=True, tag=True):
+    """What makes a layout of a request easy to find: ``Eased``, as it is found, then ``Done``."""
+
+    request: dict[str, Any]
+
+
 class Promise(Question, frozen=True, tag=True):
     """What houses of so many rooms promise: ``Promised``."""
 
@@ -116,6 +122,12 @@ class Explained(msgspec.Struct, frozen=True, tag=True):
     why: Why
 
 
+class Eased(msgspec.Struct, frozen=True, tag=True):
+    """With or without what a layout is soon found."""
+
+    how: str
+
+
 class Promised(msgspec.Struct, frozen=True, tag=True):
     """What houses keep."""
 
@@ -150,6 +162,6 @@ class Late(msgspec.Struct, frozen=True, tag=True):
     account: str
 
 
-Asked = Prepare | Open | MakeHouse | CountLayouts | Explain | Promise | Lint | Warn
-Answer = Prepared | Loaded | Judged | Made | Counted | Explained | Promised | Done
+Asked = Prepare | Open | MakeHouse | CountLayouts | Explain | Ease | Promise | Lint | Warn
+Answer = Prepared | Loaded | Judged | Made | Counted | Explained | Eased | Promised | Done
 Said = Answer | Failed | Trying | Working | Late

@@ -21,10 +21,12 @@ import msgspec
 from msgspec.structs import replace
 
 from logic.errors import GrammarError, LimitReached, VitruviusError, from_record
-from logic.layout.account import GROUNDING
+from logic.layout.account import GROUNDING, LAYOUT, MOST, PROOF
 from logic.workers.messages import (
     Asked,
     Done,
+    Ease,
+    Eased,
     Failed,
     Judged,
     Late,
@@ -96,7 +98,8 @@ class Solver:
 
     def _start(self) -> None:
         self._step: VitruviusError | None = None
-        self._trial: Solver | None = None
+        self._helper: Solver | None = None
+        self._easing = False
         package, path = Path(__file__).parents[1] / "__init__.py", os.environ.get("PYTHONPATH", "")
         try:
             # In a new session: Ctrl-C goes to the parent alone, which then ends the worker.
@@ -161,23 +164,38 @@ class Solver:
         self.open(replace(self._opening, trial=(), step=STEP))
         return self.answer((Loaded, Judged), max(0.0, end - time.monotonic()), late)
 
-    def _suspect(self, rooms: Sequence[int]) -> None:
-        """Let another process find out which rule takes too much in houses of so many rooms."""
-        if self._trial is None and rooms:
-            self._trial = Solver(replace(self._opening, trial=(*rooms,), step=STEP))
+    def _help(self, stage: str, request: dict[str, Any] | None, rooms: Sequence[int], seconds: float) -> None:
+        """Let another process find out why this one is long at a stage: which rule takes too much to ground
+        in houses of so many rooms, or what of a request's rules makes its layouts hard to find.
+        """
+        with contextlib.suppress(LimitReached):
+            if stage == GROUNDING and rooms and self._helper is None:
+                self._helper = Solver(replace(self._opening, trial=(*rooms,), step=STEP))
+            elif stage in (LAYOUT, PROOF) and request and not self._easing:
+                self._end_helper()
+                self._helper, self._easing = Solver(replace(self._opening, remarks=False)), True
+                self._helper.ask(Ease(request=request), seconds)
 
-    def _blamed(self) -> GrammarError | None:
-        """What that other process has found so far, if there is one, and anything."""
-        trial, self._trial = self._trial, None
-        if trial is None:
-            return None
+    def _end_helper(self) -> None:
+        if self._helper is not None:
+            self._helper.end()
+            self._helper, self._easing = None, False
+
+    def _found(self) -> tuple[GrammarError | None, list[str]]:
+        """What the other process has found so far: a rule at fault; how layouts are found."""
+        ways: list[str] = []
+        if self._helper is None:
+            return None, ways
         try:
-            trial.answer((Loaded, Judged), -GRACE, "")
+            self._helper.answer((Loaded, Judged), -GRACE, "")
+            while len(ways) < MOST:
+                ways.append(self._helper.answer(Eased, -GRACE, "").how)
+                self._helper.unanswered += 1
         except VitruviusError as error:
-            return error if isinstance(error, GrammarError) else None
+            return (error if isinstance(error, GrammarError) else None), ways
         finally:
-            trial.end()
-        return None
+            self._end_helper()
+        return None, ways
 
     def answer(
         self,
@@ -185,10 +203,10 @@ class Solver:
         seconds: float,
         late: str,
         rooms: Sequence[int] = (),
+        request: dict[str, Any] | None = None,
     ) -> Kind:
         """Wait for the answer, of these kinds, to the oldest open question. Past the seconds ``LimitReached``
-        says ``late``, what the process was doing, and what a trial with so many ``rooms`` found, if rules
-        were ground.
+        says ``late``, what the process was doing, and what another found meanwhile (``_help``).
         """
         deadline = time.monotonic() + seconds + GRACE
         while True:
@@ -204,15 +222,17 @@ class Solver:
                 case Trying(error):
                     self._step = from_record(error) if error else None
                 case Working(stage):
-                    if stage == GROUNDING:
-                        self._suspect(rooms)
+                    self._help(stage, request, rooms, max(0.0, deadline - time.monotonic()))
                 case Late(account):
-                    at_fault = self._blamed()
-                    raise LimitReached(f"{late}: {at_fault}" if at_fault else f"{late}. {account}")
+                    at_fault, ways = self._found()
+                    if at_fault:
+                        raise LimitReached(f"{late}: {at_fault}")
+                    eased = "\n  ".join(["\nA layout is soon found", *ways]) if ways else ""
+                    raise LimitReached(f"{late}. {account}{eased}")
                 case said:
                     break
         self.unanswered -= 1
-        self._blamed()
+        self._end_helper()
         if isinstance(said, Failed):
             error = from_record(said.error)
             raise (self._step if isinstance(error, LimitReached) else None) or error
@@ -257,7 +277,7 @@ class Solver:
 
     def end(self) -> None:
         """Kill the process: it holds nothing that anyone needs."""
-        self._blamed()
+        self._end_helper()
         self._kill()
         self._process.communicate()
         self._answers.close()

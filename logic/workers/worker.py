@@ -26,6 +26,8 @@ from logic.workers.messages import (
     Counted,
     CountLayouts,
     Done,
+    Ease,
+    Eased,
     Explain,
     Explained,
     Failed,
@@ -47,7 +49,7 @@ from logic.workers.messages import (
 )
 
 EARLY = 4.0
-"""Seconds after which it is said which stage is at work, or a fourth of those that there are."""
+"""Seconds after which it is said which stage is at work, or a fourth of those there are; again at half."""
 
 GRACE = 1.0
 """Seconds of processor time beyond the limit of a request, in which the process says what it was doing."""
@@ -97,11 +99,11 @@ class Answers:
         """
         timers = []
         if seconds is not None:
-            early = min(seconds / 4, EARLY)
+            work = [self._asked, lambda: Working(account().stage)]
             timers = [
-                threading.Timer(early, self._say, [self._asked, lambda: Working(account().stage)]),
-                threading.Timer(seconds, self._end, [self._asked, account]),
+                threading.Timer(after, self._say, work) for after in (min(seconds / 4, EARLY), seconds / 2)
             ]
+            timers.append(threading.Timer(seconds, self._end, [self._asked, account]))
         for timer in timers:
             timer.daemon = True
             timer.start()
@@ -157,6 +159,7 @@ class Worker:
         """Those of rules that are loaded."""
         from logic.language.linter import all_warnings, warnings
         from logic.proofs.answer import house_or_proof
+        from logic.proofs.easing import easing
         from logic.request.request import Request
 
         builder = self._builder
@@ -173,6 +176,10 @@ class Worker:
                 yield Done()
             case Explain():
                 yield from self._explained(question)
+                yield Done()
+            case Ease():
+                for how in easing(builder, Request.read(question.request)):
+                    yield Eased(how)
                 yield Done()
             case Promise():
                 yield Promised(builder.promises(Request(question.rooms)))
