@@ -12,6 +12,7 @@ from typing import NamedTuple
 import msgspec
 
 from logic import House, HouseFileError, RequestError, load
+from logic.house.files import STANDARD
 from logic.spelling import unknown
 
 TRAINING, VALIDATION, TEST = range(10**9), range(10**9, 2 * 10**9), range(2 * 10**9, 2**31)
@@ -97,7 +98,7 @@ def named(houses: str | Path) -> list[House]:
         return benchmark(str(houses))
     if str(houses) == PAPER_HOUSE:
         return house_list(PAPER_HOUSE)
-    if not Path(houses).suffix and not Path(houses).exists():
+    if Path(houses) != STANDARD and not Path(houses).suffix and not Path(houses).exists():
         known = unknown("bank", houses, [*BANKS, PAPER_HOUSE])
         raise HouseFileError(f"{known}; or name a house file, such as houses.jsonl")
     return load(houses)

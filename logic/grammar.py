@@ -126,6 +126,8 @@ def _is_utf8(path: Path) -> bool:
 def folder(grammar: str | Path) -> Path:
     """The directory of a grammar, whatever is in it. Raises ``GrammarError`` where there is none."""
     directory = SHIPPED / grammar if str(grammar) in shipped() else Path(grammar)
+    if str(grammar) == "-":
+        raise GrammarError("-: a grammar is a folder of rule files, and not read from the standard input")
     if directory.is_file():
         meant = f": did you mean {directory.parent}?" if directory.suffix in (".lp", ".pl") else ""
         raise GrammarError(f"is a file, and a grammar is a folder of rule files{meant}", directory)

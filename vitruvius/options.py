@@ -23,6 +23,12 @@ from logic.spelling import closest, unknown
 METAVARS = {int: "N", float: "X", str: "TEXT", Path: "PATH"}
 """What stands for a value in help, by its type."""
 
+DASH = "a dash is a standard stream"
+"""Marks a field, by ``Annotated``, whose value may be ``-``: the standard input, or output of ``--out``."""
+
+Streamed = Annotated[Path, DASH]
+"""A file that may be ``-``."""
+
 
 @dataclass(frozen=True)
 class Option:
@@ -47,6 +53,8 @@ class Option:
     """Whether it is given once for each value."""
     optional: bool = False
     """Whether it takes the word None."""
+    dash: bool = False
+    """Whether ``-`` is a standard stream."""
 
     @property
     def flag(self) -> str:
@@ -64,15 +72,26 @@ class Option:
         """Raise ``RequestError`` for a value that it cannot have."""
         if self.optional and value == "None":
             return
+        shown = value if self.positional else f"{self.flag} {value}"
+        if self.type in (str, Path) and not value.strip():
+            named = self.metavar if self.positional else self.flag
+            raise RequestError(f"{named}: is empty: give {self.metavar}: {self.help}")
+        if self.type is Path and value == "-" and not self.dash:
+            way = "written to the standard output" if self.writes else "read from the standard input"
+            raise RequestError(f"{shown}: is not {way}: give a path: {self.help}")
         if self.choices and value not in self.choices:
-            given = value if self.positional else f"{self.flag} {value}"
-            raise RequestError(f"{given}: {unknown(self.shown.lower() or self.name, value, self.choices)}")
+            raise RequestError(f"{shown}: {unknown(self.shown.lower() or self.name, value, self.choices)}")
         if self.type in (int, float):
             try:
                 self.type(value)
             except ValueError:
                 kind = "whole number" if self.type is int else "number"
                 raise RequestError(f"{self.flag} {value}: give a {kind}, as in {self._example()}") from None
+
+    @property
+    def writes(self) -> bool:
+        """Whether it names what is written."""
+        return self.name == "out"
 
     def _example(self) -> str:
         """The option with a value that it may have."""
@@ -148,7 +167,7 @@ def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> N
     """Raise ``RequestError`` for arguments that are no command's: an option that it lacks or a value that one
     cannot have, a word too many or one that is missing.
     """
-    loose, given = list[str](), set[str]()
+    loose, given, dashes = list[str](), set[str](), list[str]()
     left = list(arguments)
     while left:
         word = left.pop(0)
@@ -171,7 +190,12 @@ def require(prog: str, arguments: Sequence[str], options: Sequence[Option]) -> N
         for each in values:
             option.require(each)
         given.add(option.name)
+        if option.dash and not option.writes and "-" in values:
+            dashes.append(f"{option.flag} -")
     _require_loose(prog, loose, options)
+    if len(dashes) + loose.count("-") > 1:
+        both = " and ".join([*["-"] * loose.count("-"), *dashes])
+        raise RequestError(f"{prog}: {both}: there is one standard input: name a file for the others")
     for option in options:
         if option.default is MISSING and not option.positional and option.name not in given:
             raise RequestError(f"{prog}: give {option.flag} {option.metavar}: {option.help}")
@@ -241,6 +265,7 @@ def _option(name: str, hint: Any, default: Any, sentence: str, group: str) -> Op
         several=several and not repeated,
         repeated=repeated,
         optional=optional,
+        dash=DASH in marks,
     )
 
 

@@ -16,6 +16,7 @@ import msgspec
 from agent.algorithms.table import PRESETS
 from agent.learning.config import TrainConfig
 from logic.errors import VitruviusError
+from logic.house.files import opened
 from logic.spelling import unknown
 from vitruvius.options import Option, options_of
 
@@ -102,7 +103,7 @@ def read(path: Path, preset: Any = None) -> tuple[Any, TrainConfig, dict[str, st
 def _text(path: Path) -> str:
     """The file's content. Raises ``SettingsError``."""
     try:
-        with path.open("rb") as file:
+        with opened(path) as file:
             content = file.read(MOST_BYTES + 1)
         if len(content) > MOST_BYTES:
             raise SettingsError(f"{path}: more than {MOST_BYTES >> 20} MiB: no file of settings has")

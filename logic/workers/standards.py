@@ -10,6 +10,7 @@ import msgspec
 from logic.checking.check import violations
 from logic.errors import HouseFileError, RequestError
 from logic.grammar import find, shipped
+from logic.house.files import opened
 from logic.house.house import House
 from logic.house.promises import PROMISES, Promises, read_promises
 from logic.spelling import unknown
@@ -21,6 +22,9 @@ Standard = Promises | Mapping[str, Any] | str | Path
 
 DEFAULT = "original"
 """The promises of stars that name no grammar: the paper's constraints, whatever the sizes."""
+
+MOST_BYTES = 1 << 20
+"""What is read of a file of promises."""
 
 SECONDS = 60.0
 """Most seconds to find what a grammar promises."""
@@ -76,7 +80,8 @@ def standard(named: Standard) -> Callable[[House], Promises]:
 def _read(file: Path) -> dict[str, Any]:
     """Promises by name, as a JSON file states them."""
     try:
-        stated = msgspec.json.decode(file.read_bytes(), type=dict[str, Any])
+        with opened(file) as content:
+            stated = msgspec.json.decode(content.read(MOST_BYTES), type=dict[str, Any])
         read_promises(stated, Promises())
     except FileNotFoundError:
         other = unknown("grammar", file, shipped())

@@ -18,6 +18,7 @@ from logic.errors import RequestError
 from logic.request.request import MOST, whole
 from logic.terminal import say
 from vitruvius.commands.common import print_answer
+from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
     from agent.evaluation.scores import Bank
@@ -38,7 +39,7 @@ class Evaluate:
     paper-original).
     Checkpoints that differ in their training seed alone are runs of one agent. None: the references alone."""
 
-    houses: Path = Path(banks.NAME)
+    houses: Streamed = Path(banks.NAME)
     """Houses to measure in: a frozen bank of 256, test-v1 (family, 2 to 6 rooms), home-test-v1 (home, 4 to 10
     rooms), large-test-v1 or home-large-test-v1 (8 to 12), the paper's house, paper-house, or a house file.
     An object goal is played in those that have the piece, and free floor beside it."""
@@ -216,7 +217,7 @@ class Record:
     agent: tyro.conf.Positional[Path]
     """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
 
-    houses: tyro.conf.Positional[Path]
+    houses: tyro.conf.Positional[Streamed]
     """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
 
     house: int = 0

@@ -5,6 +5,7 @@ import json
 import os
 import time
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -16,6 +17,7 @@ from logic.house.house import House
 from logic.spelling import quoted
 from logic.terminal import progress, progress_bar, say
 from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
+from vitruvius.options import Streamed
 
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 """Why a file is written in part: the disk is full, or a quota, or the file as large as it may be."""
@@ -45,7 +47,7 @@ class Generate:
     cell: float = 0.0
     """Side of a grid's cell in metres, on which every edge shall lie; 0 for none."""
 
-    plan: Path | None = None
+    plan: Streamed | None = None
     """House file of one house, or GeoJSON: its rooms have their places, and all else is generated in them."""
 
     plan_unit: str = "m"
@@ -54,7 +56,7 @@ class Generate:
     snap: float = 0.01
     """Metres within which edges of the plan's rooms are one wall; what is moved is said."""
 
-    keep: Path | None = None
+    keep: Streamed | None = None
     """House file: a house of it keeps its rooms, and the rest is generated around them. Where rooms share
     walls, all walls, doors and windows stay; types and furniture of the other rooms are generated."""
 
@@ -89,7 +91,7 @@ class Generate:
     count_layouts: bool = False
     """Make no houses, but count the layouts from which they are sampled."""
 
-    out: Path | None = None
+    out: Streamed | None = None
     """House file (.jsonl, .jsonl.gz, or .json for one house); without it, or with -, to the standard
     output."""
 
@@ -181,7 +183,7 @@ class Generate:
 
     def _kept(self) -> House | None:
         """The rooms that are kept. Raises ``RequestError`` for one that is not there."""
-        house = self._house_kept()
+        house = self._house_kept
         try:
             return house.only(*self.keep_rooms) if house and self.keep_rooms else house
         except ValueError as error:
@@ -191,13 +193,14 @@ class Generate:
         """A house that is no star, as the plan in which rooms of it are kept: others may have any type."""
         from msgspec.structs import replace
 
-        house = self._house_kept()
+        house = self._house_kept
         if house is None or house.is_star:
             return None
         names = self.keep_rooms or [room.name for room in house.rooms]
         rooms = (room if room.name in names else replace(room, type="") for room in house.rooms)
         return replace(house, rooms=tuple(rooms))
 
+    @cached_property  # what comes by the standard input is read once
     def _house_kept(self) -> House | None:
         """The house of which rooms are kept. Raises ``RequestError`` where there is none."""
         from logic import load

@@ -1,5 +1,6 @@
 """``vitruvius check``, ``draw`` and ``convert``: what is done with files of houses."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
@@ -10,6 +11,7 @@ from logic.exports import FORMATS
 from logic.spelling import printable
 from logic.terminal import progress, say
 from vitruvius.commands.common import Repeated, print_answer
+from vitruvius.options import DASH, Streamed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,10 +30,10 @@ OTHERS = "; ".join(f"{name}: {each.words}" for name, each in FORMATS.items()) + 
 class Check:
     """Check houses by plain geometry, apart from the rules that made them. Houses count from 0."""
 
-    file: tyro.conf.Positional[Path]
+    file: tyro.conf.Positional[Streamed]
     """House file, or - for the standard input."""
 
-    promises: Annotated[str | None, tyro.conf.arg(metavar="FILE|GRAMMAR")] = None
+    promises: Annotated[str | None, tyro.conf.arg(metavar="FILE|GRAMMAR"), DASH] = None
     """Judge by other promises than the houses' own: a JSON file that replaces some of them, as
     {"door_clearance": 0.9, "passage": 0.9}, or a grammar, by its name or folder (docs/house-file.md)."""
 
@@ -85,7 +87,7 @@ class Draw:
         "json": "For programs",
     }
 
-    file: tyro.conf.Positional[Path]
+    file: tyro.conf.Positional[Streamed]
     """House file, or - for the standard input."""
 
     out: Path = Path("plans")
@@ -111,7 +113,7 @@ class Draw:
     paper: Literal["A4", "A3", "A2", "A1", "A0"] | None = None
     """With --scale: the size of the pages; by default for each house the smallest that holds it."""
 
-    diff: Path | None = None
+    diff: Streamed | None = None
     """Another house file: draw what came, went and moved from each house of the first to the one at its place
     in this one."""
 
@@ -210,11 +212,12 @@ class Draw:
 class Convert:
     """Write houses of any format as a house file of today, or in the format of another tool."""
 
-    file: tyro.conf.Positional[Path]
+    file: tyro.conf.Positional[Streamed]
     """House file, or - for the standard input."""
 
-    out: Path
-    """The new house file (.jsonl, .jsonl.gz, or .json for one house); for other formats a folder."""
+    out: Streamed
+    """The new house file (.jsonl, .jsonl.gz, or .json for one house), or - for the standard output; for other
+    formats a folder."""
 
     to: Annotated[Format, tyro.conf.arg(metavar="FORMAT", help=OTHERS)] = "vitruvius-2"
     """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house."""
@@ -229,10 +232,12 @@ class Convert:
         """Read the houses and write them."""
         from logic import load, save
         from logic.exports import export
-        from logic.house.files import HOUSE_FILES, require_ending, require_folder
+        from logic.house.files import HOUSE_FILES, STANDARD, require_ending, require_folder
         from logic.house.replacing import require_same_houses
         from vitruvius.answers.houses import Written
 
+        if self.out == STANDARD:
+            return self._print()
         if self.to == "vitruvius-2":
             require_ending(self.out, HOUSE_FILES)
             houses = [house.converted() for house in load(self.file)]
@@ -250,6 +255,19 @@ class Convert:
         if self.json:
             print_answer("convert", Written([str(each) for each in written]))
         say(f"{written[0]}{f' to {written[-1].name}' if len(written) > 1 else ''}: {len(written)} converted")
+        return 0
+
+    def _print(self) -> int:
+        """Write the houses to the standard output. Raises ``RequestError`` where it takes several files."""
+        from logic import load
+        from logic.errors import RequestError
+
+        if self.to != "vitruvius-2":
+            raise RequestError(f"--out -: --to {self.to} writes a file for each house: name a folder")
+        if self.json:
+            raise RequestError("--out - and --json: the houses are printed, or the answer: leave out one")
+        for house in load(self.file):
+            print(json.dumps(house.converted().to_dict()), flush=True)
         return 0
 
 

@@ -15,6 +15,7 @@ from logic import House
 from logic.errors import MissingProgram, RequestError
 from logic.request.request import whole
 from logic.terminal import say
+from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
     from agent.play.window import Window
@@ -29,7 +30,7 @@ class Play:
 
     groups: ClassVar = {"house": "The game", "player": "Results"}
 
-    houses: tyro.conf.Positional[Path] = Path(banks.NAME)
+    houses: tyro.conf.Positional[Streamed] = Path(banks.NAME)
     """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
 
     house: int | None = None

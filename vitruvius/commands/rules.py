@@ -12,6 +12,7 @@ from logic.errors import RequestError
 from logic.spelling import printable, quoted
 from logic.terminal import say
 from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
+from vitruvius.options import Streamed
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Explain:
 
     groups: ClassVar = {"why": "A part of a house", "rooms": "A request", "grammar": "Rules, limits, answer"}
 
-    file: tyro.conf.Positional[Annotated[Path | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
+    file: tyro.conf.Positional[Annotated[Streamed | None, tyro.conf.arg(metavar="[HOUSES]")]] = None
     """House file: explain a part of a house in it."""
 
     why: str | None = None
@@ -39,7 +40,7 @@ class Explain:
     piece: Annotated[tuple[str, ...], Repeated, tyro.conf.arg(metavar="[TYPE.]PIECE=COUNT")] = ()
     """Number of pieces in each room that may have them: bed=1, bedroom.wardrobe=1..2."""
 
-    plan: Path | None = None
+    plan: Streamed | None = None
     """A house file of one house, or GeoJSON, with all rooms in their places."""
 
     plan_unit: str = "m"

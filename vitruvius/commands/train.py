@@ -20,7 +20,7 @@ from agent.learning.config import TrainConfig
 from logic.errors import RequestError
 from logic.spelling import quoted, unknown
 from vitruvius.commands.common import print_answer
-from vitruvius.options import options_of
+from vitruvius.options import Streamed, options_of
 from vitruvius.settings import read, written
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Train(Generic[Kind]):
 
     groups: ClassVar = {"out": "The run", "preset": "Settings"}
 
-    houses: tyro.conf.Positional[Path | None] = None
+    houses: tyro.conf.Positional[Streamed | None] = None
     """House file to learn in: vitruvius generate makes one. By default 32 houses that come with Vitruvius,
     for preset paper the paper's house, paper-house."""
 
@@ -57,7 +57,7 @@ class Train(Generic[Kind]):
     preset: Preset = "pqn"
     """Where all settings that are not given come from: train --preset NAME --help shows its values."""
 
-    config: Path | None = None
+    config: Streamed | None = None
     """TOML file of settings, as --print-config prints it; what is given on the command line wins over it."""
 
     print_config: bool = False
@@ -79,6 +79,8 @@ class Train(Generic[Kind]):
         if not files:
             preset = asked or "pqn"
             return Train(preset=preset, learning=PRESETS[preset])
+        [option] = (each for each in options_of(Train()) if each.name == "config")
+        option.require(files[-1])
         preset, learning, beside = read(Path(files[-1]), asked)
         # The command line adds fields of the simulator to these, and wins.
         ours = {text.partition("=")[0] for text in _given(arguments, "--sim")}
