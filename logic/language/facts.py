@@ -96,8 +96,8 @@ class Facts:
         for symbol in probe.atoms("twice", 2):
             facts = sorted(map(stated, symbol.arguments), key=lambda fact: self.at(fact, "").line or 0)
             first = self.at(facts[0], "")
-            place = f"{Path(str(first.file)).name}:{first.line}:{first.column}"
-            why = f"{facts[1]}: {facts[0]} is stated too, at {place}: keep one of them"
+            place = f", at {Path(str(first.file)).name}:{first.line}:{first.column}" if first.line else ""
+            why = f"{facts[1]}: {facts[0]} is stated too{place}: keep one of them"
             values.append(Mistake(self.at(facts[1], why)))
         return values, list(absent.values())
 

@@ -30,6 +30,7 @@ from logic.house.promises import PASSAGE
 from logic.language.audit import CHOICE, DIRECTIVES, STAGES
 from logic.language.facts import NAME, NO_NAME
 from logic.language.heads import BY_CONSTRAINT, ELSEWHERE, MOVED, TAKEN, UNNAMED, choices, closed, why_closed
+from logic.language.integers import GREATEST
 from logic.language.statements import place
 from logic.language.vocabulary import Signature, Words, core_words
 from logic.layout.messages import SYNTAX
@@ -65,6 +66,7 @@ def bundle() -> dict[str, object]:
         "mostTries": MOST_TRIES,
         "mostRooms": MOST_ROOMS,
         "inferences": INFERENCES,
+        "greatest": GREATEST,
         "far": FAR,
         "more": MORE,
         "mostLayouts": MOST_LAYOUTS,

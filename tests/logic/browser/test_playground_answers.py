@@ -42,6 +42,10 @@ MISTAKES = {
     "a choice that nobody offers": "#program house.\n:- pick(nothing,1).",
     "a name that nothing derives": "#program house.\n:- rom(0,hall).",
     "a name that nothing uses": "#program house.\nlonely(R) :- room(R,hall).",
+    "a misspelt type": "#program house.\n:- room(_,hal).",
+    "a misspelt side": "#program house.\n:- window(_,nroth).",
+    "a name in no fact": "#program house.\n:- room(0,cellar), room(1,cellar).",
+    "a number that is read as another": "#program house.\n:- rooms > 4294967298, room(0,hall).",
     "a type that is no word": "type(3). empty(3). opens(hall,3).",
 }
 

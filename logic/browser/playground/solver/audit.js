@@ -16,7 +16,7 @@ export function refused(own, topology, bundle) {
     const why = objection(text, bundle) || closed(text, place.file, topology, bundle);
     if (why) return { ...place, why };
   }
-  return unknownChoice(own, all, topology) ?? misspeltLine(all);
+  return tooLarge(own, bundle) ?? unknownChoice(own, all, topology) ?? misspeltLine(all);
 }
 
 /** Why no grammar has a statement; empty where it may. */
@@ -85,6 +85,53 @@ function misspeltLine(all) {
     const others = [...uses.keys()].filter((each) => each !== name);
     const near = name === "outline" || places.length !== 1 ? "" : closest(name, others);
     if (near) return { ...places[0], why: `${name} is a line that stands nowhere else: did you mean ${near}?` };
+  }
+  return null;
+}
+
+/** A name that no other statement names, or no fact or head: { why, isNear, file, line, column }. `lengths`: texts of the .pl files. */
+export function misspeltName(own, lengths, { table }) {
+  const all = own.flatMap((file) => [...statements(file)]);
+  const heads = all.map(({ text }) => rule(text)?.head ?? "");
+  const stated = new Set(heads.flatMap((head) => [...head.matchAll(CONSTANT)].map(([name]) => name)));
+  const defined = all.flatMap(({ text }) => /^#const\s+([\w']+)/.exec(text)?.[1] ?? []);
+  const atoms = [...table.known, ...heads.flatMap((head) => atomOf(head)?.signature ?? [])];
+  const apart = heads.map(atomOf).filter((head) => head && ["option/3", "topology/1"].includes(head.signature))
+    .map(({ args, signature }) => args[signature === "option/3" ? 1 : 0]);
+  const sized = lengths.flatMap((text) => [...text.matchAll(/^\s*\w+\(\s*([a-z]\w*)/gm)].map(([, name]) => name));
+  const words = apart.flatMap((text) => text.match(/[\w']+/g) ?? []);
+  const elsewhere = new Set([...table.constants, ...table.defined, ...sized, ...words]);
+  const lines = new Set(heads.flatMap((head) => (atomOf(head)?.signature === "edge/3" ? atomOf(head).args[2].match(/\b[a-z]\w*/g) ?? [] : [])));
+  // A value in a table of the grammar's own, such as zone(kitchen,loud).
+  const tables = heads.map(atomOf).filter((head) => head && !table.known.includes(head.signature));
+  const others = new Set([...elsewhere, ...stated, ...defined]);
+  const uses = new Map();
+  for (const file of own) {
+    const bare = blank(file.text).replace(/#(?:program|const|defined)\b[^.]*\./g, (part) => part.replace(/[^\n]/g, " "));
+    for (const { 0: name, index } of bare.matchAll(CONSTANT)) {
+      if (name === "not" || elsewhere.has(name) || defined.includes(name) || atoms.includes(`${name}/0`)) continue;
+      uses.set(name, [...(uses.get(name) ?? []), { file: file.name, ...placeOf(bare, index) }]);
+    }
+  }
+  for (const [name, places] of uses) {
+    const near = meant(name, [...others].filter((each) => each !== name));
+    const isOnce = places.length === 1;
+    if ((lines.has(name) && !near) || (isOnce && tables.some(({ args }) => args.some((each) => new RegExp(`\\b${name}\\b`).test(each))))) continue;
+    if (isOnce || !stated.has(name)) return { ...places[0], isNear: near !== "", why: `${name} stands ${isOnce ? "nowhere else" : "in no fact or head"}${near}` };
+  }
+  return null;
+}
+
+/** A word that is no predicate's, function's or variable's. */
+const CONSTANT = /(?<![\w'#])[a-z][\w']*(?![\w']|\s*\()/g;
+
+/** The first number that clingo reads as another one. */
+function tooLarge(own, { greatest }) {
+  for (const file of own) {
+    const bare = blank(file.text);
+    for (const { 1: sign, 2: number, 0: text, index } of bare.matchAll(/((?<![\w)])-\s*)?(?<![\w'])(0x[0-9a-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])/g))
+      if (BigInt(number) > BigInt(greatest) + (sign ? 1n : 0n))
+        return { why: `${number}: a whole number is ${greatest} at most`, file: file.name, ...placeOf(bare, index + text.length - number.length) };
   }
   return null;
 }

@@ -1,7 +1,7 @@
 /** A grammar: its rule files, what they state, and the programs of stage 1 that they make. As logic/grammar.py, loaded.py. */
 
 import { Program, RuleError } from "./program.js";
-import { blank, placeOf, refused, unknownPredicate } from "./audit.js";
+import { blank, misspeltName, placeOf, refused, unknownPredicate } from "./audit.js";
 import { unknown } from "./spelling.js";
 import { statements } from "./statements.js";
 import { atom, compound, list, parseTerm, termText } from "./terms.js";
@@ -97,14 +97,7 @@ export class Grammar {
     const of = (name) => facts.filter((fact) => fact.name === name).map((fact) => fact.args);
     const without = this.withoutRule();
     new Program(this.clingo, [...this.asp, known], {}, ["room"]).atoms();
-    const unknown = unknownPredicate(this.own, this.topology, [...without, ...this.withoutRule()]);
-    if (unknown) throw new RuleError(unknown.why, unknown.file, unknown.line, unknown.column);
-    for (const [fact, why] of of("wrong")) throw this.at(fact, `${stated(fact)}: ${JSON.parse(why.string)}`);
-    for (const [one, other] of of("twice")) throw this.at(other, `${stated(other)}: ${stated(one)} is stated too: keep one of them`);
-    const isName = new RegExp(`^${this.bundle.name}$`);
-    for (const [kind, place, names] of [["type", 0, ["type"]], ["piece", 1, ["may", "beside", "around"]]])
-      for (const { name, args } of facts.filter((fact) => names.includes(fact.name)))
-        if (!isName.test(termText(args[place]))) throw this.at({ name, args }, `${termText(args[place])}: ${this.bundle.says.noName[kind]}`);
+    this.refuseMistakes(facts, [...without, ...this.withoutRule()]);
     this.types = of("type").map(([type]) => type.name).sort();
     if (!this.types.length) throw new RuleError("no room type: state type/1 in a .lp file", this.own[0].name, 1, 1);
     this.mostRooms = Math.min(this.bundle.mostRooms, ...of("most_rooms").map(([most]) => most));
@@ -115,6 +108,27 @@ export class Grammar {
         if (pieces.includes(piece.name) && !pieces.includes(companion.name)) pieces.push(companion.name);
     this.lit = new Set(of("lit").map(([type]) => type.name));
     this.turned = new Set([...of("turns").map(([piece]) => piece.name), ...of("around").map(([, companion]) => companion.name)]);
+  }
+
+  /** What is misspelt, and what is wrong with facts, in the order in which one mistake hides another. */
+  refuseMistakes(facts, without) {
+    const of = (name) => facts.filter((fact) => fact.name === name).map((fact) => fact.args);
+    const refuse = (found) => {
+      if (found) throw new RuleError(found.why, found.file, found.line, found.column);
+    };
+    refuse(unknownPredicate(this.own, this.topology, without));
+    // A value that is wrong explains a strange name in it, and a misspelt name that something is not there.
+    const [values, absent] = [false, true].map((isAbsent) => of("wrong").filter(([, why]) => JSON.parse(why.string).includes(": see ") === isAbsent));
+    for (const [fact, why] of values) throw this.at(fact, `${stated(fact)}: ${JSON.parse(why.string)}`);
+    for (const [one, other] of of("twice")) throw this.at(other, `${stated(other)}: ${stated(one)} is stated too: keep one of them`);
+    const lengths = Object.keys(this.files).filter((name) => name.endsWith(".pl")).map((name) => this.files[name]);
+    const misspelt = misspeltName(this.own, lengths, this.topology);
+    if (misspelt?.isNear || !absent.length) refuse(misspelt);
+    for (const [fact, why] of absent) throw this.at(fact, `${stated(fact)}: ${JSON.parse(why.string)}`);
+    const isName = new RegExp(`^${this.bundle.name}$`);
+    for (const [kind, place, names] of [["type", 0, ["type"]], ["piece", 1, ["may", "beside", "around"]]])
+      for (const { name, args } of facts.filter((fact) => names.includes(fact.name)))
+        if (!isName.test(termText(args[place]))) throw this.at({ name, args }, `${termText(args[place])}: ${this.bundle.says.noName[kind]}`);
   }
 
   /** What clingo says of atoms that no rule of the last program derives, in the user's files. */
