@@ -1,17 +1,18 @@
 """Houses of units, as buildings of flats: each unit is a plan by itself, entered from a public room.
 
-The rules say which units there are and where (the program ``units`` of a topology). Their depths are sampled,
-then the rooms of each: any length between two bounds is possible for these. So all units are placed together
-within their bounds, and then the walls of each at its own size. The time is linear in the number of units.
+Their depths are sampled; the rules say which units there are and where (the program ``units`` of a topology).
+Then come the rooms of each: any length between two bounds is possible for these. So all units are placed
+together within their bounds, and then the walls of each at its own size. What is impossible for a unit at its
+depth is so for all that are alike, and excluded for them too. So the time is linear in the number of units.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from clingo import Function, Symbol
+from clingo import Function, Number, Symbol
 
 from logic.errors import LimitReached
 from logic.generation.barred_units import UnitsFeasibility, barred_units
@@ -33,8 +34,17 @@ RETRIES = 4
 """In how many solutions of a unit's layout rooms are furnished before another layout is sampled."""
 
 
+LIKENESS = {"unit": 2, "share": 3, "way": 3, "deep": 3, "inner": 2}
+"""Atoms, and how many arguments they have, that say of a unit all that its rooms depend on."""
+
+
 class Impossible(Exception):
-    """A unit has no more layouts at its depth, or at its size."""
+    """A unit has no more layouts: at its depth, if it is given, or at its size."""
+
+    def __init__(self, unit: "Unit | None" = None) -> None:
+        """``unit``: that has none at its depth."""
+        super().__init__()
+        self.unit = unit
 
 
 @dataclass(frozen=True)
@@ -109,7 +119,7 @@ class UnitMaker(SharedWallsMaker):
         return super()._layout(request, rng, excluded, unfurnishable)
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
-        return Impossible()
+        return Impossible(None if self._place else self.unit)
 
     def _program(self, request: Request) -> tuple[Program, list[Symbol], list[Symbol]]:
         program, assumed = self._programs.unit_for(request)
@@ -136,13 +146,19 @@ class UnitsMaker(SharedWallsMaker):
         self, request: Request, rng: np.random.Generator, inferences: int
     ) -> tuple[dict[str, Any], list[Any], int]:
         """A plan of all rooms, first the public ones, then unit by unit, and the pieces of each."""
+        depths, refuted = self._sampled_depths(rng), list[Nogood]()
         for _ in range(MOST_TRIES):
-            units = self._units(request, rng)
-            try:
-                whole, makers, inferences = self._placed(*units, rng, inferences)
-                return self._with_rooms(whole, makers, rng, inferences)
-            except Impossible:
-                continue
+            layout = self._units(request, rng, refuted)
+            if layout is not None:
+                units = _units_of(layout, request, depths)
+                try:
+                    whole, makers, inferences = self._placed(layout, units, rng, inferences)
+                    return self._with_rooms(whole, makers, rng, inferences)
+                except Impossible as none:
+                    if none.unit:
+                        refuted += self._alike(none.unit, layout, request)
+                        continue
+            depths, refuted = self._sampled_depths(rng), []
         raise LimitReached(
             f"{MOST_TRIES} times a unit had no rooms that fit, though others might: try another seed, or "
             f"other depths (unit_depth/1). {self._placer.account.refutations}"
@@ -152,17 +168,35 @@ class UnitsMaker(SharedWallsMaker):
         """The program of the units."""
         return self._programs.units_for(request, barred_units(self._programs, request))[0]
 
-    def _units(self, request: Request, rng: np.random.Generator) -> tuple[list[Symbol], list[Unit]]:
-        """A layout of units, and the units."""
+    def _sampled_depths(self, rng: np.random.Generator) -> Mapping[Symbol, float]:
+        """The depth of each group of units, metres, sampled when it is first asked for."""
+        low, high = self._depths
+        return defaultdict[Symbol, float](lambda: float(rng.uniform(low, high)))
+
+    def _alike(self, unit: Unit, layout: Sequence[Symbol], request: Request) -> Iterator[Nogood]:
+        """That no unit of a house is as this one of a layout, whatever its number."""
+        program = self.stated(request)
+        known = {atom for name, arity in LIKENESS.items() for atom in program.atoms(name, arity)}
+        stated = [(atom.name, *atom.arguments[1:]) for atom in layout if _is_of(atom, unit)]
+        lacks = [("inner", Function(side)) for side in SIDES if side not in unit.inner]
+        for number in sorted({atom.arguments[0] for atom in known if atom.name == "unit"}):
+            holds = [Function(name, [number, *others]) for name, *others in stated]
+            if known.issuperset(holds):
+                yield dict.fromkeys(holds, True) | {
+                    Function(name, [number, other]): False for name, other in lacks
+                }
+
+    def _units(
+        self, request: Request, rng: np.random.Generator, refuted: Sequence[Nogood]
+    ) -> list[Symbol] | None:
+        """A layout of units; None where there is none outside of what is refuted."""
         program, assumed = self._programs.units_for(request, barred_units(self._programs, request))
         self._placer.account.at(LAYOUT, "the units of the house (clingo)")
-        layout = program.sample(rng, assumed)
-        if layout is None:
+        layout = program.sample(rng, assumed, nogoods=refuted)
+        if layout is None and not refuted:
             barred = barred_units(self._programs, request)
             raise NoUnits(request, self._units_feasibility, unit=self.feasibility, barred=barred)
-        low, high = self._depths
-        depths = defaultdict[Symbol, float](lambda: float(rng.uniform(low, high)))
-        return layout, _units_of(layout, request, depths)
+        return layout
 
     def _placed(
         self, layout: list[Symbol], units: Sequence[Unit], rng: np.random.Generator, inferences: int
@@ -227,6 +261,11 @@ def _units_of(layout: Sequence[Symbol], request: Request, depths: Mapping[Symbol
         asked = replace(request, rooms=rooms, types=types)
         units.append(Unit(number, asked, axis.name, depths[group], public.number, side.name, inner))
     return units
+
+
+def _is_of(atom: Symbol, unit: Unit) -> bool:
+    """Whether an atom says what a unit is like."""
+    return atom.name in LIKENESS and atom.arguments[0] == Number(unit.number)
 
 
 def _append(plan: dict[str, Any], part: dict[str, Any], public: int) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from logic import GrammarError, House, RequestError, Unsatisfiable, check
 from logic.generation.builder import Builder
+from logic.generation.units import _units_of
 from logic.grammar import SHIPPED, find
 from logic.house.parts import OUTSIDE
 from logic.layout.programs import Programs
@@ -51,6 +52,18 @@ def test_a_building_keeps_all_that_its_grammar_promises(apartments: Builder, roo
         assert len(house.rooms) == rooms
         assert (house.topology, house.hub, house.main.type) == ("building", "R0", PUBLIC)
         assert House.from_dict(house.to_dict()) == house
+
+
+def test_what_is_impossible_for_a_flat_is_found_once_and_not_once_a_flat(
+    apartments: Builder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A flat of 5 rooms between two others is lit from one side alone: there is none if flats are deep."""
+    tried = list[int]()
+    monkeypatch.setattr("logic.generation.units._units_of", lambda *made: tried.append(1) or _units_of(*made))
+    house = apartments.house(Request(64), 0, 0, INFERENCES)
+    assert check(house) == []
+    assert len(units(house)) > 6
+    assert len(tried) <= 8
 
 
 def test_each_flat_has_a_hall_a_living_room_and_a_kitchen_and_one_door_to_the_corridor(
