@@ -1,4 +1,4 @@
-"""Which known name a misspelt one was meant to be."""
+"""Which known name a misspelt one was meant to be; names and numbers in sentences."""
 
 import difflib
 import inspect
@@ -35,6 +35,11 @@ def unknown(what: str, name: object, names: Iterable[str]) -> str:
     close = closest(str(name), names)
     hint = f": did you mean {close}? There are " if close else ": there are "
     return f"there is no {what} {name or repr(name)}{hint}{', '.join(names)}"
+
+
+def numbered(number: int, noun: str) -> str:
+    """As in ``1 house`` and ``1,200 houses``."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def keywords(**meant: str) -> Callable[[Callable[P, R]], Callable[P, R]]:

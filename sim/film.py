@@ -19,6 +19,7 @@ from logic.drawing.labels import background
 from logic.drawing.palettes import Inks
 from logic.drawing.plan import BEYOND, Frame, grown
 from logic.house.files import write_whole
+from logic.spelling import numbered
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -115,8 +116,7 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
             draw.ellipse([a - r, b - r, a + r, b + r], TARGET_RAY if hit else (*RAY, 190))
 
     _draw_body(draw, view, scene)
-    targets = "1 target" if scene.found == 1 else f"{scene.found} targets"
-    text = f"step {scene.step} of {scene.config.steps}    {targets}"
+    text = f"step {scene.step} of {scene.config.steps}    {numbered(scene.found, 'target')}"
     below = SHARP * MARGIN, image.height - SHARP * (MARGIN + CAPTION) // 2
     draw.text(below, text, Inks().ink, ImageFont.load_default(SHARP * 16), anchor="lm")
     return image.reduce(SHARP)

@@ -6,6 +6,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table as RichTable
 
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, SUCCESS_STEPS, Result
+from logic.spelling import numbered
 from sim.tasks.tasks import PAPER_TASKS
 
 ROOMS = {"main": "the main room", "secondary": "secondary rooms", "mixed": "all rooms"}
@@ -115,7 +116,7 @@ def find_table(result: Result) -> Table:
 def _count(result: Result) -> str:
     """How many houses, and episodes in each where there are several."""
     houses = len(result.rooms) // result.episodes
-    count = f"{houses} house" + ("s" if houses > 1 else "")
+    count = numbered(houses, "house")
     return count + (f", {result.episodes} episodes each" if result.episodes > 1 else "")
 
 

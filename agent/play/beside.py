@@ -18,6 +18,7 @@ from agent.play.results import PlayedGame, ResultsError, load
 from agent.runs.checkpoint import Checkpoint
 from logic import House
 from logic.house.looks import looks_of
+from logic.spelling import numbered
 from sim.config import DEFAULT
 from sim.tasks.words import in_words
 
@@ -66,8 +67,8 @@ def people_tables(
             rows.append((name, counts, ratio, ahead))
         players, places = len({game.player for game in played}), len({game.index for game in played})
         title = (
-            f"People, {SEES[view]}: {_count(len(played), 'game')} of {_count(players, 'player')} in "
-            f"{_count(places, 'house')}, {seconds:g} s, {task}"
+            f"People, {SEES[view]}: {numbered(len(played), 'game')} of {numbered(players, 'player')} in "
+            f"{numbered(places, 'house')}, {seconds:g} s, {task}"
         )
         yield Table(title, ("policy", "targets", "ratio", "ahead"), rows)
 
@@ -94,7 +95,3 @@ def _scores(
         policy = BASELINES[name](envs, played[0].seed)
         scores[name] = play(envs, policy, seeds, numbers).targets[None]
     return scores
-
-
-def _count(number: int, word: str) -> str:
-    return f"{number} {word}" + ("s" if number != 1 else "")

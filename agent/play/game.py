@@ -11,6 +11,7 @@ from agent.play.results import PlayedGame, ResultsError, require_house
 from agent.policies.episodes import moments
 from agent.runs.checkpoint import Checkpoint
 from logic import House
+from logic.spelling import numbered
 from sim.actions import FORWARD, LEFT, RIGHT
 from sim.config import DEFAULT, Config
 from sim.film import Scene
@@ -57,10 +58,9 @@ def replayed(played: PlayedGame, house: House, where: str) -> tuple[Game, list[S
         game.act(actions[letter])
         scenes.append(game.scene)
     if (len(game.actions), game.score) != (len(played.actions), played.score):
-        found = f"{game.score} targets in {len(game.actions)} steps"
-        raise ResultsError(
-            f"{where}: says {played.score} targets in {len(played.actions)} steps, its actions give {found}"
-        )
+        found = f"{numbered(game.score, 'target')} in {numbered(len(game.actions), 'step')}"
+        said = f"{numbered(played.score, 'target')} in {numbered(len(played.actions), 'step')}"
+        raise ResultsError(f"{where}: says {said}, its actions give {found}")
     return game, scenes
 
 

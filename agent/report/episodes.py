@@ -13,6 +13,7 @@ from logic.drawing.canvas import Drawing, svg
 from logic.drawing.labels import background
 from logic.drawing.plan import Frame, extent
 from logic.house.looks import looks_of
+from logic.spelling import numbered
 from sim.tasks.words import in_words
 
 SIZE = 640
@@ -36,7 +37,7 @@ def _player(path: Path, trace: Trace) -> str:
     plan = svg([((0, 0), Drawing(width, height, background(house, frame)))], width, height)
     found = int(trace.column("found")[-1])
     task = in_words(trace.mode, looks_of(house).name)
-    title = f"{trace.agent}, {task}: {found} target{'s' * (found != 1)} in {trace.length} steps"
+    title = f"{trace.agent}, {task}: {numbered(found, 'target')} in {numbered(trace.length, 'step')}"
     # No HTML in it can end the script: < is written as JavaScript writes it.
     content = msgspec.json.encode(trace).decode().replace("<", "\\u003c")
     return (

@@ -18,6 +18,7 @@ from agent.report.page import Cell, Section, details, inline, table
 from agent.report.plots import Axis, Series, interval_plot, line_plot, slots
 from logic import load
 from logic.house.looks import looks_of, spaced
+from logic.spelling import numbered
 from sim.tasks.words import in_words
 
 COLUMNS = {
@@ -81,7 +82,7 @@ def _sentence(
     if key in oracle:
         form = "{:.0%}" if key == "success" else "{:.1f}"
         said += f"; the oracle, which knows house and target, {form.format(oracle[key].value)}"
-    return f"In {houses} house{'s' * (houses != 1)}, {said}."
+    return f"In {numbered(houses, 'house')}, {said}."
 
 
 def section(files: Sequence[Path], folder: Path) -> Section:

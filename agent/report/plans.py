@@ -15,6 +15,7 @@ from agent.report.page import Section, data
 from logic import House, load
 from logic.drawing.draw import plan_svg
 from logic.house.looks import looks_of
+from logic.spelling import numbered
 from sim.tasks.words import in_words
 
 MOST = 1000
@@ -55,7 +56,7 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
             found = {key: values[index] for one in ratios for key, values in one.items()}
             plans.append(plan_of(file, index, houses[index]) | {"ratios": found})
     left_out = f" Of each file every {every}th house is shown." if every > 1 else ""
-    words = f"<p>{whole:,} houses in {len(banks)} file{'s' * (len(banks) > 1)}.{left_out}</p>"
+    words = f"<p>{numbered(whole, 'house')} in {numbered(len(banks), 'file')}.{left_out}</p>"
     return Section("plans", "The houses", f'{words}<div class="plans"></div>\n{data("plans-data", plans)}')
 
 

@@ -14,6 +14,7 @@ from logic.house.boxes import TOLERANCE, Box, distance, is_on_wall, overlap
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect, Room, Window
 from logic.house.promises import PASSAGE, Promises
+from logic.spelling import numbered
 
 BEFORE = 0.3
 """Metres: what stands nearer before a window hides it."""
@@ -109,7 +110,7 @@ def plan_units(house: House, promises: Promises) -> Iterator[str]:
         doors = [door for door in house.doors if unit & {*door.between} and ends & {*door.between}]
         name = _name(house.room(min(unit, key=lambda each: (len(each), each))))
         if len(doors) != 1:
-            yield f"{name}: its unit is entered by {len(doors)} doors (must be one)"
+            yield f"{name}: its unit is entered by {numbered(len(doors), 'door')} (must be one)"
         elif doors[0].is_entrance:
             yield f"{name}: its unit is entered from outside (must be from a public room)"
 

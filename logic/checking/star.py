@@ -12,6 +12,7 @@ from logic.house.boxes import TOLERANCE, distance, is_on_wall, overlap
 from logic.house.house import House
 from logic.house.parts import STAR
 from logic.house.promises import Promises
+from logic.spelling import numbered
 
 SPACIOUSNESS = 2.0
 """The most that the main room may be larger than the least main room that fits its rooms."""
@@ -62,7 +63,8 @@ def star_sides(house: House, promises: Promises) -> Iterator[str]:
     most = len(star.rooms) // promises.a_side + 1
     for side, count in Counter(side_of(star, room) for room in star.rooms).items():
         if side and count > most:
-            yield f"house: has {count} rooms on the {side} side (at most {most} of {len(star.rooms)})"
+            rooms = numbered(count, "room")
+            yield f"house: has {rooms} on the {side} side (at most {most} of {len(star.rooms)})"
 
 
 def star_main_room(house: House, promises: Promises) -> Iterator[str]:

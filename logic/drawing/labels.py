@@ -14,6 +14,7 @@ from logic.drawing.plan import Frame, floor, has_mark, house_shapes
 from logic.house.boxes import overlap
 from logic.house.house import House
 from logic.house.parts import ORIGINAL
+from logic.spelling import numbered
 
 LEAST = 6.5
 """CSS pixels: no name is written smaller. A room that is too small for its name so has an abbreviation."""
@@ -97,8 +98,7 @@ def abbreviations(types: Iterable[str]) -> dict[str, str]:
 def title(house: House, width: float) -> str:
     """Where the house comes from and how large it is; the first words go where there is no room."""
     area = sum(room.area for room in house.rooms)
-    count = len(house.counted)
-    parts = [f"{count} room{'s' * (count != 1)}"]
+    parts = [numbered(len(house.counted), "room")]
     parts = ["original", *parts] if house.topology == ORIGINAL else [*parts, f"{area:.0f} m²"]
     if house.provenance is not None:
         source = house.provenance

@@ -22,6 +22,7 @@ from logic.layout.terms import granted
 from logic.placement.placer import Placer, RoomLayout
 from logic.placement.prolog import Term
 from logic.request.request import Request
+from logic.spelling import numbered
 
 WALLS = {
     "front": ("front_left", "front_right"),
@@ -55,7 +56,7 @@ class GivenRoom:
     def __str__(self) -> str:
         """Its type, size and doors."""
         size = f"{self.rect.width:.2f} by {self.rect.height:.2f} m"
-        return f"a {self.type} of {size} with {len(self.doors)} door{'s' if len(self.doors) > 1 else ''}"
+        return f"a {self.type} of {size} with {numbered(len(self.doors), 'door')}"
 
 
 class Unfurnishable(Exception):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import SupportsIndex, overload
 
 from logic.house.house import House
+from logic.spelling import numbered
 
 SHOWN, CELL = 24, 260
 """How many plans a notebook shows of a list, and how wide each is, CSS pixels."""
@@ -26,7 +27,7 @@ class Houses(list[House]):
         """The plans of the first houses, each with its index; notebooks show it."""
         figure = '<figure style="margin:0"><figcaption style="font-size:small">{}</figcaption>{}</figure>'
         plans = [figure.format(index, house._repr_svg_(CELL)) for index, house in enumerate(self[:SHOWN])]
-        words = f"{len(self)} house{'s' * (len(self) != 1)}"
+        words = numbered(len(self), "house")
         if len(self) > SHOWN:
             words += f", the first {SHOWN} shown"
         # Plans are dark on white, in dark notebooks too.

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from logic.errors import RequestError
 from logic.house.boxes import TOLERANCE, Box
 from logic.house.parts import LONGEST_NAME, OUTSIDE, Room
+from logic.spelling import numbered
 
 GEOJSON = "FeatureCollection"
 
@@ -238,4 +239,4 @@ def _require_metres(boxes: Sequence[Box], factor: float, unit: str) -> None:
 
 
 def _counted(passed: Counter[str]) -> str:
-    return ", ".join(f"{number} {kind}{'s' * (number > 1)}" for kind, number in sorted(passed.items()))
+    return ", ".join(numbered(number, kind) for kind, number in sorted(passed.items()))

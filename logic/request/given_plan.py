@@ -28,6 +28,7 @@ from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
 from logic.house.walls import remaining
 from logic.request.geojson import from_geojson, is_geojson
 from logic.request.snapping import snapped
+from logic.spelling import numbered
 
 MOST_BYTES = 1 << 24
 """What is read of a GeoJSON file."""
@@ -139,7 +140,7 @@ def read_plan(source: str | Path | House | Mapping[str, Any], unit: str = "m", s
     _require_rooms(rooms)
     on_lines = snapped(rooms, doors, windows, snap)
     if on_lines.moved:
-        how_many = f"{on_lines.moved} edge{'s' * (on_lines.moved > 1)} of rooms"
+        how_many = f"{numbered(on_lines.moved, 'edge')} of rooms"
         notes.append(f"{how_many} moved by {on_lines.farthest:.2g} m at most, onto walls beside them: --snap")
     for note in notes:
         warnings.warn(f"plan: {note}", PlanWarning, stacklevel=3)
@@ -200,7 +201,7 @@ def _content(path: Path) -> bytes:
 def _require_rooms(rooms: Sequence[Room]) -> None:
     """Refuse rooms that are none, each by its name."""
     if len(rooms) > MOST_ROOMS:
-        raise RequestError(f"plan: it has {len(rooms):,} rooms: at most {MOST_ROOMS:,} are read")
+        raise RequestError(f"plan: it has {numbered(len(rooms), 'room')}: at most {MOST_ROOMS:,} are read")
     names = [room.name for room in rooms]
     for room in rooms:
         if names.count(room.name) > 1 or room.name == OUTSIDE:

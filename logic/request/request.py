@@ -10,7 +10,7 @@ import msgspec
 from logic.errors import RequestError
 from logic.request.fixed_rooms import FixedRoom, from_records
 from logic.request.given_plan import OwnPlan
-from logic.spelling import unknown
+from logic.spelling import numbered, unknown
 
 Range = tuple[int, int | None]
 """The least number and the greatest, None for no bound."""
@@ -102,7 +102,7 @@ class Request:
 
     def __str__(self) -> str:
         """In words, as in ``3 rooms, 2 of type bedroom``."""
-        rooms = f"{self.rooms} room{'s' if self.rooms != 1 else ''}"
+        rooms = numbered(self.rooms, "room")
         types = [f"{in_words(wanted)} of type {name}" for name, wanted in self.types.items()]
         pieces = []
         for name, wanted in self.furniture.items():

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 
 from logic.house.looks import spaced
+from logic.spelling import numbered
 from sim.tasks.furniture import Habit, Object
 from sim.tasks.tasks import PAPER_TASKS, AnyTask, Collect, Points, Reach, Rooms, Targets, task
 
@@ -41,7 +42,7 @@ def _shipped(asked: AnyTask, named: Callable[[str], str]) -> str:
             said = [f"share {share:g}"] * (share != usual.share) + [f"seed {seed}"] * (seed != usual.seed)
             words = ", ".join(["targets in places of habit", *said])
         case Points(points=points):
-            words = f"targets at {len(points)} given place{'s' * (len(points) != 1)}"
+            words = f"targets at {numbered(len(points), 'given place')}"
         case _:
             words = ""
     return words

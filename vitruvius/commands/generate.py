@@ -14,7 +14,7 @@ from rich.progress import TextColumn
 
 from logic.errors import RequestError, VitruviusError
 from logic.house.house import House
-from logic.spelling import quoted
+from logic.spelling import numbered, quoted
 from logic.terminal import progress, progress_bar, say
 from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
 from vitruvius.options import Streamed
@@ -237,7 +237,7 @@ class Generate:
 
             def report(name: str, number: int) -> None:
                 passed = time.monotonic() - begun
-                bar.update(task, description=f"{name}: {number:,} layouts after {passed:.0f} s")
+                bar.update(task, description=f"{name}: {numbered(number, 'layout')} after {passed:.0f} s")
 
             for name, number, whole in count_layouts(
                 self.rooms,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 import tyro
 
 from logic.exports import FORMATS
-from logic.spelling import printable
+from logic.spelling import numbered, printable
 from logic.terminal import progress, say
 from vitruvius.commands.common import Repeated, print_answer
 from vitruvius.options import DASH, Streamed
@@ -135,7 +135,9 @@ class Draw:
             return self._pages(houses, self.scale)
         pictures = draw(houses, self.out, self.format, self.one_scale, self.palette, self.grammar)
         beside = (
-            f" and {len(pictures) - 1} plans beside it" if len(pictures) > 1 else f": {len(houses)} plans"
+            f" and {numbered(len(pictures) - 1, 'plan')} beside it"
+            if len(pictures) > 1
+            else f": {numbered(len(houses), 'plan')}"
         )
         self._answer(pictures)
         say(f"{pictures[-1]}{beside}")
@@ -188,7 +190,7 @@ class Draw:
 
         pairs = load(self.file), load(after)
         if len(pairs[0]) != len(pairs[1]):
-            counts = f"{self.file} has {len(pairs[0])} houses, {after} {len(pairs[1])}"
+            counts = f"{self.file} has {numbered(len(pairs[0]), 'house')}, {after} {len(pairs[1])}"
             raise RequestError(
                 f"--diff: {counts}: each is compared with the one at its place, so give as many"
             )

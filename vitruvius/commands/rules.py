@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import tyro
 
 from logic.errors import RequestError
-from logic.spelling import printable, quoted
+from logic.spelling import numbered, printable, quoted
 from logic.terminal import say
 from vitruvius.commands.common import Repeated, counts, print_answer, require_plan, say_warnings
 from vitruvius.options import Streamed
@@ -174,5 +174,9 @@ class Lint:
             print_answer("lint", answer, int(errors > 0))
         for finding in [] if self.json else found:
             print(printable(str(finding)))
-        say(f"{self.grammar}: {errors or 'no'} errors, {len(found) - errors or 'no'} warnings")
+        say(f"{self.grammar}: {_no(errors, 'error')}, {_no(len(found) - errors, 'warning')}")
         return 1 if errors else 0
+
+
+def _no(number: int, noun: str) -> str:
+    return numbered(number, noun) if number else f"no {noun}s"
