@@ -23,6 +23,9 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "agent/planner/test_noise.py": "the planner in noisy worlds",
     "agent/planner/test_doors.py": "the planner behind closed doors",
     "agent/evaluation/test_task_figures.py": "evaluations of the tasks of furniture",
+    "agent/evaluation/test_protocol.py": {
+        "test_of_houses_that_an_agent_learnt_in_it_is_warned_with_their_number": "whole evaluations",
+    },
     "agent/algorithms/map_completion/test_map_completion.py": {
         "test_windows_hold_the_four_cells_about_each_other_node": "large maps",
         "test_who_foresees_the_truth_finds_more_and_another_house_less": "many episodes",
@@ -43,8 +46,18 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "logic/generation/test_units.py": {
         "test_a_building_depends_on_the_rules_the_request_and_the_seed_alone": "large buildings",
     },
+    "logic/generation/test_shared_walls.py": {
+        "test_pieces_that_a_request_asks_for_stand_in_a_plan_or_are_proved_impossible": "many requests",
+    },
+    "logic/workers/test_limits.py": {
+        "test_a_join_in_large_houses_alone_is_named_when_the_time_for_a_house_is_over": "it is waited for",
+        "test_a_limit_names_the_stage_and_what_refuted_most_and_is_kept": "limits are waited for",
+    },
     "logic/rules/test_relations.py": {
         "test_what_rules_say_of_rooms_is_so_in_the_plan": "every relation in every topology",
+    },
+    "logic/language/test_lint.py": {
+        "test_rules_that_bind_only_in_larger_houses_or_beside_some_doors_draw_no_finding": "large grammars",
     },
     "logic/language/test_lengths.py": {
         "test_a_length_that_lint_lets_through_holds_in_what_is_made": "every length of every grammar",
@@ -73,6 +86,9 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     },
     "sim/world/test_episode_end.py": "every task in every autoreset mode",
     "sim/environment/test_libraries.py": "wrappers and other libraries",
+    "sim/environment/test_wrappers.py": {
+        "test_processes_are_forked_or_spawned_and_a_missing_gpu_changes_nothing": "processes import all anew",
+    },
 }
 """By path below ``tests``: of a folder or a file what takes long there; or names, where it is some tests."""
 
