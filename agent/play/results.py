@@ -10,7 +10,7 @@ from msgspec import Meta
 
 from agent.banks import geometry_hash
 from logic import House
-from logic.errors import VitruviusError
+from logic.errors import RequestError, VitruviusError
 from logic.house.files import write_whole
 from logic.spelling import quoted
 
@@ -71,6 +71,15 @@ def load(path: Path) -> list[PlayedGame]:
     if not games:
         raise ResultsError(f"{path}: holds no game. Play some: vitruvius play HOUSES --out {quoted(path)}")
     return games
+
+
+def require_games(path: Path) -> None:
+    """Raise ``RequestError`` where a file that games are to be added to holds something else."""
+    try:
+        if path.is_file() and path.stat().st_size:
+            load(path)
+    except ResultsError:
+        raise RequestError(f"--out {path}: holds something else than games: name another file") from None
 
 
 def append(path: Path, games: Iterable[PlayedGame]) -> None:

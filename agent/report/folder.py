@@ -11,9 +11,13 @@ from pathlib import Path
 import msgspec
 
 from agent.report.page import ReportError, Section, inline, page
+from logic.errors import RequestError
 from logic.house.files import write_whole
 
 NAME = "report.html"
+
+MADE_BY = b"Made by <code>vitruvius report</code>"
+"""Words of ``page.html`` that every report has."""
 
 ABOUT = "about.json"
 """What the run says of itself: see ``About``."""
@@ -44,6 +48,16 @@ class About(msgspec.Struct):
 def describe(folder: Path, title: str, *words: str) -> None:
     """Say what a run is, for its report."""
     write_whole(folder / ABOUT, msgspec.json.format(msgspec.json.encode(About(title, list(words)))) + b"\n")
+
+
+def require_report(folder: Path, replace: bool | None) -> None:
+    """Raise ``RequestError`` where a page in the place of a folder's report is none of ours, unless it is to
+    be lost; None: it cannot be.
+    """
+    path = folder / NAME
+    if not replace and path.is_file() and MADE_BY not in path.read_bytes():
+        ways = "give another folder" + (", or add --replace to lose it" if replace is not None else "")
+        raise RequestError(f"{path}: holds something else than a report: {ways}")
 
 
 def write_report(folder: Path, out: Path | None = None, studies: Sections = ()) -> Path:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from logic.drawing import palettes
 from logic.drawing.canvas import DENSITY, Drawing, Point, Text, png, svg
@@ -16,6 +17,7 @@ from logic.drawing.palettes import Style, style
 from logic.drawing.plan import Frame, drawn_extent, house_shapes
 from logic.house.files import write_whole
 from logic.house.house import House
+from logic.house.replacing import DRAWN_BY
 
 TITLE, FOOT, MARGIN = 30, 22, 12
 """CSS pixels above a plan, below it and around it."""
@@ -139,9 +141,10 @@ def encoded(page: Page, format: Literal["svg", "png"], unit: str = "") -> bytes:
     cells, width, height = page
     if format == "svg":
         size = (f"{width * MILLIMETRE:g}mm", f"{height * MILLIMETRE:g}mm") if unit == "mm" else None
-        return svg(cells, width, height, size).encode()
-    buffer = BytesIO()
-    png(cells, width, height).save(buffer, "PNG", dpi=(96 * DENSITY, 96 * DENSITY))
+        return svg(cells, width, height, size).encode() + b"<!-- %s -->\n" % DRAWN_BY
+    buffer, said = BytesIO(), PngInfo()
+    said.add_text("Software", DRAWN_BY.decode())
+    png(cells, width, height).save(buffer, "PNG", dpi=(96 * DENSITY, 96 * DENSITY), pnginfo=said)
     return buffer.getvalue()
 
 

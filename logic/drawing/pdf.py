@@ -12,6 +12,7 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
 from logic.drawing.canvas import ASCENT, Block, Curve, Drawing, Line, Oval, Plain, Point, Strokes, flat
+from logic.house.replacing import DRAWN_BY
 from logic.spelling import printable
 
 POINT = 72 / 96
@@ -24,7 +25,7 @@ def pdf(pages: Iterable[tuple[Sequence[tuple[Point, Drawing]], float, float]]) -
     """
     buffer = BytesIO()
     # Without dates the same pages give the same bytes.
-    with PdfPages(buffer, metadata={"CreationDate": None}) as file:
+    with PdfPages(buffer, metadata={"CreationDate": None, "Creator": DRAWN_BY.decode()}) as file:
         for cells, width, height in pages:
             figure = Figure((width / 96, height / 96))
             axes = figure.add_axes((0, 0, 1, 1), xlim=(0, width), ylim=(height, 0))

@@ -1,13 +1,18 @@
 """What a command writes over: never other houses in silence, and no picture of an earlier run stays."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from logic.errors import HouseFileError, RequestError
-from logic.house.files import load
+from logic.house.files import load, write_whole
 from logic.house.house import House
 from logic.house.parts import Provenance
+
+DRAWN_BY = b"drawn by vitruvius"
+"""What every picture in a file says."""
 
 
 def require_same_series(out: Path, first: House, last: int) -> int:
@@ -32,6 +37,41 @@ def require_same_houses(out: Path, houses: Sequence[House]) -> None:
     held = _held(out)
     if held and [house.converted() for house in held] != list(houses):
         raise _refused(out)
+
+
+def require_free(out: Path, replace: bool) -> None:
+    """Raise ``RequestError`` before the work where a file holds anything, unless it is to be lost."""
+    if not replace and out.is_file() and out.stat().st_size:
+        raise _refused(out, "something already")
+
+
+@contextmanager
+def unless_other(out: Path, replace: bool) -> Iterator[Path]:
+    """A place for what is to become ``out``, a file or files of a folder: in the end it does.
+
+    Raises ``RequestError`` where a file of other content is there, unless it is to be lost.
+    """
+    with TemporaryDirectory() as beside:
+        made = Path(beside, out.name or "made")
+        yield made
+        files = [file for file in made.rglob("*") if file.is_file()] if made.is_dir() else [made]
+        content = {out / file.relative_to(made): file.read_bytes() for file in files}
+    for file, new in content.items():
+        if not replace and file.is_file() and file.read_bytes() not in (b"", new):
+            raise _refused(file, "something else")
+    for file, new in content.items():
+        write_whole(file, new)
+
+
+def require_drawn(folder: Path, ending: str, replace: bool) -> None:
+    """Raise ``RequestError`` where a folder has files in the place of pictures, ``house-0.svg`` and so on,
+    that nothing of ours drew, unless they are to be lost.
+    """
+    names = re.compile(rf"((house|diff)-\d+|contact-sheet|plans)\.{ending}")
+    for file in sorted(folder.glob(f"*.{ending}")) if not replace else ():
+        ours = not file.is_file() or not file.stat().st_size or DRAWN_BY in file.read_bytes()
+        if names.fullmatch(file.name) and not ours:
+            raise _refused(file, "something else than a picture of houses")
 
 
 def remove_others(folder: Path, written: Iterable[Path]) -> int:

@@ -130,7 +130,7 @@ def test_on_a_terminal_houses_still_go_to_the_standard_output(
     [
         (["generate", "--rooms", "3", "--type", "bathroom=9"], 3, "9 of type bathroom"),
         (["generate", "--rooms", "3", "--type", "bathrom=1"], 2, "bathrom"),
-        (["generate", "--rooms", "3", "--type", "bathroom"], 2, "bed=1..3"),
+        (["generate", "--rooms", "3", "--type", "bathroom"], 2, "bathroom=1..3"),
         (["generate", "--rooms", "many"], 2, "many"),
         (["generate", "--rooms", "0"], 2, "rooms"),
         (["generate", "--rooms", "9", "--inferences", "1000"], 4, "1000 inferences"),

@@ -103,7 +103,7 @@ class Evaluate:
         from agent.evaluation.tables import NOTE, tables
         from agent.play.results import load as load_games
         from agent.progress import progress
-        from agent.report.folder import write_report
+        from agent.report.folder import require_report, write_report
         from agent.runs import checkpoint
         from logic.house.files import require_folder, write_whole
 
@@ -117,6 +117,8 @@ class Evaluate:
         houses = banks.named(self.houses)
         modes = self.targets or tasks_of(agents)
         bank = Bank(banks.bank_hash(houses), str(self.houses), len(houses))
+        if self.out:
+            require_report(self.out, self.replace)
         if self.out and not self.replace:
             self._require_same(self.out / "evaluation.json", bank, modes)
         conditions = self.seed, self.backend, self.world, self.episodes
@@ -166,11 +168,18 @@ class Evaluate:
 
     def _require_same(self, file: Path, bank: "Bank", modes: Sequence[str]) -> None:
         """Raise ``RequestError`` where a file holds another evaluation: to repeat one is no loss."""
-        from agent.evaluation.scores import load
+        from agent.evaluation.scores import ScoreError, load
+        from logic.house.replacing import require_free
 
         if not file.exists():
+            for ending in (".md", ".png"):
+                require_free(file.with_suffix(ending), replace=False)
             return
-        held = load(file)
+        try:
+            held = load(file)
+        except ScoreError:
+            what = "holds something else than scores: name another folder, or add --replace to lose it"
+            raise RequestError(f"--out {self.out}: {what}") from None
         theirs = held.bank.hash, held.seed, held.backend, held.world, held.episodes, set(held.targets)
         ours = bank.hash, self.seed, self.backend, self.world, self.episodes, set(modes)
         paths = [[str(path) for path in some] for some in (self.agents, self.scores)]
@@ -235,6 +244,9 @@ class Record:
     out: Path = Path("episode.gif")
     """The film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
 
+    replace: bool = False
+    """Lose what the file holds, if anything."""
+
     mosaic: str | None = None
     """Film many environments side by side, as in 4x3: columns and rows. The first is in the house of
     --house, the others in those after it, from the file's first again where there are fewer; without maps."""
@@ -263,6 +275,7 @@ class Record:
         from agent.recording.recorder import Recorder
         from agent.runs import checkpoint
         from logic.house.files import require_file
+        from logic.house.replacing import require_free
         from sim.film import require_film
         from vitruvius.answers.houses import Written
 
@@ -275,6 +288,7 @@ class Record:
         except ValueError as error:
             raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
         require_file(self.out, [self.out.suffix])
+        require_free(self.out, self.replace)
         agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
         if not 0 <= self.house < len(houses):
             raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")

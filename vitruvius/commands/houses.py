@@ -96,6 +96,9 @@ class Draw:
     format: Literal["svg", "png", "pdf"] = "svg"
     """What the plans are written as; a PDF is one file, with a page for each."""
 
+    replace: bool = False
+    """Lose what else the folder holds by the names of the pictures, if anything."""
+
     one_scale: bool = False
     """Draw all houses to one scale, so that their sizes compare; without it, each as large as it fits."""
 
@@ -125,9 +128,11 @@ class Draw:
         from logic import load
         from logic.drawing.draw import draw
         from logic.house.files import require_folder
+        from logic.house.replacing import require_drawn
 
         self._require()
         require_folder(self.out)
+        require_drawn(self.out, self.format, self.replace)
         if self.diff is not None:
             return self._changes(self.diff)
         houses = load(self.file)
@@ -225,7 +230,7 @@ class Convert:
     """vitruvius-2: a house file, whose houses simulate as before. The others are a file for each house."""
 
     replace: bool = False
-    """Lose the other houses that the new house file holds, if any."""
+    """Lose what else the new files hold, if anything."""
 
     json: bool = False
     """Print one answer as JSON: the names of the files."""
@@ -235,7 +240,7 @@ class Convert:
         from logic import load, save
         from logic.exports import export
         from logic.house.files import HOUSE_FILES, STANDARD, require_ending, require_folder
-        from logic.house.replacing import require_same_houses
+        from logic.house.replacing import require_same_houses, unless_other
         from vitruvius.answers.houses import Written
 
         if self.out == STANDARD:
@@ -251,7 +256,9 @@ class Convert:
             say(f"{self.out}: {len(houses)} converted")
             return 0
         require_folder(self.out)
-        written = export(load(self.file), self.out, self.to)
+        with unless_other(self.out, self.replace) as folder:
+            files = export(load(self.file), folder, self.to)
+        written = [self.out / file.name for file in files]
         endings = FORMATS[self.to].endings
         _remove_others(self.out, [path.with_suffix(ending) for path in written for ending in endings])
         if self.json:

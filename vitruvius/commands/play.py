@@ -64,7 +64,7 @@ class Play:
     def run(self) -> int:
         """Play the houses, or show games."""
         from agent.learning.simulator import require_task
-        from agent.play.results import ENDINGS, load
+        from agent.play.results import ENDINGS, load, require_games
         from logic.house.files import require_file
 
         if not 1 <= self.seconds <= 3600:
@@ -75,6 +75,7 @@ class Play:
         require_task(self.targets)
         banks.require_places(self.targets, self.houses)
         require_file(self.out, ENDINGS)
+        require_games(self.out)
         games = load(self.replay) if self.replay else []
         houses = banks.named(self.houses)
         if self.house is not None and not 0 <= self.house < len(houses):

@@ -21,13 +21,22 @@ class Report:
     out: Path | None = None
     """The file; by default report.html in the folder."""
 
+    replace: bool = False
+    """Lose what the file holds, if anything else; the folder's own report is written again without it."""
+
     def run(self) -> int:
         """Write the file."""
-        from agent.report.folder import write_report
+        from agent.report.folder import NAME, require_report, write_report
         from benchmarks.sections import SECTIONS
         from logic.house.files import require_file
+        from logic.house.replacing import unless_other
 
         if self.out:
             require_file(self.out, [".html"])
-        print(write_report(self.folder, self.out, SECTIONS))
+            with unless_other(self.out, self.replace) as file:
+                write_report(self.folder, file, SECTIONS)
+        else:
+            require_report(self.folder, self.replace)
+            write_report(self.folder, None, SECTIONS)
+        print(self.out or self.folder / NAME)
         return 0

@@ -101,13 +101,17 @@ class Train(Generic[Kind]):
         require_task(self.learning.targets)
         from agent.banks import require_training
         from agent.evaluation.plots import learning_curve
-        from agent.report.folder import write_report
+        from agent.report.folder import require_report, write_report
         from agent.runs.runs import run
         from logic.house.files import require_folder, write_whole
         from sim.environment.arguments import BANK, house_list
         from vitruvius.answers.agents import Trained
 
         require_folder(self.out)
+        require_report(self.out, None)
+        curve = self.out / "learning-curve.png"
+        if curve.exists() and not self.resume:
+            raise RequestError(f"{curve}: is there already, of another run: give another folder")
         file = self.houses or self.learning.learnt_in or BANK
         houses = house_list(file)
         require_training(houses, file)
@@ -123,7 +127,7 @@ class Train(Generic[Kind]):
         if int(os.environ.get("RANK", "0")):  # the first rank alone reports
             return 0
         agent, last = self.out / "agent.safetensors", history[-1]
-        write_whole(self.out / "learning-curve.png", learning_curve(history))
+        write_whole(curve, learning_curve(history))
         write_report(self.out)
         if self.json:
             speeds = last.simulator, last.learner
@@ -147,6 +151,9 @@ class Export:
     out: Path = Path("agent.onnx")
     """The file."""
 
+    replace: bool = False
+    """Lose what the file holds, if anything else."""
+
     json: bool = False
     """Print one answer as JSON: the file's name."""
 
@@ -155,10 +162,12 @@ class Export:
         from agent.runs import checkpoint
         from agent.runs.export import export
         from logic.house.files import require_file
+        from logic.house.replacing import unless_other
         from vitruvius.answers.houses import Written
 
         require_file(self.out, [".onnx"])
-        export(checkpoint.load(self.agent).network, self.out)
+        with unless_other(self.out, self.replace) as file:
+            export(checkpoint.load(self.agent).network, file)
         if self.json:
             print_answer("export", Written([str(self.out)]))
         _say(f"{self.out}")
@@ -175,6 +184,9 @@ class ImportKeras:
     out: Path = Path("original.safetensors")
     """The checkpoint: vitruvius evaluate and record take it."""
 
+    replace: bool = False
+    """Lose what the file holds, if anything else."""
+
     name: str = "original weights"
     """What to call the agent in tables."""
 
@@ -186,11 +198,13 @@ class ImportKeras:
         from agent.runs import checkpoint
         from agent.runs.keras import import_keras
         from logic.house.files import require_file
+        from logic.house.replacing import unless_other
         from vitruvius.answers.houses import Written
 
         require_file(self.out, [".safetensors"])
         made = import_keras(self.file, self.name, shlex.join(["vitruvius", *sys.argv[1:]]))
-        checkpoint.save(made, self.out)
+        with unless_other(self.out, self.replace) as file:
+            checkpoint.save(made, file)
         if self.json:
             print_answer("import-keras", Written([str(self.out)]))
         _say(f"{self.out}. Next: vitruvius evaluate {quoted(self.out)}")

@@ -1,0 +1,119 @@
+"""Claims about files that are in the way of what a command writes: nothing of others is lost in silence."""
+
+import os
+import pkgutil
+from pathlib import Path
+
+import pytest
+
+from logic import RequestError
+from logic.house.replacing import unless_other
+from vitruvius.cli import COMMANDS, main
+from vitruvius.options import options_of
+
+ROOT = Path(__file__).parents[2]
+PLANS = ROOT / "tests" / "fixtures" / "plans.jsonl"
+FOREIGN = b"years of my own work\n"
+
+IN_THE_WAY = {
+    "generate --rooms 1 --out mine.jsonl": "mine.jsonl",
+    f"convert {PLANS} --out mine.jsonl": "mine.jsonl",
+    f"convert {PLANS} --to geojson --out mine": "mine/house-1.geojson",
+    f"convert {PLANS} --to ros --out mine": "mine/house-2.yaml",
+    f"draw {PLANS} --out mine": "mine/house-0.svg",
+    f"draw {PLANS} --format png --out mine": "mine/house-7.png",
+    f"draw {PLANS} --format pdf --out mine": "mine/plans.pdf",
+    f"draw {PLANS} --diff {PLANS} --out mine": "mine/diff-0.svg",
+    f"draw {PLANS} --scale 1:100 --out mine": "mine/house-0.svg",
+    "evaluate paper --out mine": "mine/report.html",
+    "evaluate paper-original --out mine": "mine/evaluation.json",
+    "evaluate pqn --out mine": "mine/evaluation.md",
+    f"record pqn {PLANS} --out mine.gif": "mine.gif",
+    f"record pqn {PLANS} --out mine.trace.json": "mine.trace.json",
+    "report houses": "houses/report.html",
+    "report houses --out mine.html": "mine.html",
+    "train --out mine": "mine/report.html",
+    "train --preset dqn --out mine": "mine/learning-curve.png",
+    "play --out mine.jsonl": "mine.jsonl",
+    "demo --out mine": "mine/report.md",
+    "playground --out mine": "mine/index.html",
+}
+"""Commands, and a file of somebody else in the place of what each writes."""
+
+NO_REPLACE = {"train", "play", "demo", "playground"}
+"""Those that have no ``--replace``: they name another place."""
+
+
+def run(words: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        main(words.split())
+    assert isinstance(ended.value.code, int)
+    return ended.value.code
+
+
+@pytest.mark.parametrize("words", IN_THE_WAY, ids=lambda words: words.replace(str(ROOT), ""))
+def test_what_is_in_the_way_is_named_and_stays(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path(IN_THE_WAY[words])
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(FOREIGN)
+    if words.startswith("report"):
+        Path("houses").mkdir(exist_ok=True)
+        Path("houses/plans.jsonl").write_bytes(PLANS.read_bytes())
+    assert run(words) == 2
+    said = capsys.readouterr().err
+    assert "mine" in said or "houses/report.html" in said
+    name = words.split(maxsplit=1)[0]
+    assert ("--replace" in said) == (name not in NO_REPLACE), said
+    assert file.read_bytes() == FOREIGN
+    left = {path for path in tmp_path.rglob("*") if path.is_file() and path.name != "plans.jsonl"}
+    assert left <= {tmp_path / file, tmp_path / "mine/.lock"}
+
+
+def test_the_table_has_every_command_that_writes_and_each_can_replace() -> None:
+    writing = {}
+    for name, (place, _) in COMMANDS.items():
+        if name != "bench":
+            flags = {option.name for option in options_of(pkgutil.resolve_name(place))}
+            if "out" in flags:
+                writing[name] = "replace" in flags
+    assert {name for name, replaces in writing.items() if not replaces} == NO_REPLACE
+    # Networks are exported and imported by the way that the last test shows.
+    assert {words.split()[0] for words in IN_THE_WAY} == set(writing) - {"export", "import-keras"}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"draw {PLANS} --out mine",
+        f"draw {PLANS} --format png --out mine",
+        f"draw {PLANS} --format pdf --out mine",
+        f"draw {PLANS} --diff {PLANS} --out mine",
+        f"convert {PLANS} --to geojson --out mine",
+        f"convert {PLANS} --to usd --out mine",
+        f"convert {PLANS} --to gltf --out mine",
+        "report houses",
+        "report houses --out mine.html",
+    ],
+    ids=lambda words: words.replace(str(ROOT), ""),
+)
+def test_the_same_command_again_is_no_loss(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("houses").mkdir()
+    Path("houses/plans.jsonl").write_bytes(PLANS.read_bytes())
+    assert [run(words), run(words)] == [0, 0]
+
+
+def test_a_file_of_other_content_is_replaced_where_it_is_asked_for(tmp_path: Path) -> None:
+    out = tmp_path / "agent.onnx"
+    for content, replace in ((b"mine", False), (b"mine", False), (b"other", True)):
+        with unless_other(out, replace) as made:
+            made.write_bytes(content)
+    with pytest.raises(RequestError, match="--replace"), unless_other(out, False) as made:
+        made.write_bytes(b"mine")
+    assert out.read_bytes() == b"other"
+    assert os.listdir(tmp_path) == ["agent.onnx"]
