@@ -20,13 +20,14 @@ import shapely
 
 from logic.checking.figures import figure
 from logic.checking.shared_walls import gaps
-from logic.errors import PlanWarning, RequestError
+from logic.errors import HouseFileError, PlanWarning, RequestError
 from logic.house.boxes import TOLERANCE, Box, overlap
 from logic.house.files import STANDARD, load, opened
 from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
 from logic.house.walls import remaining
 from logic.request.geojson import from_geojson, is_geojson
+from logic.request.other_formats import named
 from logic.request.snapping import snapped
 from logic.spelling import numbered
 
@@ -180,6 +181,8 @@ def _from_file(path: Path) -> House | dict[str, Any]:
         record = None  # A file that is absent or no JSON; JSON Lines are no GeoJSON.
     if isinstance(record, dict) and is_geojson(record):
         return record
+    if what := named(content):
+        raise HouseFileError(f"{path}: {what}")
     # The standard input is read once.
     houses = load(path, io.BytesIO(content) if path == STANDARD else None)
     if len(houses) > 1:

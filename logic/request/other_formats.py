@@ -1,0 +1,78 @@
+"""What a file is that is given as a plan and is none: known by how it begins, whatever its name."""
+
+import json
+import re
+from collections.abc import Mapping
+from typing import Any
+
+GEOJSON = "convert it to GeoJSON, a rectangle for each room"
+DRAW = "draw its rooms as rectangles in a GIS or CAD, and export GeoJSON"
+
+BEGINNINGS = (
+    (rb"\x89PNG\r\n\x1a\n", "a PNG picture", DRAW),
+    (rb"\xff\xd8\xff", "a JPEG picture", DRAW),
+    (rb"GIF8[79]a", "a GIF picture", DRAW),
+    (rb"(II\*\0|MM\0\*)", "a TIFF picture", DRAW),
+    (rb"%PDF-", "a PDF", DRAW),
+    (rb"\0\0\x27\x0a", "a shapefile", GEOJSON),
+    (rb"SQLite format 3\0", "an SQLite file, such as a GeoPackage", GEOJSON),
+    (rb"AC10\d\d", "a DWG drawing", GEOJSON),
+    (rb"AutoCAD Binary DXF|\s*0\s*[\r\n]+\s*SECTION\b|\s*999[\r\n]", "a DXF drawing", GEOJSON),
+    (rb"\s*ISO-10303-21;", "an IFC or STEP model", GEOJSON),
+    (rb"glTF", "a glTF model", "give the house file that it was made of"),
+    (rb"PK\x03\x04", "a zip archive, such as KMZ or XLSX", "unpack it, and convert the plan to GeoJSON"),
+    (rb"\x89HDF\r\n", "an HDF5 file", GEOJSON),
+)
+"""Regular expressions of how files begin, what they are, and what to do."""
+
+XML = {b"svg": "an SVG picture", b"kml": "KML", b"gml": "GML", b"mxfile": "a diagram", b"html": "HTML"}
+"""What XML is, by its first element."""
+
+JSON = {"Topology": "TopoJSON", "CityJSON": "CityJSON"}
+"""What JSON is, by its ``type``."""
+
+READ = "a plan is GeoJSON or a house file of one house"
+
+
+def named(content: bytes) -> str | None:
+    """What a file's content is and what to do, if it is a known format that is no plan."""
+    content = content.removeprefix(b"\xef\xbb\xbf")
+    found = next(((what, do) for begins, what, do in BEGINNINGS if re.match(begins, content)), None)
+    found = found or _xml(content) or _json(content) or _table(content)
+    return found and f"is {found[0]}, and {READ}: {found[1]}"
+
+
+def _xml(content: bytes) -> tuple[str, str] | None:
+    element = re.search(rb"<(?:\w+:)?([A-Za-z]+)", content[:4096])
+    if not content.lstrip().startswith(b"<") or element is None:
+        return None
+    what = XML.get(element[1].lower(), "XML")
+    return what, DRAW if what in (XML[b"svg"], "HTML", "a diagram") else GEOJSON
+
+
+def _json(content: bytes) -> tuple[str, str] | None:
+    try:
+        record: Any = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(record, Mapping):
+        return None
+    kind = record.get("type")
+    if isinstance(kind, str) and kind in JSON:
+        return JSON[kind], GEOJSON
+    if isinstance(record.get("asset"), Mapping) and "version" in record["asset"]:
+        return "a glTF model", "give the house file that it was made of"
+    if {"rings", "spatialReference", "geometryType"} & record.keys():
+        return "Esri JSON", GEOJSON
+    return None
+
+
+def _table(content: bytes) -> tuple[str, str] | None:
+    """Lines of as many commas, semicolons or tabs each, and no JSON."""
+    lines = content[:4096].splitlines()[:3]
+    if len(lines) < 2 or lines[0].lstrip()[:1] in (b"{", b"["):
+        return None
+    for mark in (b",", b";", b"\t"):
+        if lines[0].count(mark) and lines[0].count(mark) == lines[1].count(mark):
+            return "a table (CSV)", "write each row as a rectangle in GeoJSON"
+    return None

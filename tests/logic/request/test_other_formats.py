@@ -1,0 +1,110 @@
+"""A plan in another format is named by what it is, whatever its name: each as another program wrote it."""
+
+import csv
+import gzip
+import io
+import json
+import sqlite3
+import struct
+import zipfile
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from logic import HouseFileError, load
+from logic.exports import export
+from logic.request.given_plan import read_plan
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+
+
+def picture(format: str) -> bytes:
+    """A picture by Pillow."""
+    content = io.BytesIO()
+    Image.new("RGB", (8, 8)).save(content, format)
+    return content.getvalue()
+
+
+def figure(format: str) -> bytes:
+    """A drawing by matplotlib."""
+    content = io.BytesIO()
+    Figure((1, 1)).savefig(content, format=format)
+    return content.getvalue()
+
+
+def table(mark: str) -> bytes:
+    content = io.StringIO()
+    csv.writer(content, delimiter=mark).writerows([["room", "x", "y"], ["hall", 0, 1], ["bath", 2, 1]])
+    return content.getvalue().encode()
+
+
+def archive() -> bytes:
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as file:
+        file.writestr("doc.kml", "<kml/>")
+    return content.getvalue()
+
+
+def database(folder: Path) -> bytes:
+    with sqlite3.connect(folder / "plan.gpkg") as file:
+        file.execute("create table rooms (name text)")
+    return (folder / "plan.gpkg").read_bytes()
+
+
+def model(folder: Path, format: str) -> bytes:
+    return export(load(FIXTURES / "plans.jsonl")[:1], folder, format)[0].read_bytes()
+
+
+TOPOLOGY = {
+    "type": "Topology",
+    "arcs": [[[0, 0], [1, 0]]],
+    "objects": {"rooms": {"type": "Polygon", "arcs": [[0]]}},
+}
+ESRI = {"geometryType": "esriGeometryPolygon", "features": []}
+
+PLANS = {
+    "TopoJSON": lambda _: json.dumps(TOPOLOGY).encode(),
+    "TopoJSON indented": lambda _: json.dumps(TOPOLOGY, indent=2).encode(),
+    "Esri JSON": lambda _: json.dumps(ESRI).encode(),
+    "CityJSON": lambda _: b'{"type": "CityJSON", "version": "2.0", "CityObjects": {}, "vertices": []}',
+    "PNG": lambda _: picture("PNG"),
+    "JPEG": lambda _: picture("JPEG"),
+    "GIF": lambda _: picture("GIF"),
+    "TIFF": lambda _: picture("TIFF"),
+    "SVG": lambda _: figure("svg"),
+    "PDF": lambda _: figure("pdf"),
+    "CSV": lambda _: table(","),
+    "CSV ;": lambda _: table(";"),
+    "CSV tab": lambda _: table("\t"),
+    "zip": lambda _: archive(),
+    "SQLite": database,
+    "glTF": lambda folder: model(folder, "gltf"),
+    "XML": lambda folder: model(folder, "mjcf"),
+    "DXF": lambda _: b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n",
+    "DXF with a comment": lambda _: b"999\nby hand\n0\nSECTION\n",
+    "DWG": lambda _: b"AC1032" + bytes(20),
+    "IFC": lambda _: b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n",
+    "shapefile": lambda _: struct.pack(">7i", 9994, 0, 0, 0, 0, 0, 50),
+    "KML": lambda _: b'<?xml version="1.0"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"></kml>',
+}
+
+
+@pytest.mark.parametrize("name", ["plan.json", "plan.geojson", "plan.jsonl", "plan"])
+@pytest.mark.parametrize("kind", PLANS)
+def test_another_format_is_named_with_what_to_do(kind: str, name: str, tmp_path: Path) -> None:
+    content = PLANS[kind](tmp_path)
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(HouseFileError) as refused:
+        read_plan(tmp_path / name)
+    said = str(refused.value)
+    assert kind.split(maxsplit=1)[0] in said
+    assert "a plan is GeoJSON or a house file" in said
+    assert "\n" not in said
+
+
+def test_what_is_packed_is_named_too(tmp_path: Path) -> None:
+    (tmp_path / "plan").write_bytes(gzip.compress(PLANS["TopoJSON"](tmp_path)))
+    with pytest.raises(HouseFileError, match="TopoJSON"):
+        read_plan(tmp_path / "plan")
