@@ -22,11 +22,11 @@ class Question:
     def layout(self, some: Sequence[Statement], most: float = math.inf) -> list[Symbol] | None:
         """A layout under these statements; None where there is none.
 
-        Raises ``TooMany`` where stage 2 refutes so many.
+        Raises ``TooMany`` where stage 2 refutes so many, or clingo searches for too long (``Relaxed.model``).
         """
         refuted = self.refuted
         if refuted is None:
-            return self.relaxed.model(some)
+            return self.relaxed.model(some, most=most)
         stated = {each.literals for each in some}
         clauses = [each for each in self.relaxed.statements if each.clause]
         without = {each.clause for each in clauses if each.clause and each.literals not in stated}

@@ -5,6 +5,7 @@ statements that hit all correction sets found so far are a smallest conflict, if
 they have one, it leaves another correction set (Ignatiev, Previti, Liffiton and Marques-Silva, CP 2015).
 """
 
+import contextlib
 import math
 from collections.abc import Sequence
 
@@ -17,6 +18,9 @@ from logic.layout.relaxed import Relaxed, Statement, TooMany, minimal
 MOST_LAYOUTS = 400
 """So many layouts are looked at for a smallest conflict; past them a minimal one has to do."""
 
+MOST_CONFLICTS = 10_000
+"""So many conflicts may clingo meet for one of these layouts; past them a minimal conflict has to do, too."""
+
 MOST_REFUTED = 60
 """So many layouts are refuted in stage 2 to see whether a statement can be left out; past them it stays."""
 
@@ -26,9 +30,9 @@ def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list
     impossible after ``MOST_REFUTED``: as few as can be, where stage 2 has no part in it.
     """
     if isinstance(question, Question) and question.refuted is None:
-        found = fewest(statements, question.relaxed)
-        if found is not None:
-            return found
+        with contextlib.suppress(TooMany):
+            if (found := fewest(statements, question.relaxed)) is not None:
+                return found
 
     def possible(some: Sequence[Statement]) -> bool:
         try:
@@ -42,7 +46,7 @@ def least(question: "Question | AnyOf", statements: Sequence[Statement]) -> list
 def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement] | None:
     """A smallest set of statements that are impossible together; of these one with the fewest shipped rules.
 
-    None where it is not found with ``MOST_LAYOUTS``.
+    None where it is not found with ``MOST_LAYOUTS``; raises ``TooMany`` past ``MOST_CONFLICTS``.
     """
     relaxed.prefer(statements)
     hitting = Hitting(statements)
@@ -50,7 +54,7 @@ def fewest(statements: Sequence[Statement], relaxed: Relaxed) -> list[Statement]
     while layouts < MOST_LAYOUTS:
         some = smallest = hitting.set()
         # Correction sets that share no statement say the most about how many are needed.
-        while relaxed.model(some) is not None:
+        while relaxed.model(some, conflicts=MOST_CONFLICTS) is not None:
             layouts += 1
             left_out = relaxed.left_out(statements)
             hitting.add(left_out)

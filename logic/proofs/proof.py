@@ -4,18 +4,25 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from clingo import Symbol
+
 from logic.errors import Reason, Unsatisfiable, VitruviusError
 from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, barred, option
 from logic.generation.movable_doors import Refuted
+from logic.generation.question import Question
 from logic.layout.account import PROOF
 from logic.layout.program import Conflict
+from logic.layout.relaxed import Statement, TooMany
 from logic.layout.terms import fixed_requirements, granted, to_furnish
 from logic.proofs.least import AnyOf, least
 from logic.request.request import MOST_ROOMS, Request
 
 NEAR = 8
 """How far from a number of rooms others are tried."""
+
+MOST_TRIED = 100
+"""So many layouts are refuted to find out whether another request has a house."""
 
 NEXT = 3
 """The same for rooms that share walls, of which each number takes a tenth of a second or more."""
@@ -42,7 +49,7 @@ class Prover:
             nogoods = [{**each.atoms, **dict.fromkeys(each.grants, True)} for each in rooms_]
             statements.append(relaxed.proved(reason, nogoods))
         # The user's plan says more than rules from which the same follows: it is left out last.
-        if found.refuted:
+        if request.plan:
             statements.sort(key=lambda each: each.reason.file is not None)
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in found.orders:
@@ -89,7 +96,12 @@ class Prover:
             other = replace(request, rooms=rooms)
             relaxed, statements = self._of.house(other, unfurnishable)
             some = [each for each in statements if each.reason in conflict]
-            if self._of.of_walls(relaxed).possible(some):
+            try:
+                possible = self._of.of_walls(relaxed).possible(some, MOST_TRIED)
+            except TooMany:  # It may be: so the number is named.
+                named = True
+                continue
+            if possible:
                 named = True
                 if request.fixed:  # Whether it fits between the fixed rooms is not known.
                     return named, None
@@ -98,10 +110,10 @@ class Prover:
         return named, None
 
     def _has_house(self, request: Request) -> bool:
-        """Whether a request has a house: rooms, each of which can be furnished."""
+        """Whether a request is soon found to have a house: rooms, each of which can be furnished."""
         relaxed, statements = self._of.house(request)
         question = self._of.of_walls(relaxed)
-        while (layout := question.layout(statements)) is not None:
+        while (layout := _soon(question, statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
             bare = [type_ for type_ in sorted(types) if not self._of.is_furnishable(request, type_)]
             if not bare:
@@ -127,6 +139,14 @@ class Prover:
         if question.possible(statements):
             raise VitruviusError(f"{refuted[0].name} was proved infeasible, and can be furnished")
         return [statement.reason for statement in least(question, statements)]
+
+
+def _soon(question: Question, statements: Sequence[Statement]) -> list[Symbol] | None:
+    """A layout; None where there is none, or none is soon found."""
+    try:
+        return question.layout(statements, MOST_TRIED)
+    except TooMany:
+        return None
 
 
 def _others(request: Request, far: bool) -> list[int]:

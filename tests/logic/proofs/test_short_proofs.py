@@ -146,3 +146,15 @@ def test_a_proof_that_a_room_is_too_small_for_its_furniture_is_of_that_room_alon
     assert all(text.startswith((*known, *CLEARANCES)) for text in found), found
     edited(folder, f"{lines[2]}1,", f"{lines[2]}0,")
     assert isinstance(made(Builder(find(folder)), plan), House)
+
+
+def test_where_the_shortest_proof_takes_too_long_another_one_is_found(
+    home: Builder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Irreducible, too: the search for the shortest ends at its first conflict."""
+    monkeypatch.setattr("logic.proofs.least.MOST_CONFLICTS", 1)
+    boxes, types, request, lines = CASES["a room that is no living room"]
+    with pytest.raises(Unsatisfiable) as caught:
+        made(home, geojson(BOXES | boxes, **(TYPED | types)), **request)
+    found = [each.text for each in caught.value.reasons]
+    assert all(any(line in text for text in found) for line in lines), found
