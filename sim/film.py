@@ -60,6 +60,8 @@ class Scene:
     step: int
     found: int
     """Targets picked up in this episode."""
+    task: str
+    """What is to be done, in words, as the house calls its rooms and pieces."""
 
 
 class Camera:
@@ -85,6 +87,12 @@ class Camera:
             self._plan = scene.house, plan(scene.house, self.width)
         shot = picture(scene, self.trail, self._plan[1])
         return shot if self.frame is None else framed(shot, self.frame)
+
+
+def caption(scene: Scene) -> str:
+    """The line below a picture; the task ends it, where a narrow picture cuts it off."""
+    counts = f"step {scene.step} of {scene.config.steps}    {numbered(scene.found, 'target')}"
+    return f"{counts}    {scene.task}"
 
 
 def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Image.Image) -> Image.Image:
@@ -116,9 +124,8 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
             draw.ellipse([a - r, b - r, a + r, b + r], TARGET_RAY if hit else (*RAY, 190))
 
     _draw_body(draw, view, scene)
-    text = f"step {scene.step} of {scene.config.steps}    {numbered(scene.found, 'target')}"
     below = SHARP * MARGIN, image.height - SHARP * (MARGIN + CAPTION) // 2
-    draw.text(below, text, Inks().ink, ImageFont.load_default(SHARP * 16), anchor="lm")
+    draw.text(below, caption(scene), Inks().ink, ImageFont.load_default(SHARP * 16), anchor="lm")
     return image.reduce(SHARP)
 
 

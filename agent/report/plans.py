@@ -51,7 +51,7 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
     plans = []
     for file, houses in banks.items():
         hash_ = bank_hash(houses) if measured else ""
-        ratios = [_ratios(each, len(houses)) for each in measured if each.bank.hash == hash_]
+        ratios = [_ratios(each, houses) for each in measured if each.bank.hash == hash_]
         for index in range(0, len(houses), every):
             found = {key: values[index] for one in ratios for key, values in one.items()}
             plans.append(plan_of(file, index, houses[index]) | {"ratios": found})
@@ -60,11 +60,11 @@ def section(files: Sequence[Path], folder: Path) -> Section | None:
     return Section("plans", "The houses", f'{words}<div class="plans"></div>\n{data("plans-data", plans)}')
 
 
-def _ratios(file: scores.ScoreFile, houses: int) -> dict[str, list[float | None]]:
+def _ratios(file: scores.ScoreFile, bank: Sequence[House]) -> dict[str, list[float | None]]:
     """By mode and policy the share of the oracle's targets in each house, over all runs and episodes; None
     where the oracle picks up none.
     """
-    found = {}
+    found, houses, named = {}, len(bank), looks_of(bank[0]).name
     for mode, scored in file.targets.items():
         runs = [run for each in scored.policies.values() for run in each.runs]
         if "oracle" not in scored.policies or any(len(run.targets) % houses for run in runs):
@@ -77,7 +77,7 @@ def _ratios(file: scores.ScoreFile, houses: int) -> dict[str, list[float | None]
         oracle = counts.pop("oracle").mean(axis=(0, 1))
         for policy, each in counts.items():
             ratio = each.mean(axis=(0, 1)) / np.where(oracle > 0, oracle, np.nan)
-            found[f"{LABELS.get(policy, policy)}, {in_words(mode)}"] = [
+            found[f"{LABELS.get(policy, policy)}, {in_words(mode, named)}"] = [
                 None if np.isnan(value) else round(float(value), 3) for value in ratio
             ]
     return found

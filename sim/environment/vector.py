@@ -377,12 +377,15 @@ class HouseVectorEnv(VectorEnv):
 
     def scene(self, index: int) -> "Scene":
         """What there is to see of one environment, for ``sim.film``."""
+        from logic.house.looks import looks_of
         from sim.film import Scene
+        from sim.tasks.words import in_words
 
         info, config = self._outputs.info(), self.config
         seen, state = self._outputs.observation()[index], self.world.environment(index)
+        house = self.houses[info["house"][index]]
         return Scene(
-            house=self.houses[info["house"][index]],
+            house=house,
             config=config,
             pose=info["pose"][index],
             target=info["target"][index],
@@ -390,6 +393,7 @@ class HouseVectorEnv(VectorEnv):
             is_target=seen[:, -1] > 0,
             step=state["time"],
             found=state["found"] - 1,
+            task=in_words(self.world.task, looks_of(house).name),
         )
 
     def _require_open(self) -> None:

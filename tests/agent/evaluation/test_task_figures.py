@@ -6,15 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agent.banks import benchmark
+from agent.banks import bank_hash, benchmark
 from agent.evaluation.baselines import PRIVILEGED
 from agent.evaluation.protocol import measure
-from agent.evaluation.scores import modes_of, result_of
+from agent.evaluation.scores import Bank, ScoreFile, modes_of, result_of
 from agent.evaluation.tables import score_table, tables
 from agent.learning.environments import playable
 from agent.learning.simulator import undisturbed, with_sensor
+from agent.report.plans import _ratios
 from logic import HouseFileError, save
+from sim import HouseVectorEnv
 from sim.config import DEFAULT, LONG, NOISY, PRESETS
+from sim.film import caption
 from tests.agent.evaluation.cases import result, scores, short_episodes
 from tests.sample_houses import ONE_ROOM, drawn, random_house
 from vitruvius.commands.evaluate import Evaluate
@@ -52,6 +55,16 @@ def test_tables_call_a_piece_what_people_call_it_in_these_houses():
     [found] = measure({}, houses, [mode], baselines=("script", "oracle"), world="default")
     titles = [table.title for table in tables(found)]
     assert all("worktop" in title.lower() and "desk" not in title for title in titles), titles
+    bank = Bank(bank_hash(houses), "", len(houses))
+    scored = ScoreFile(bank, 0, modes_of([found]), "continuous", "default", 1)
+    assert list(_ratios(scored, houses)) == ["script, find a worktop"]
+
+
+def test_a_film_s_caption_calls_a_piece_what_people_call_it_in_these_houses():
+    houses = [house for house in benchmark() if "desk" in {p.type for r in house.rooms for p in r.pieces}][:1]
+    envs = HouseVectorEnv(houses, num_envs=1, targets='{"task": "object", "piece": "desk"}')
+    envs.reset(seed=0)
+    assert caption(envs.scene(0)).endswith("    0 targets    find a worktop")
 
 
 def test_an_object_goal_is_played_in_the_houses_that_have_the_piece():
