@@ -91,12 +91,16 @@ class LoadedGrammar:
             return
         try:
             misused = list(self._misused(read(self._grammar.own)))
+            misnamed = list(self._other_topologies()) if self._words.derived else []
         except GrammarError as error:
             yield Mistake(error)
         else:
-            yield from map(Mistake, misused)
-            strange = [] if misused else self._strange()
-            strange += [] if misused else self._gone(strange, ("type", 1))
+            # What else is wrong may follow from the topology that is taken instead.
+            yield from (Mistake(error, frozenset({"topology/1"})) for error in misnamed)
+            wrong = misnamed or misused
+            yield from () if misnamed else map(Mistake, misused)
+            strange = [] if wrong else self._strange()
+            strange += [] if wrong else self._gone(strange, ("type", 1))
             if self.placer.problems or any({"type/1", "topology/1"} & each.explains for each in strange):
                 yield from strange
         # Which clauses there are depends on the topology, and that is a star where none is named.
@@ -133,7 +137,6 @@ class LoadedGrammar:
         except RecursionError:
             yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
             return
-        yield from self._other_topologies()
         refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words, self._grammar)}
         yield from refused.values()
         programs = stages(core_words(self._grammar.topology))

@@ -13,6 +13,9 @@ MISSPELT = [
     ("rooms.lp", "type(hall;", "tpye(hall;", "did you mean type/1?"),
     ("rooms.lp", "topology(ring)", "toplogy(ring)", "did you mean topology/1?"),
     ("rooms.lp", "topology(ring).", "", "name a topology, as in topology(ring)."),
+    ("rooms.lp", "topology(ring).", "topology(ring;corridor).", "a topology is named by a fact alone"),
+    ("rooms.lp", "topology(ring).", "topology(ring) :- rooms > 2.", "a topology is named by a fact alone"),
+    ("rooms.lp", "topology(ring).", "topology(ring,corridor).", "did you mean topology/1?"),
     ("rooms.lp", "opens(dining,", "opnes(dining,", "did you mean opens/2?"),
     ("rooms.lp", "kitchen; bedroom; bathroom", "kitchen; bedrom; bathroom", "did you mean bedroom?"),
     (
