@@ -18,7 +18,7 @@ from logic.errors import LimitReached
 from logic.generation.barred_units import UnitsFeasibility, barred_units
 from logic.generation.evidence import NoUnits
 from logic.generation.feasibility import Feasibility
-from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker
+from logic.generation.shared_walls import MOST_TRIES, Making, SharedWallsMaker
 from logic.grammar import Grammar
 from logic.house.parts import OUTSIDE
 from logic.language.loaded import LoadedGrammar
@@ -27,6 +27,7 @@ from logic.layout.program import Nogood, Program
 from logic.placement.placer import Infeasible
 from logic.placement.prolog import Term
 from logic.request.request import Request
+from logic.spelling import numbered
 
 SIDES = ("west", "east", "north", "south")
 
@@ -60,6 +61,11 @@ class Unit:
     public: int
     access: str
     inner: frozenset[str]
+
+    def __str__(self) -> str:
+        """In words, as in ``6 rooms, 7.30 m deep along y, entered from its south side``."""
+        rooms = numbered(self.request.rooms, "room")
+        return f"{rooms}, {self.depth:.2f} m deep along {self.axis}, entered from its {self.access} side"
 
     def known(self, steps: Sequence[Symbol]) -> dict[bool, list[Symbol]]:
         """What holds of it and what does not, as ``units.lp`` has it, with these steps of depth."""
@@ -133,12 +139,15 @@ class UnitMaker(SharedWallsMaker):
 
 
 class UnitsMaker(SharedWallsMaker):
-    """Makes houses of units by one grammar."""
+    """Makes houses of units by one grammar. ``making`` is how the units of the last house were chosen."""
+
+    units: Sequence[UnitMaker] = ()
+    """Who made them, in the order of their rooms."""
 
     def __init__(self, grammar: Grammar, loaded: LoadedGrammar, feasibility: Feasibility) -> None:
         """Know its rules."""
         super().__init__(grammar, loaded, feasibility)
-        self._units_feasibility = UnitsFeasibility(grammar, loaded)
+        self.units_feasibility = UnitsFeasibility(grammar, loaded)
         self._parts = grammar, loaded, feasibility
         self._depths = loaded.depths or (0.0, 0.0)
 
@@ -153,7 +162,9 @@ class UnitsMaker(SharedWallsMaker):
                 units = _units_of(layout, request, depths)
                 try:
                     whole, makers, inferences = self._placed(layout, units, rng, inferences)
-                    return self._with_rooms(whole, makers, rng, inferences)
+                    made = self._with_rooms(whole, makers, rng, inferences)
+                    self.making, self.units = Making(self.stated(request), layout, {}), makers
+                    return made
                 except Impossible as none:
                     if none.unit:
                         refuted += self._alike(none.unit, layout, request)
@@ -195,7 +206,7 @@ class UnitsMaker(SharedWallsMaker):
         layout = program.sample(rng, assumed, nogoods=refuted)
         if layout is None and not refuted:
             barred = barred_units(self._programs, request)
-            raise NoUnits(request, self._units_feasibility, unit=self.feasibility, barred=barred)
+            raise NoUnits(request, self.units_feasibility, unit=self.feasibility, barred=barred)
         return layout
 
     def _placed(

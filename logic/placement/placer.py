@@ -266,8 +266,13 @@ class Placer:
         """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
         return self._ask("room_lengths", room.type, room.furniture, room.given, room.seed, target)
 
-    def wall_bounds(self, layout: Iterable[Symbol], rooms: Sequence[Rect], number: int) -> dict[str, Any]:
-        """What the sizes of a plan's room could have been, and which constraints bind: ``plan_bounds.pl``."""
+    def wall_bounds(
+        self, layout: Iterable[Symbol], rooms: Sequence[Rect], number: int, outlined: bool = False
+    ) -> dict[str, Any]:
+        """What the sizes of a plan's room could have been, and which constraints bind: ``plan_bounds.pl``.
+
+        ``outlined``: where the outline of the plan stays as it is.
+        """
         west, north = min(room.x for room in rooms), min(room.y for room in rooms)
         boxes = [
             Term(
@@ -278,7 +283,11 @@ class Placer:
             )
             for place, room in enumerate(rooms)
         ]
-        return self._ask("plan_room_lengths", layout, boxes, number)
+        ends = {"west": 0.0, "north": 0.0}
+        ends["east"] = float(max(room.x + room.width for room in rooms) - west)
+        ends["south"] = float(max(room.y + room.height for room in rooms) - north)
+        lines = [Term("at", Function("outline", [Function(side)]), place) for side, place in ends.items()]
+        return self._ask("plan_room_lengths", layout, lines if outlined else [], boxes, number)
 
     def opening_lengths(self, type_: str, start: float, end: float) -> dict[str, Any]:
         """Lengths (m) of a door, and of a window of a room of this type, in a wall: ``plan_bounds.pl``."""

@@ -3,14 +3,16 @@
 import math
 from collections.abc import Iterator
 from functools import cache, cached_property
+from typing import Any
 
 import msgspec
 from clingo import Function, Number, Symbol
 
 from logic.errors import Reason
 from logic.generation.movable_doors import LooseRoom, Refuted
+from logic.generation.shared_walls import Making
 from logic.house.house import House
-from logic.house.part_names import target_in
+from logic.house.part_names import Part, target_in
 from logic.house.parts import OUTSIDE, Door, Provenance, Window
 from logic.request.given_plan import OwnPlan, Wall
 from logic.why.alternatives import Search
@@ -25,9 +27,17 @@ MOST = 5
 class PlanWitness(Witness):
     """A plan that is made again."""
 
+    OUTLINED = False
+    """Whether it cannot be larger or smaller."""
+
+    ENTRANCE = "the entrance"
+    """What the door is called that leads outside."""
+
     def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
         """Why a room, a door, the entrance, a window or a piece is as it is."""
-        room, part = target_in(self._house, target)
+        yield from self._parts(target, *target_in(self._house, target), until)
+
+    def _parts(self, target: str, room: int | None, part: Part, until: float) -> Iterator[Why]:
         if isinstance(part, Door):
             yield from (self._entrance if part.is_entrance else self._door)(target, part, until)
             return
@@ -48,16 +58,17 @@ class PlanWitness(Witness):
         maker = self._maker = self._builder.maker_of(self._request)
         arguments = self._request, made.seed, made.index, inferences
         self._builder.house(*arguments)
-        assert maker.making is not None
         # The programs of rooms with these doors are known now: the second time they keep all that held.
-        for program in (
-            maker.making.program,
-            *(each.program for each in maker.making.furniture.values()),
-        ):
-            program.models = []
+        for making in self._makings(maker):
+            for program in (making.program, *(each.program for each in making.furniture.values())):
+                program.models = []
         again = self._builder.house(*arguments)
-        self._making = maker.making
+        self._making, *_ = self._makings(maker)
         return again
+
+    def _makings(self, maker: Any) -> Iterator[Making]:
+        """How the last house was made."""
+        yield maker.making
 
     def _room(self, target: str, room: int, until: float) -> Iterator[Why]:
         """Why a room has its type, and walls on these lines."""
@@ -68,22 +79,23 @@ class PlanWitness(Witness):
         atoms = [each for name in ("room", "runs", "edge") for each in self._atoms(name, number)]
         own = [each for each in support.variables([number]) if len(each.arguments) == 1]
 
-        def lengths() -> Lengths:
-            if self._request.plan:
-                return (), ()
-            return self._bounds(
-                self._builder.placer.wall_bounds(self._making.layout, self._house.rooms, room), {}
-            )
-
         why = Why(target, about, support.trees(atoms))
         variables = sorted(own, key=lambda each: each.name != "type")
-        for part in self._answer(why, support, variables, lengths, lambda: self._search, until):
+        lengths, search = lambda: self._room_lengths(room), lambda: self._search
+        for part in self._answer(why, support, variables, lengths, search, until):
             types = (
                 self._furnishable(self._maker.feasibility, each)
                 for each in part.choices
                 if each.name == f"type({number})"
             )
             yield msgspec.structs.replace(part, choices=tuple(types) or part.choices)
+
+    def _room_lengths(self, room: int) -> Lengths:
+        """The lengths of a room."""
+        if self._request.plan:
+            return (), ()
+        found = self._builder.placer.wall_bounds(self._making.layout, self._house.rooms, room, self.OUTLINED)
+        return self._bounds(found, {})
 
     def _door(self, target: str, door: Door, until: float) -> Iterator[Why]:
         """Why two rooms have a door between them."""
@@ -99,9 +111,10 @@ class PlanWitness(Witness):
         """Why the house is entered there."""
         (name,) = (name for name in door.between if name != OUTSIDE)
         room = Number([room.name for room in self._house.rooms].index(name))
-        about = f"the entrance, into {self._named(name)}"
-        variables = [Function("entrance"), Function("entry", [room])]
-        return self._opening(target, about, self._atoms("entrance", room), variables, door, until)
+        about, atoms = f"{self.ENTRANCE}, into {self._named(name)}", self._atoms("entrance", room)
+        sides = [Function("entrance", [each.arguments[1]]) for each in atoms]
+        variables = [Function("entrance"), Function("entry", [room]), *sides]
+        return self._opening(target, about, atoms, variables, door, until)
 
     def _window(self, target: str, room: int, window: Window, until: float) -> Iterator[Why]:
         """Why there is a window in a wall."""
@@ -173,8 +186,9 @@ class PlanWitness(Witness):
 
     @cached_property
     def _model(self) -> list[Symbol]:
-        """All that held when the walls were chosen: the last one sampled is the house's."""
-        return (self._making.program.models or [])[-1][1]
+        """All that held when the walls were chosen."""
+        kept = self._making.program.models or []
+        return next(model for shown, model in reversed(kept) if shown is self._making.layout)
 
     @cached_property
     def _support(self) -> Support:

@@ -35,12 +35,10 @@ class Witness(ABC):
     def __init__(self, builder: Builder, house: House, inferences: int) -> None:
         """Make the house again from its provenance.
 
-        Raises ``HouseFileError`` where it comes out another, ``RequestError`` where it is one of units.
+        Raises ``HouseFileError`` where it comes out another.
         """
         made = house.provenance
         assert made is not None
-        if builder.loaded.depths:
-            raise RequestError("why: houses of units keep no reasons yet: ask of a house of another grammar")
         self._builder, self._request, self._house = builder, Request.read(made.request), house
         self._origin = f"{made.grammar}, seed {made.seed}, house {made.index}"
         again, why = None, "it was edited"

@@ -191,12 +191,10 @@ class Worker:
     def _explained(self, question: Explain) -> Iterator[Explained]:
         """Why a house is as it is, in parts as they are found."""
         from logic.house.house import House
-        from logic.why.shared_walls import PlanWitness
-        from logic.why.star import StarWitness
+        from logic.why.kinds import witness_of
 
         until = time.monotonic() + SEARCHED * question.seconds
-        kind = PlanWitness if self._builder.grammar.shares_walls else StarWitness
-        witness = kind(self._builder, House.from_dict(question.house), question.inferences)
+        witness = witness_of(self._builder, House.from_dict(question.house), question.inferences)
         for part in witness.parts(question.target, until):
             yield Explained(part)
 

@@ -1,4 +1,4 @@
-:- module(plan_bounds, [plan_room_lengths/4, opening_lengths/4]).
+:- module(plan_bounds, [plan_room_lengths/5, opening_lengths/4]).
 
 /** <module> Why the lengths of a plan are as they are: what else they could have been, and which constraints bind
 
@@ -14,14 +14,14 @@ What bounds.pl says of furniture, for walls that rooms share, and for the doors 
 :- use_module('../shared_walls/openings').
 :- use_module('../shared_walls/walls').
 
-%!  plan_room_lengths(+Atoms, +Boxes, +Room, -Json) is det.
+%!  plan_room_lengths(+Atoms, +Given, +Boxes, +Room, -Json) is det.
 %
 %   Json is what bounds_json/3 says of the width, from west to east, and the height of a room of the plan of these Atoms,
 %   whose rooms have the Boxes box(R,West,East,North,South), in metres from the plan's north-west corner. What is named
-%   in a bound is a line of the topology and its `x` or `y`.
+%   in a bound is a line of the topology and its `x` or `y`. Given are lines that stay where they are, as in walls.pl.
 
-plan_room_lengths(Atoms, Boxes, Number, Json) :-
-    wall_system(Atoms, plan(Lines,Rooms), System),
+plan_room_lengths(Atoms, Given, Boxes, Number, Json) :-
+    whole_system(Atoms, Given, plan(Lines,Rooms), System),
     maplist(line_name(Rooms), Lines, Names),
     copy_term(k(Rooms,Names), k(SolvedRooms,Solved)),
     maplist(solved_room(Boxes), SolvedRooms),

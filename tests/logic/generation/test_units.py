@@ -15,7 +15,6 @@ from logic.house.parts import OUTSIDE
 from logic.layout.programs import Programs
 from logic.proofs.answer import house_or_proof
 from logic.request.request import Request
-from logic.why.shared_walls import PlanWitness
 
 INFERENCES = 10**9
 PUBLIC = "commonCorridor"
@@ -124,11 +123,6 @@ def test_the_check_finds_a_flat_without_a_door_to_the_corridor_or_with_two(apart
     assert any("its unit is entered by 0 doors" in line for line in check(shut))
     twice = msgspec.structs.replace(house, doors=(*house.doors, way))
     assert any("its unit is entered by 2 doors" in line for line in check(twice))
-
-
-def test_a_building_keeps_no_reasons_and_says_so(apartments: Builder) -> None:
-    with pytest.raises(RequestError, match="houses of units keep no reasons yet"):
-        PlanWitness(apartments, apartments.house(Request(6), 0, 0, INFERENCES), INFERENCES)
 
 
 def changed(folder: Path, *edits: tuple[str, str, str]) -> Path:

@@ -1,0 +1,135 @@
+"""Why a part of a house of units is as it is: each unit is a plan, in a house that stays as it is."""
+
+import math
+from collections.abc import Iterator
+from functools import cache, cached_property
+from typing import Any
+
+from clingo import Number
+from msgspec import structs
+
+from logic.errors import Reason
+from logic.generation.shared_walls import Making
+from logic.generation.units import UnitMaker, UnitsMaker
+from logic.house.house import House
+from logic.house.part_names import Part, target_in
+from logic.house.parts import OUTSIDE, Door
+from logic.why.alternatives import Search
+from logic.why.answer import Derivation, Why
+from logic.why.shared_walls import MOST, PlanWitness
+from logic.why.witness import Lengths
+
+OF_UNIT = ("unit", "way", "deep", "share")
+"""What is derived of a unit where one of its rooms is asked about."""
+
+
+class UnitWitness(PlanWitness):
+    """One unit. Its rooms have their names in the house; for its entrance, what is beyond it is outside."""
+
+    OUTLINED = True
+    ENTRANCE = "the door of its unit"
+
+    def __init__(self, of: "UnitsWitness", maker: UnitMaker, house: House) -> None:
+        """Know the unit, its rooms, and how they were made."""
+        assert maker.making is not None
+        self._builder, self._maker, self._request = of._builder, maker, maker.unit.request
+        self._house, self._making, self._origin = house, maker.making, of._origin
+
+    @cached_property
+    def _search(self) -> Search:
+        """What could be instead in a unit of this depth, between its neighbours."""
+        unit, feasibility = self._maker.unit, self._maker.feasibility
+        relaxed, statements = feasibility.house(self._request, laws=True)
+        known = unit.known([atom.arguments[0] for atom in self._making.program.atoms("step", 1)])
+        place = relaxed.choice(Reason(f"{self.name}: {unit}"), known[True], known[False])
+        question = feasibility.of_walls(relaxed)
+        return Search(question, [*statements, place], self._support.chosen, self._making.layout, MOST)
+
+    @property
+    def name(self) -> str:
+        """Its first and last room."""
+        return f"the unit of {self._house.rooms[0].name} to {self._house.rooms[-1].name}"
+
+
+class UnitsWitness(PlanWitness):
+    """A house of units that is made again: by itself it knows the public rooms, and which units there are."""
+
+    _maker: UnitsMaker  # pyright: ignore[reportIncompatibleVariableOverride] - of a grammar of units
+
+    def parts(self, target: str, until: float = math.inf) -> Iterator[Why]:
+        """Why a room, a door, the entrance, a window or a piece is as it is."""
+        room, part = target_in(self._house, target)
+        index = self._unit_of(room, part)
+        if index is None:
+            yield from self._parts(target, room, part, until)
+            return
+        unit, first = self._unit(index), self._firsts[index]
+        if isinstance(part, Door):
+            part = structs.replace(part, between=self._within(part, unit))
+        found = unit._parts(target, None if room is None else room - first, part, until)
+        if part is None:
+            why = next(found)
+            yield structs.replace(
+                why,
+                about=f"{why.about}; in {unit.name}, {self._maker.units[index].unit}",
+                derivations=(*why.derivations, *self._derived(self._maker.units[index].unit.number)),
+            )
+        yield from found
+
+    def _makings(self, maker: Any) -> Iterator[Making]:
+        yield maker.making
+        yield from (each.making for each in maker.units)
+
+    @cached_property
+    def _firsts(self) -> list[int]:
+        """The place of each unit's first room."""
+        last, firsts = len(self._house.rooms), []
+        for maker in reversed(self._maker.units):
+            last -= maker.unit.request.rooms
+            firsts.append(last)
+        return firsts[::-1]
+
+    def _unit_of(self, room: int | None, part: Part) -> int | None:
+        """The place of a part's unit among the units; None for what is of public rooms alone."""
+        places = [] if room is None else [room]
+        if isinstance(part, Door):
+            names = [each.name for each in self._house.rooms]
+            places = [names.index(name) for name in part.between if name != OUTSIDE]
+        within = [place for place, first in enumerate(self._firsts) if first <= max(places)]
+        return within[-1] if within else None
+
+    @cache  # noqa: B019 (a witness is asked about one house)
+    def _unit(self, index: int) -> UnitWitness:
+        """A unit by its place among them."""
+        maker, first = self._maker.units[index], self._firsts[index]
+        rooms = self._house.rooms[first : first + maker.unit.request.rooms]
+        names = {room.name for room in rooms}
+        doors = (
+            structs.replace(door, between=tuple(name if name in names else OUTSIDE for name in door.between))
+            for door in self._house.doors
+            if names & {*door.between}
+        )
+        windows = tuple(window for window in self._house.windows if window.room in names)
+        return UnitWitness(self, maker, House(rooms, tuple(doors), windows, topology=self._house.topology))
+
+    @staticmethod
+    def _within(door: Door, unit: UnitWitness) -> tuple[str, ...]:
+        """What a door is between, as the unit has it."""
+        names = {room.name for room in unit._house.rooms}
+        return tuple(name if name in names else OUTSIDE for name in door.between)
+
+    def _derived(self, number: int) -> tuple[Derivation, ...]:
+        """Why a unit has so many rooms, this place and this share of what is asked for."""
+        return self._support.trees(atom for name in OF_UNIT for atom in self._atoms(name, Number(number)))
+
+    def _room_lengths(self, room: int) -> Lengths:
+        """Those of public rooms follow from the units along them."""
+        return (), ()
+
+    @cached_property
+    def _search(self) -> Search:
+        """What could be instead among the units and the public rooms."""
+        feasibility = self._maker.units_feasibility
+        relaxed, statements = feasibility.house(self._request, laws=True)
+        question = feasibility.of_walls(relaxed)
+        return Search(question, statements, self._support.chosen, self._making.layout, MOST)

@@ -1,0 +1,116 @@
+"""Why a part of a building of flats is as it is: what is said of a flat is so in the house."""
+
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+from logic import House
+from logic.generation.builder import Builder
+from logic.grammar import find
+from logic.house.part_names import doors_of_plan, part_names
+from logic.request.request import Request
+from logic.why.answer import Why
+from logic.why.kinds import witness_of
+from logic.why.units import UnitsWitness
+
+INFERENCES = 10**9
+
+
+@pytest.fixture(scope="module")
+def witness() -> UnitsWitness:
+    """Of a building of three flats, of which two have as many rooms and so the same program."""
+    builder = Builder(find("apartments"), 0.0)
+    house = builder.house(Request(17, {"bedroom": (3, 3)}), 5, 0, INFERENCES)
+    found = witness_of(builder, house, INFERENCES)
+    assert isinstance(found, UnitsWitness)
+    return found
+
+
+def first(witness: UnitsWitness, target: str) -> Why:
+    """The answer without what could be instead."""
+    found = witness.parts(target, until=0.0)
+    why = next(found)
+    for more in found:
+        why = why.joined(more)
+    return why
+
+
+def targets(house: House) -> list[str]:
+    """All rooms, doors and pieces, and a window of each room that has one."""
+    pieces = [
+        f"{room.name}.{name}" for room in house.rooms for name in part_names([p.type for p in room.pieces])
+    ]
+    windows = dict.fromkeys(f"{window.room}.window" for window in house.windows)
+    return [*(room.name for room in house.rooms), *doors_of_plan(house), *windows, *pieces]
+
+
+def test_every_part_of_a_building_is_derived_from_facts_and_picks_by_rules_in_files(
+    witness: UnitsWitness,
+) -> None:
+    house = witness._house
+    assert len({room.type for room in house.rooms}) > 5
+    for target in targets(house):
+        nodes = [node for tree in first(witness, target).derivations for node in tree.all()]
+        derived = {node.atom for node in nodes if node.rule}
+        for node in nodes:
+            assert node.atom in derived, (target, node.atom)
+            if node.rule:
+                text = Path(node.rule.file or "").read_text().split("\n")[(node.rule.line or 0) - 1]
+                assert text[(node.rule.column or 0) - 1 :].startswith(node.rule.text.split()[0])
+
+
+def test_what_is_said_of_a_room_is_so_in_the_house(witness: UnitsWitness) -> None:
+    """Its type and size; of its flat the number of rooms and the depth; lengths within their bounds."""
+    house = witness._house
+    for room in house.rooms:
+        why = first(witness, room.name)
+        atoms = {node.atom for node in why.derivations}
+        assert why.about.startswith(f"a {room.type}, {room.width:.3f} by {room.height:.3f} m")
+        assert any(atom.startswith("room(") and atom.endswith(f",{room.type})") for atom in atoms)
+        if room is house.main:
+            continue
+        flat = next(flat for flat in flats(house) if room.name in flat)
+        assert any(atom.startswith("unit(") and atom.endswith(f",{len(flat)})") for atom in atoms)
+        boxes = [house.room(name) for name in flat]
+        depth = max(box.y + box.height for box in boxes) - min(box.y for box in boxes)
+        assert f"{len(flat)} rooms, {depth:.2f} m deep along y" in why.about
+        width, height = why.lengths
+        assert [width.value, height.value] == pytest.approx([room.width, room.height], abs=1e-6)
+        for length in why.lengths:
+            assert length.least - 1e-6 <= length.value <= length.greatest + 1e-6
+
+
+def flats(house: House) -> list[set[str]]:
+    """The names of rooms that doors join without the public corridor."""
+    found: list[set[str]] = []
+    for room in house.rooms:
+        if room is not house.main:
+            beyond = {name for door in house.doors if room.name in door.between for name in door.between}
+            joined = [flat for flat in found if flat & beyond]
+            found = [flat for flat in found if flat not in joined] + [{room.name}.union(*joined)]
+    return [flat - {house.hub} for flat in found]
+
+
+def test_the_outline_of_a_flat_stays_where_it_is(witness: UnitsWitness) -> None:
+    """Else the flat would lie in another: its rooms have less to be otherwise than in a house by itself."""
+    house, narrower = witness._house, 0
+    for flat in flats(house):
+        unit = witness._unit(witness._firsts.index(min(int(name[1:]) for name in flat)))
+        boxes = [house.room(name) for name in flat]
+        longest = max(box.x + box.width for box in boxes) - min(box.x for box in boxes)
+        for place, room in enumerate(unit._house.rooms):
+            width, _ = first(witness, room.name).lengths
+            placer, layout = witness._builder.placer, unit._making.layout
+            alone, _ = unit._bounds(placer.wall_bounds(layout, unit._house.rooms, place), {})
+            assert alone[0].least - 1e-6 <= width.least <= width.greatest <= alone[0].greatest + 1e-6
+            assert width.greatest <= longest + 1e-6
+            narrower += width.greatest - width.least < alone[0].greatest - alone[0].least - 0.01
+    assert narrower
+
+
+def test_what_could_be_instead_is_asked_of_the_flat_and_of_the_building(witness: UnitsWitness) -> None:
+    tried = next(part for part in witness.parts("R1", monotonic() + 60) if part.choices)
+    assert (tried.choices[0].name, tried.choices[0].value) == ("type(0)", witness._house.room("R1").type)
+    [choice] = witness.why("entrance").choices[:1]
+    assert {choice.value, *(each.value for each in choice.instead)} == {"yes", "no"}
