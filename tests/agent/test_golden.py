@@ -143,6 +143,11 @@ def same(found: dict[str, Any], golden: dict[str, Any]) -> None:
         assert shown == recorded
 
 
+def test_all_that_is_recorded_is_compared() -> None:
+    presets = {f"{preset}, {what}" for preset in RECORDED for what in ("played", "learnt")}
+    assert set(GOLDEN) == {*EXPLORERS, *presets}
+
+
 @pytest.mark.parametrize("name", EXPLORERS)
 def test_the_explorer_does_what_it_did(name: str) -> None:
     same(explored(name), GOLDEN[name])
