@@ -53,13 +53,9 @@ def watch(
     report: Report = lambda done, words: None,
 ) -> None:
     """Play the agent's episode in the house, whole or its first ``steps``: see ``record``."""
-    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
-    policy = policy_of(agent.network, agent.config, envs, seed)
-    for watcher in watchers:
-        watcher.begin(envs, policy)
-    for moment in _played(envs, policy, seed, steps, report):
-        for watcher in watchers:
-            watcher.note(moment)
+    envs, policy = _opened(agent, [house], targets, seed)
+    for _ in _played(envs, policy, seed, steps, report, watchers):
+        pass
 
 
 def record(
@@ -80,17 +76,12 @@ def record(
 
     With ``seed`` + i it is the episode that an evaluation with ``seed`` plays in its house i.
     """
-    envs = make_envs([house], 1, targets, preset=sensor(agent.config))
-    policy = policy_of(agent.network, agent.config, envs, seed)
+    envs, policy = _opened(agent, [house], targets, seed)
     planner = policy.tracker.planner if isinstance(policy, Explorer) else None
     camera, map_picture = Camera(envs, width=width), MapPicture(house, width)
-    for watcher in watchers:
-        watcher.begin(envs, policy)
 
     def shots() -> Iterator[Image.Image]:
-        for moment in _played(envs, policy, seed, steps, report):
-            for watcher in watchers:
-                watcher.note(moment)
+        for moment in _played(envs, policy, seed, steps, report, watchers):
             if planner and planner.read("time")[0] == 1:
                 # again where only the first wall shows how the body stands
                 map_picture.begin(envs.scene(0).pose)
@@ -122,8 +113,7 @@ def record_mosaic(
     """
     count = columns * rows
     several = [houses[index % len(houses)] for index in range(count)]
-    envs = make_envs(several, count, targets, preset=sensor(agent.config))
-    policy = policy_of(agent.network, agent.config, envs, seed)
+    envs, policy = _opened(agent, several, targets, seed)
     frame = largest(several, width)
     cameras = [Camera(envs, index, width, frame) for index in range(count)]
     shots: list[np.ndarray] = [np.empty(0)] * count
@@ -142,12 +132,29 @@ def record_mosaic(
     return film(frames(), path)
 
 
+def _opened(
+    agent: Checkpoint, houses: Sequence[House], targets: str, seed: int
+) -> tuple[HouseVectorEnv, QPolicy | Explorer]:
+    """An environment in each house, and the agent's policy in them."""
+    envs = make_envs(houses, len(houses), targets, preset=sensor(agent.config))
+    return envs, policy_of(agent.network, agent.config, envs, seed)
+
+
 def _played(
-    envs: HouseVectorEnv, policy: QPolicy | Explorer, seed: int, steps: int | None, report: Report
+    envs: HouseVectorEnv,
+    policy: QPolicy | Explorer,
+    seed: int,
+    steps: int | None,
+    report: Report,
+    watchers: Sequence[Watcher] = (),
 ) -> Iterator[Moment]:
-    """Play an episode in each environment."""
+    """Play an episode in each environment, while ``watchers`` look on."""
+    for watcher in watchers:
+        watcher.begin(envs, policy)
     length = min(steps or envs.config.steps, envs.config.steps)
     for moment in moments(envs, policy, reset(envs, seed), length):
         if moment.step:
             report(moment.step / length, f"step {moment.step}")
+        for watcher in watchers:
+            watcher.note(moment)
         yield moment
