@@ -8,3 +8,6 @@ ACTION_NAMES = "turn left", "turn right", "forward"
 
 ACTIONS = len(ACTION_NAMES)
 """How many there are."""
+
+HEADINGS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
+"""Steps east and south that ``forward`` makes at each of the eight headings."""

@@ -6,7 +6,8 @@ or outside it: each pick-up is evidence for one of the two, by Bayes's rule.
 """
 
 from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.occupancy import FLAGS, HEADINGS, OCCUPIED, Occupancy
+from agent.planner.occupancy import FLAGS, OCCUPIED, Occupancy
+from sim.actions import HEADINGS
 from sim.runtime import ti
 
 COUNT = 127

@@ -12,10 +12,8 @@ is a torus: it follows the body wherever an episode starts.
 from typing import Any
 
 from agent.planner.config import PlannerConfig
+from sim.actions import HEADINGS
 from sim.runtime import ti
-
-HEADINGS = ((1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1))
-"""Steps east and south that ``forward`` makes at each of the eight headings."""
 
 SOLID, NEAR, OCCUPIED = 1, 2, 1 << 15
 """Bits of a cell."""

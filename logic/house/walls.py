@@ -5,11 +5,9 @@ Windows and the doors to the outside are shut: neither a ray nor a body passes t
 
 from collections.abc import Iterable, Sequence
 
+from logic.house.boxes import TOLERANCE
 from logic.house.parts import Door, Rect, Room
 from logic.house.star import StarRoom
-
-TOLERANCE = 1e-6
-"""Metres: lines nearer than this are one line."""
 
 Interval = tuple[float, float]
 

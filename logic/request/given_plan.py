@@ -21,7 +21,7 @@ import shapely
 from logic.checking.figures import figure
 from logic.checking.shared_walls import gaps
 from logic.errors import HouseFileError, PlanWarning, RequestError
-from logic.house.boxes import TOLERANCE, Box, overlap
+from logic.house.boxes import TOLERANCE, WALLS, Box, overlap
 from logic.house.files import STANDARD, load, opened
 from logic.house.house import House
 from logic.house.parts import FARTHEST, MOST_ROOMS, OUTSIDE, Door, Room, Window
@@ -36,9 +36,6 @@ MOST_BYTES = 1 << 24
 
 SNAP, MOST_SNAP = 0.01, 0.5
 """Metres within which edges are one wall, and how much that may be."""
-
-SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
-"""The sides of a room, and the place of each in its box."""
 
 HINT = "rooms are rectangles side by side, and walls have no thickness: draw rooms to the middle of each wall"
 
@@ -75,7 +72,7 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
         """For each room and side the line that it lies on: its axis, and its number from west or north."""
         numbers = [_numbers(edge for room in self.rooms for edge in room.box[k::2]) for k in (0, 1)]
         return [
-            {side: ("xy"[k % 2], numbers[k % 2][room.box[k]]) for side, k in SIDES.items()}
+            {side: ("xy"[k % 2], numbers[k % 2][room.box[k]]) for k, side in enumerate(WALLS)}
             for room in self.rooms
         ]
 
@@ -89,7 +86,7 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
     def walls(self) -> list[Wall]:
         """The sides of all rooms, each cut at what lies behind it."""
         return [
-            wall for number in range(len(self.rooms)) for side in SIDES for wall in self._side(number, side)
+            wall for number in range(len(self.rooms)) for side in WALLS for wall in self._side(number, side)
         ]
 
     def wall_of(self, opening: Door | Window) -> Wall | None:
@@ -98,7 +95,7 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
         between = opening.between if isinstance(opening, Door) else (opening.room, OUTSIDE)
         room, behind = sorted((names.index(name) if name != OUTSIDE else None for name in between), key=str)
         for wall in self.walls:
-            k = SIDES[wall.side] % 2
+            k = WALLS.index(wall.side) % 2
             start, end, place = opening.box[1 - k], opening.box[3 - k], opening.box[k]
             along = wall.start - TOLERANCE <= start and end <= wall.end + TOLERANCE
             on = abs(place - wall.place) + abs(opening.box[k + 2] - wall.place) <= TOLERANCE
@@ -107,8 +104,8 @@ class OwnPlan(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True
         return None
 
     def _side(self, number: int, side: str) -> Iterator[Wall]:
-        k = SIDES[side]
-        opposite = next(name for name, place in SIDES.items() if place == (k + 2) % 4)
+        k = WALLS.index(side)
+        opposite = WALLS[(k + 2) % 4]
         box = self.rooms[number].box
         shared = []
         for other, room in enumerate(self.rooms):

@@ -2,11 +2,9 @@
 
 import numpy as np
 
+from sim.actions import HEADINGS
 from sim.config import Config
 from sim.runtime import constants, ti
-
-HEADINGS = np.array([(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)], np.int32)
-"""Steps east and south that ``forward`` makes at each of the eight headings."""
 
 SKIN = 1e-5
 """Metres: a body that reaches less far than this into something touches it, and what merely touches neither
@@ -36,7 +34,7 @@ class Body:
     def __init__(self, config: Config) -> None:
         """Take the body's sides, its eye and its step from the configuration."""
         self.step, self.sides, self.eyes = config.step, config.body, config.eye
-        self.headings = constants(HEADINGS)
+        self.headings = constants(np.array(HEADINGS, np.int32))
 
     @ti.func
     def ahead(self, cell):

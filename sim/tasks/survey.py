@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.actions import HEADINGS
 from sim.backends.backend import Backend, Bank, Lattice
-from sim.backends.body import HEADINGS
 from sim.runtime import Array, Launch, start, ti
 
 STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
@@ -60,7 +60,6 @@ def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Latti
 def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
     """Kernels that ask what a body can do, and that join the places."""
     each, anywhere = 6, STRAIGHT | DIAGONAL
-    steps = HEADINGS.tolist()
 
     @ti.kernel
     def look(
@@ -100,8 +99,8 @@ def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
                         height -= 1
                         place = stack[at + height]
                         for heading in ti.static(range(8)):
-                            i = place // count + ti.static(steps[heading][0])
-                            j = place % count + ti.static(steps[heading][1])
+                            i = place // count + ti.static(HEADINGS[heading][0])
+                            j = place % count + ti.static(HEADINGS[heading][1])
                             open_ = moves[at + place] >> heading & 1 != 0
                             if open_ and i >= 0 and i < columns and j >= 0 and j < count:
                                 there = at + i * count + j

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from logic import House
+from sim.actions import HEADINGS
 from sim.backends.backend import PIECE, WALL
-from sim.backends.body import HEADINGS
 from sim.geometry import TOLERANCE, Geometry, geometry
 
 STANDS = 8
@@ -146,7 +146,7 @@ class Cells:
         return moves
 
 
-def _after(go: np.ndarray, step: np.ndarray) -> np.ndarray:
+def _after(go: np.ndarray, step: tuple[int, int]) -> np.ndarray:
     """A table of cells as read from the neighbour one ``step`` away, False outside."""
     columns, rows = go.shape
     around = np.pad(go, 1)

@@ -13,8 +13,8 @@ from minigrid.wrappers import FlatObsWrapper, FullyObsWrapper, ImgObsWrapper
 
 from logic import Door, House, Piece, Room, Window
 from sim import HouseEnv
+from sim.actions import HEADINGS
 from sim.adapters.minigrid import MiniGridHouseEnv, Tile, tile
-from sim.backends.body import HEADINGS
 from sim.backends.grid.cells import Cells
 from tests.sim.backends import test_grid
 from tests.sim.backends.test_grid import CELL
@@ -132,7 +132,7 @@ def test_every_cell_is_twice_as_many_tiles_away_as_steps_of_our_grid(
     def ours(i: int, j: int) -> Iterator[Tile]:
         for heading in (0, 2, 4, 6):
             if house.moves[i, j] >> heading & 1:
-                yield i + int(HEADINGS[heading, 0]), j + int(HEADINGS[heading, 1])
+                yield i + HEADINGS[heading][0], j + HEADINGS[heading][1]
 
     def theirs(x: int, y: int) -> Iterator[Tile]:
         yield from ((x + dx, y + dy) for dx, dy in np.array(DIR_TO_VEC) if open_to(env, (x + dx, y + dy)))

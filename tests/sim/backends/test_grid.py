@@ -10,7 +10,7 @@ import pytest
 from logic import House, generate
 from logic.house.parts import Provenance
 from sim import DEFAULT, HouseVectorEnv
-from sim.backends.body import HEADINGS
+from sim.actions import HEADINGS
 from sim.baselines.oracle import Oracle
 from tests import sample_houses
 from tests.sim.backends.agreement import require_equal_rays
@@ -78,7 +78,7 @@ def test_moves_on_the_grid_follow_the_drawn_walls_and_pieces():
         for x, letter in enumerate(row):
             for heading in range(8) if not letter.isupper() else ():
                 poses.append(((x + 0.5) * CELL, (y + 0.5) * CELL, heading * np.pi / 4))
-                expected.append(brute(ROOMS, (x, y), tuple(HEADINGS[heading].tolist())))
+                expected.append(brute(ROOMS, (x, y), HEADINGS[heading]))
     envs = HouseVectorEnv(HOUSES[:1], num_envs=len(poses), backend="grid")
     pose = np.array(poses)
     envs.reset(seed=0, options={"house": np.zeros(len(pose), int), "pose": pose})
