@@ -40,6 +40,9 @@ SECOND_PART: dict[str, str | dict[str, str]] = {
     "logic/proofs/test_explain.py": {
         "test_without_any_one_statement_of_a_conflict_there_is_a_house": "without each",
     },
+    "logic/generation/test_straight_corridor.py": {
+        "test_that_a_floor_of_many_alike_rooms_has_too_few_or_too_many_baths_is_proved": "a floor of a hotel",
+    },
     "logic/generation/test_furnish.py": {
         "test_furniture_leaves_every_door_free_and_joined_to_all_the_floor": "many rooms",
     },
