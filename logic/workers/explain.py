@@ -14,6 +14,9 @@ from logic.workers.solver import answers
 INFERENCES = 100_000_000
 """Most Prolog inferences to make the house again."""
 
+MAKING = 60.0
+"""Most seconds to make it again and derive its part: those of the caller end only the search after it."""
+
 
 def explain_house(
     house: House, target: str, *, grammar: str | Path | None = None, seconds: float = 60.0
@@ -27,8 +30,8 @@ def explain_house(
 
     Raises ``RequestError`` for a target that the house does not have, ``HouseFileError`` for a house without
     provenance, or where the rules make another one: they or the house changed; ``GrammarError`` for wrong
-    rules; ``LimitReached`` where the house is not made again in these seconds. They end the search for what
-    could be instead too, and then the answer's ``limit`` says so.
+    rules; ``LimitReached`` where the house is not made again in ``MAKING``. ``seconds`` end the search for
+    what could be instead, which follows, and then the answer's ``limit`` says so.
     """
     parts = explained(house, target, grammar=grammar, seconds=seconds)
     whole = next(parts)
@@ -51,23 +54,26 @@ def explained(
         rules = find(grammar or made.grammar)
     except GrammarError as error:
         raise HouseFileError(f"{error}. Say by --grammar where the rules that made the house are") from None
-    question = Explain(target=target, house=house.to_dict(), inferences=INFERENCES)
+    question = Explain(target=target, house=house.to_dict(), inferences=INFERENCES, searching=seconds)
     opening = Open(grammar=str(rules.directory), cell=float(made.request.get("cell", 0.0)))
     late = f"{target} reached the limit of {seconds:g} seconds: raise it with --seconds"
     others = tried = found = 0
+    begun = ended = False
     try:
-        for answer in answers(opening, question, Explained, seconds, late):
+        for answer in answers(opening, question, Explained, seconds, late, MAKING):
             part = answer.why
             others, tried = others + part.others, tried + part.tried
             found += sum(not each.known for choice in part.choices for each in choice.instead)
+            begun = True
             yield part
     except LimitReached:
-        if not others:
+        if not begun:
             raise
+        ended = True
     share = (
         f"what forbids {found} of {others} other values was not found in their share of {seconds:g} seconds"
     )
-    if tried < others:
+    if ended or tried < others:
         yield Why(target, "", limit=f"{late}. {tried} of {others} other values were tried")
     elif found:
         yield Why(target, "", limit=f"{target}: {share}: raise it with --seconds")

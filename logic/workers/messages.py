@@ -59,6 +59,8 @@ class Explain(Question, frozen=True, tag=True):
     target: str
     house: dict[str, Any]
     inferences: int
+    searching: float
+    """Seconds in which it is searched for what could be instead, once the house is made again."""
 
 
 class Ease(Question, frozen=True, tag=True):

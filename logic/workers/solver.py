@@ -245,14 +245,19 @@ class Solver:
         self.ask(question, seconds)
         return self.answer(kind, seconds, late)
 
-    def series(self, question: Asked, kind: type[Kind], seconds: float, late: str) -> Iterator[Kind]:
-        """Ask a question that has several answers: these, as they come, all in the seconds."""
-        end = time.monotonic() + seconds
-        self.ask(question, seconds)
+    def series(
+        self, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
+    ) -> Iterator[Kind]:
+        """Ask a question that has several answers: these, as they come, all in the seconds. With ``before``
+        these count from the first one, which may take so much longer.
+        """
+        end = time.monotonic() + before + seconds
+        self.ask(question, before + seconds)
         while not isinstance(
             found := self.answer((kind, Done), max(0.0, end - time.monotonic()), late), Done
         ):
             self.unanswered += 1  # There is more to come.
+            end = min(end, time.monotonic() + seconds)
             yield found
 
     def is_alive(self) -> bool:
@@ -331,11 +336,15 @@ class Idle:
             self._workers.pop()[1].end()
 
 
-def answers(opening: Open, question: Asked, kind: type[Kind], seconds: float, late: str) -> Generator[Kind]:
-    """All answers of a solver process to one question, as they come; past the seconds ``LimitReached``."""
+def answers(
+    opening: Open, question: Asked, kind: type[Kind], seconds: float, late: str, before: float = 0.0
+) -> Generator[Kind]:
+    """All answers of a solver process to one question, as they come (``Solver.series``); past the seconds
+    ``LimitReached``.
+    """
     worker = Solver(opening)
     try:
         worker.loaded()
-        yield from worker.series(question, kind, seconds, late)
+        yield from worker.series(question, kind, seconds, late, before)
     finally:
         worker.end()

@@ -193,8 +193,8 @@ class Worker:
         from logic.house.house import House
         from logic.why.kinds import witness_of
 
-        until = time.monotonic() + SEARCHED * question.seconds
         witness = witness_of(self._builder, House.from_dict(question.house), question.inferences)
+        until = time.monotonic() + SEARCHED * question.searching
         for part in witness.parts(question.target, until):
             yield Explained(part)
 

@@ -20,7 +20,7 @@ from logic.house import looks
 from logic.house.house import House
 from logic.request.request import MOST_ROOMS, Request
 from logic.why.answer import file_name
-from logic.workers.explain import INFERENCES
+from logic.workers.explain import INFERENCES, MAKING
 from logic.workers.messages import Explain, Explained, Judged, Lint, Made, MakeHouse
 
 PLAN = 300
@@ -134,10 +134,12 @@ class Session:
             made = House.from_dict(house)
         except ValueError as error:
             raise RequestError(f"house: {error}") from None
-        question = Explain(target=part, house=made.to_dict(), inferences=INFERENCES)
+        question = Explain(target=part, house=made.to_dict(), inferences=INFERENCES, searching=self._seconds)
         late = f"{part} reached its limit of {self._seconds:g} seconds: raise it with --seconds"
         whole, *parts = await self._pool_of(version).ask(
-            lambda worker: [each.why for each in worker.series(question, Explained, self._seconds, late)]
+            lambda worker: [
+                each.why for each in worker.series(question, Explained, self._seconds, late, MAKING)
+            ]
         )
         for more in parts:
             whole = whole.joined(more)

@@ -7,6 +7,7 @@ from time import monotonic
 import pytest
 from clingo import ast
 
+from logic import explain_house
 from logic.errors import Reason
 from logic.generation.builder import Builder
 from logic.grammar import RULES, SHIPPED
@@ -65,6 +66,14 @@ def test_a_limit_ends_only_what_could_be_instead(witness: PlanWitness) -> None:
     assert any(each.known for each in every)
     assert all(each.possible or each.because or not each.known for each in every)
     assert str(whole) == "\n".join(as_text([whole]))
+
+
+@pytest.mark.parametrize("target", ["R1", "entrance"])
+def test_the_derivation_comes_however_few_the_seconds(witness: PlanWitness, target: str) -> None:
+    """By a solver process, which takes seconds to start and to make the house again."""
+    why = explain_house(witness._house, target, seconds=0.01)
+    assert why.derivations
+    assert f"{target} reached the limit of 0.01 seconds: raise it with --seconds" in why.limit
 
 
 def test_the_parts_of_an_answer_are_the_answer(witness: PlanWitness) -> None:
