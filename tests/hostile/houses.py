@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 
 from msgspec.structs import replace
 
+from logic.house.replacing import DRAWN_BY
 from tests.hostile.case import ACCEPTED, HARMLESS, REFUSED, Case, Yard, titled
 from tests.hostile.subjects import Answer, command
 from tests.logic.house.handmade import built, sketches
@@ -294,7 +295,7 @@ def shown(path: Path, out: Path) -> Answer:
     if told.answer != checked.answer:
         return Answer(f"check: {checked.answer}, info: {told.answer}", checked.text + told.text)
     for plan in sorted(out.rglob("*.svg")):
-        text = plan.read_text(encoding="utf-8")
+        text = plan.read_text(encoding="utf-8").removesuffix(f"<!-- {DRAWN_BY.decode()} -->\n")
         strange = {element.tag.rpartition("}")[2] for element in ElementTree.fromstring(text).iter()} - DRAWN
         if strange or "href" in text.replace("href=&", "").split(">", 1)[0] or "<!" in text:
             return Answer("a plan with strange elements", ", ".join(strange))

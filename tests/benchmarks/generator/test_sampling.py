@@ -137,10 +137,12 @@ def test_a_room_has_as_often_few_pieces_as_many(builder: Builder, piece: str, mo
 
 
 def test_layouts_are_counted_exactly(tmp_path: Path) -> None:
-    """Three coins of which not all show heads: seven layouts, whatever else the model says."""
+    """Three coins of which not all show heads: seven layouts, whatever else the model says. In no time one
+    at most, as the clock has it.
+    """
     made = coins(tmp_path, EVERY)
     assert list(made.count([], 60)) == [(7, True)]
-    assert list(made.count([], 0)) == [(0, False)]
+    assert list(made.count([], 0)) in ([(0, False)], [(1, False)])
 
 
 def test_a_count_says_once_a_second_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -205,7 +205,7 @@ def test_a_misspelt_or_impossible_promise_is_an_error_that_says_where(
     if content == '{"door_clearence": 0.9}':
         with pytest.raises(RequestError, match=re.escape(words)):
             check(flat(), json.loads(content))
-    with pytest.raises(HouseFileError, match="give a JSON file of promises, or a grammar: apartments"):
+    with pytest.raises(HouseFileError, match="no such JSON file of promises, and there is no grammar"):
         standard(tmp_path / "absent")
 
 
