@@ -52,10 +52,10 @@ COMMANDS = {
         "Take the weights of the paper's original program.",
     ),
     "play": ("vitruvius.commands.play:Play", "Drive the robot by the keyboard, and race an agent."),
-    "record": ("vitruvius.commands.evaluate:Record", "Film an agent in a house, with its rays and trail."),
+    "record": ("vitruvius.commands.record:Record", "Film an agent in a house, with its rays and trail."),
     "report": ("vitruvius.commands.report:Report", "Write a run as one HTML file, with episodes to play."),
     "demo": (
-        "vitruvius.commands.evaluate:Demo",
+        "vitruvius.commands.demo:Demo",
         "Houses, an agent that learns in them, a report: in minutes.",
     ),
     "bench": ("benchmarks:STUDIES", "The studies: solve time, speed of a step, how well agents do."),

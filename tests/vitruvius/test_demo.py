@@ -18,7 +18,7 @@ from sim.film import SHARP, framed, largest, plan
 from sim.tasks.furniture import pieces_in
 from tests.agent.evaluation.cases import SHORT, result, scores, short_episodes
 from vitruvius import demo as module
-from vitruvius.commands.evaluate import Record
+from vitruvius.commands.record import Record
 from vitruvius.demo import FILES, banks, demo, gain, sought
 
 

@@ -1,7 +1,5 @@
 """Why a part of a plan is as it is: rooms on shared walls, doors, the entrance, windows, furniture."""
 
-from pathlib import Path
-
 import msgspec
 import pytest
 from clingo import Function, parse_term
@@ -15,6 +13,7 @@ from logic.request.request import Request
 from logic.why.answer import Why
 from logic.why.shared_walls import PlanWitness
 from tests.logic.generation.test_shared_walls import builder
+from tests.logic.why.derivations import require_whole
 
 INFERENCES = 10**8
 
@@ -62,12 +61,7 @@ def test_every_part_of_a_plan_is_derived_from_facts_and_picks_by_rules_in_files(
     for target in four.targets():
         nodes = [node for tree in four.why(target).derivations for node in tree.all()]
         assert any(node.options for node in nodes), target
-        derived = {node.atom for node in nodes if node.rule}
-        for node in nodes:
-            assert node.atom in derived, (target, node.atom)
-            if node.rule:
-                text = Path(node.rule.file or "").read_text().split("\n")[(node.rule.line or 0) - 1]
-                assert text[(node.rule.column or 0) - 1 :].startswith(node.rule.text.split()[0])
+        require_whole(nodes, target)
     about = {
         target: {tree.atom.split("(")[0] for tree in four.why(target).derivations}
         for target in four.targets()

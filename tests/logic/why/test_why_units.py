@@ -1,6 +1,5 @@
 """Why a part of a building of flats is as it is: what is said of a flat is so in the house."""
 
-from pathlib import Path
 from time import monotonic
 
 import pytest
@@ -13,6 +12,7 @@ from logic.request.request import Request
 from logic.why.answer import Why
 from logic.why.kinds import witness_of
 from logic.why.units import UnitsWitness
+from tests.logic.why.derivations import require_whole
 
 INFERENCES = 10**9
 
@@ -52,12 +52,7 @@ def test_every_part_of_a_building_is_derived_from_facts_and_picks_by_rules_in_fi
     assert len({room.type for room in house.rooms}) > 5
     for target in targets(house):
         nodes = [node for tree in first(witness, target).derivations for node in tree.all()]
-        derived = {node.atom for node in nodes if node.rule}
-        for node in nodes:
-            assert node.atom in derived, (target, node.atom)
-            if node.rule:
-                text = Path(node.rule.file or "").read_text().split("\n")[(node.rule.line or 0) - 1]
-                assert text[(node.rule.column or 0) - 1 :].startswith(node.rule.text.split()[0])
+        require_whole(nodes, target)
 
 
 def test_what_is_said_of_a_room_is_so_in_the_house(witness: UnitsWitness) -> None:

@@ -1,0 +1,17 @@
+"""Whether an answer's derivations are what rules in files say."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from logic.why.answer import Derivation
+
+
+def require_whole(nodes: Iterable[Derivation], target: str) -> None:
+    """Each atom is derived, by a rule that stands where it is said to be."""
+    found = list(nodes)
+    derived = {node.atom for node in found if node.rule}
+    for node in found:
+        assert node.atom in derived, (target, node.atom)
+        if node.rule:
+            text = Path(node.rule.file or "").read_text().split("\n")[(node.rule.line or 0) - 1]
+            assert text[(node.rule.column or 0) - 1 :].startswith(node.rule.text.split()[0])

@@ -1,0 +1,135 @@
+"""``vitruvius record``: its options, and what it does. Cheap to import."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import tyro
+
+from agent import banks
+from agent.learning.config import MOST_SEED
+from agent.runs.released import located
+from logic.errors import RequestError
+from logic.request.request import whole
+from vitruvius.commands.common import print_answer
+from vitruvius.options import Streamed
+
+MOST_CELLS = 64
+"""Environments in a mosaic at most."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """Film an agent in a house: its rays, its trail and its targets, beside its map if it has one. Or write a
+    trace of its episode, which the page of vitruvius report plays.
+    """
+
+    groups: ClassVar = {"house": "The episode", "out": "The film"}
+
+    agent: tyro.conf.Positional[Path]
+    """Checkpoint (vitruvius train makes one), or the name of an agent that comes with the project."""
+
+    houses: tyro.conf.Positional[Streamed]
+    """House file, or a frozen bank, such as test-v1 or home-test-v1; or the paper's house, paper-house."""
+
+    house: int = 0
+    """Which house of the file, from 0."""
+
+    targets: str = "main"
+    """Where targets lie: main, secondary, mixed, or another task, module:Class or JSON."""
+
+    seed: int = 0
+    """Seeds the start and the targets."""
+
+    steps: int = 1500
+    """How many steps of the episode to film."""
+
+    out: Path = Path("episode.gif")
+    """The film: a GIF, or an MP4 by its name (pip install vitruvius[film]); or a trace, NAME.trace.json."""
+
+    replace: bool = False
+    """Lose what the file holds, if anything."""
+
+    mosaic: str | None = None
+    """Film many environments side by side, as in 4x3: columns and rows. The first is in the house of
+    --house, the others in those after it, from the file's first again where there are fewer; without maps."""
+
+    stride: int = 4
+    """Steps between frames."""
+
+    width: int | None = None
+    """Pixels of the house's longer side, and of the map's: 480; in a mosaic, of each house: 960 by its
+    columns, at least 120."""
+
+    json: bool = False
+    """Print one answer as JSON: the film's name."""
+
+    def run(self) -> int:
+        """Write the film."""
+        from agent.learning.simulator import require_task
+
+        whole("--seed", self.seed, 0, MOST_SEED)
+        located(self.agent)
+        require_task(self.targets)
+        banks.require_places(self.targets, self.houses)
+        from agent.progress import progress
+        from agent.recording import trace
+        from agent.recording.film import WIDTH, record, record_mosaic, watch
+        from agent.recording.recorder import Recorder
+        from agent.runs import checkpoint
+        from logic.house.files import require_file
+        from logic.house.replacing import require_free
+        from sim.film import require_film
+        from vitruvius.answers.houses import Written
+
+        shape, is_trace = self._mosaic(), self.out.name.endswith(trace.ENDING)
+        if shape and is_trace:
+            raise RequestError(f"--mosaic {self.mosaic}: a trace is of one environment")
+        try:
+            if not is_trace:
+                require_film(self.out)
+        except ValueError as error:
+            raise RequestError(f"--out {error}, or {trace.ENDING} for an episode to play") from None
+        require_file(self.out, [self.out.suffix])
+        require_free(self.out, self.replace)
+        agent, houses = checkpoint.load(self.agent), banks.named(self.houses)
+        if not 0 <= self.house < len(houses):
+            raise RequestError(f"--house {self.house}: {self.houses} has houses 0 to {len(houses) - 1}")
+        width = self.width if self.width is not None else max(120, 960 // shape[0]) if shape else WIDTH
+        for name, value, least in (
+            ("steps", self.steps, 1),
+            ("stride", self.stride, 1),
+            ("width", width, 100),
+        ):
+            if value < least:
+                raise RequestError(f"--{name} must be {least} or more, not {value}")
+        house, stride = houses[self.house], self.stride
+        how: dict[str, Any] = {"targets": self.targets, "seed": self.seed, "steps": self.steps}
+        with progress("filming") as report:
+            if is_trace:
+                recorder = Recorder(agent.name, self.targets, self.seed)
+                watch(agent, house, [recorder], report=report, **how)
+                trace.save(recorder.trace, self.out)
+            elif shape:
+                rest = [*houses[self.house :], *houses[: self.house]]
+                record_mosaic(agent, rest, self.out, *shape, stride=stride, width=width, report=report, **how)
+            else:
+                record(agent, house, self.out, stride=stride, width=width, report=report, **how)
+        if self.json:
+            print_answer("record", Written([str(self.out)]))
+        else:
+            print(self.out)
+        return 0
+
+    def _mosaic(self) -> tuple[int, int] | None:
+        """Columns and rows of a mosaic, if one is asked for."""
+        if self.mosaic is None:
+            return None
+        found = re.fullmatch(r"(\d{1,2})x(\d{1,2})", self.mosaic.strip())
+        columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
+        if not 1 <= columns * rows <= MOST_CELLS:
+            raise RequestError(
+                f"--mosaic {self.mosaic}: write columns and rows as 4x3, of {MOST_CELLS} environments at most"
+            )
+        return columns, rows
