@@ -71,7 +71,8 @@ class UnitsWitness(PlanWitness):
             why = next(found)
             yield structs.replace(
                 why,
-                about=f"{why.about}; in {unit.name}, {self._maker.units[index].unit}",
+                about=f"{why.about}; in {unit.name}, {self._maker.units[index].unit}; rules number its rooms "
+                f"from 0, which is {unit._house.rooms[0].name}",
                 derivations=(*why.derivations, *self._derived(self._maker.units[index].unit.number)),
             )
         yield from found

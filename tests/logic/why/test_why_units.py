@@ -70,6 +70,9 @@ def test_what_is_said_of_a_room_is_so_in_the_house(witness: UnitsWitness) -> Non
         boxes = [house.room(name) for name in flat]
         depth = max(box.y + box.height for box in boxes) - min(box.y for box in boxes)
         assert f"{len(flat)} rooms, {depth:.2f} m deep along y" in why.about
+        first_of_flat = min(flat, key=lambda name: int(name[1:]))
+        assert why.about.endswith(f"from 0, which is {first_of_flat}")
+        assert f"room({int(room.name[1:]) - int(first_of_flat[1:])},{room.type})" in atoms
         width, height = why.lengths
         assert [width.value, height.value] == pytest.approx([room.width, room.height], abs=1e-6)
         for length in why.lengths:
