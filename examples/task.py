@@ -30,7 +30,7 @@ from agent.learning.environments import make_envs, shield
 from logic import load
 from logic.house.files import write_whole
 from sim.actions import ACTIONS
-from sim.baselines.lookout import Lookout
+from sim.baselines.coverage import Coverage
 
 
 @dataclass(frozen=True)
@@ -80,8 +80,8 @@ class Task:
         houses = banks.named(self.held_out)
         envs = make_envs(houses, len(houses), self.targets)
         policies = {name: Agent(act, envs if self.avoid else None), "oracle": BASELINES["oracle"](envs, 0)}
-        lookout = Lookout(envs)
-        runs = {each: (play(envs, policy, 0, lookout=lookout),) for each, policy in policies.items()}
+        coverage = Coverage(envs)
+        runs = {each: (play(envs, policy, 0, coverage=coverage),) for each, policy in policies.items()}
         rooms = np.array([len(house.secondary) for house in houses])
         result = Result(self.targets, rooms, shortest_ways(envs, 0), runs)
         if self.out:

@@ -1,6 +1,6 @@
-"""The one place that imports Taichi and starts it, so that a maintained fork can take its place here.
+"""Taichi's start, its threads, and arrays that kernels are launched on.
 
-Taichi greets on standard output, which belongs to the program that imports us: both greetings are dropped.
+It greets on standard output, which belongs to the program that imports us: the greeting is dropped.
 """
 
 import contextlib
@@ -12,65 +12,19 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim import cache
+from sim.tracing import KEEPS_KERNELS, core, impl, kernel, ti
 
 if TYPE_CHECKING:
     import torch
 
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
-# Else Taichi takes the redirection for a notebook's, says so, and wraps each launch to print through it.
-os.environ.setdefault("TI_ENABLE_PYBUF", "0")
-# Taichi would ask its makers for a newer version once a day, by a name that it keeps for this machine.
-os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
-KEEPS_KERNELS = cache.provide()
-"""Whether what is compiled can be kept on disk for the next process."""
-with contextlib.redirect_stdout(io.StringIO()):
-    import taichi as ti
-    from taichi._lib import core
-    from taichi.lang import impl, kernel_impl
-    from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
-
 LOCK_AGE = 60.0
 """Seconds; to write the kernels of a process takes less than one."""
 
-__all__ = ["Array", "Launch", "constants", "start", "ti"]
-
-
-def _once(describe: Callable[[Any, Any], str]) -> Any:
-    """Taichi formats the source of every expression that it meets, for errors, each time it is inlined: half
-    of the time of tracing. Once is enough.
-    """
-    known: dict[tuple[Any, ...], str] = {}
-
-    def describe_once(context: Any, node: Any) -> str:
-        place = node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
-        key = context.file, context.lineno_offset, context.func.func.__name__, *place
-        if key not in known:
-            known[key] = describe(context, node)
-        return known[key]
-
-    return describe_once
-
-
-def _read_once(read: Callable[[Any], tuple[list[str], int]]) -> Any:
-    """Taichi finds a function's source in its file each time that it inlines it: a quarter of the rest."""
-    known: dict[CodeType, tuple[list[str], int]] = {}
-
-    def read_once(function: Any) -> tuple[list[str], int]:
-        if function.__code__ not in known:
-            known[function.__code__] = read(function)
-        return known[function.__code__]
-
-    return read_once
-
-
-ASTTransformerContext.get_pos_info = _once(ASTTransformerContext.get_pos_info)
-kernel_impl.getsourcelines = _read_once(kernel_impl.getsourcelines)
+__all__ = ["Array", "Launch", "constants", "kernel", "start", "ti"]
 
 
 _stranded = threading.Event()

@@ -22,7 +22,7 @@ FOLDERS = {
         *("workers", "drawing", "exports", "browser"),
     ),
     "sim": (
-        *("cache", "actions", "config", "runtime", "geometry", "film"),
+        *("cache", "actions", "config", "tracing", "runtime", "geometry", "film"),
         *("backends", "tasks", "world", "environment", "baselines", "conformance", "adapters"),
     ),
     "agent": (
@@ -140,7 +140,7 @@ def test_a_folder_has_one_sentence_and_about_a_dozen_modules() -> None:
 
 def test_taichi_is_imported_in_one_place() -> None:
     users = [path.name for path in (ROOT / "sim").rglob("*.py") if "import taichi" in path.read_text()]
-    assert users == ["runtime.py"]
+    assert users == ["tracing.py"]
 
 
 def test_the_public_names_of_the_simulator_are_these() -> None:

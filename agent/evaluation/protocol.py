@@ -23,7 +23,7 @@ from logic import House
 from logic.house.looks import looks_of
 from logic.spelling import keywords
 from sim import HouseVectorEnv
-from sim.baselines.lookout import Lookout
+from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
 from sim.config import PRESETS, Config
 from sim.tasks.tasks import task
@@ -70,7 +70,7 @@ def measure(
         scores: dict[str, tuple[EpisodeScores, ...]] = {}
         for place, (name, setting, make) in enumerate(policies):
             report((number + place / len(policies)) / len(modes), f"{words}: {name}")
-            played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.lookout)
+            played = play(setting.envs, make(setting.envs, seed), seed, numbers, setting.coverage)
             scores[name] = (*scores.get(name, ()), played)
         rooms = np.array([len(house.secondary) for house in suited])[numbers]
         shortest = shortest_ways(settings[exact].envs, seed, numbers)
@@ -103,9 +103,9 @@ class Setting:
         return self._make()
 
     @cached_property
-    def lookout(self) -> Lookout:
+    def coverage(self) -> Coverage:
         """What notes how much of each house has been looked at."""
-        return Lookout(self.envs)
+        return Coverage(self.envs)
 
 
 def tasks_of(agents: Mapping[str, Sequence[Checkpoint]]) -> tuple[str, ...]:

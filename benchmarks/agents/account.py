@@ -25,7 +25,7 @@ from agent.policies.episodes import moments
 from agent.policies.policies import Policy
 from sim import HouseVectorEnv
 from sim.actions import FORWARD
-from sim.baselines.lookout import Lookout
+from sim.baselines.coverage import Coverage
 
 PHASES = ("approach", "door", "crossing", "survey", "again", "corners", "out")
 APPROACH, DOOR, CROSSING, SURVEY, AGAIN, CORNERS, OUT = range(len(PHASES))
@@ -86,7 +86,7 @@ class Search:
 
     def __init__(self, envs: HouseVectorEnv) -> None:
         """Begin where the bodies are now."""
-        self.watch = Lookout(envs)
+        self.watch = Coverage(envs)
         self.watch.begin()
         self.envs, self.body, shapes = envs, max(envs.config.body), envs.geometries
         rooms = 1 + max(len(shape.rooms) for shape in shapes)

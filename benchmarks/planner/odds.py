@@ -30,7 +30,7 @@ from benchmarks.common.houses import ROOMS
 from logic import House, generate
 from logic.errors import RequestError
 from sim import HouseVectorEnv
-from sim.baselines.lookout import PITCH, Lookout
+from sim.baselines.coverage import PITCH, Coverage
 from sim.config import DEFAULT
 from sim.runtime import Array, Launch, ti
 
@@ -139,7 +139,7 @@ class Truth:
 
     def __init__(self, envs: HouseVectorEnv, starts: np.ndarray, cell: float) -> None:
         """Begin where the bodies are, at their ``starts`` (E, 3), for maps of such cells, metres."""
-        self.watch, self.starts, self.cell = Lookout(envs), starts, cell
+        self.watch, self.starts, self.cell = Coverage(envs), starts, cell
         self.watch.begin()
         self.trees = [KDTree(spots) for spots in self.watch.spots]
 

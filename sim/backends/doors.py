@@ -8,7 +8,6 @@ that bodies meet and rays end on. So every backend has them, and none knows of t
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,13 +19,6 @@ from sim.geometry import Geometry
 from sim.runtime import Array, ti
 
 Pushes = ti.types.ndarray(ti.u8, 1)
-
-
-class DoorArrays(NamedTuple):
-    """The doors of a bank, and how far those of each environment are opened, as kernels pass them on."""
-
-    doorways: Any
-    pushes: Any
 
 
 def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
@@ -49,7 +41,9 @@ def door_arrays(config: Config, shapes: Sequence[Geometry], num_envs: int) -> di
 
 @ti.data_oriented
 class Doors:
-    """Doors among the poses and the rays of a configuration. A door is its number in its house."""
+    """Doors among the poses and the rays of a configuration. A door is its number in its house; ``doors`` is
+    a record of kernels' arrays that has ``doorways`` and ``pushes``.
+    """
 
     def __init__(self, config: Config, body: Body, lanes: int) -> None:
         """Cast ``lanes`` rays at a time."""
@@ -125,15 +119,7 @@ class Doors:
 
     @ti.func
     def hide(
-        self,
-        doors: ti.template(),
-        e,
-        house,
-        origin,
-        cell,
-        ray,
-        distance: ti.template(),
-        kind: ti.template(),
+        self, doors: ti.template(), e, house, origin, cell, ray, distance: ti.template(), kind: ti.template()
     ):
         """Shorten rays, from number ``ray`` on, that end behind closed doors. Of hits at one distance walls
         and pieces come before a door, and a door before the target.

@@ -12,10 +12,10 @@ walked at since, the search begins again.
 from functools import cache
 from typing import Any, NamedTuple
 
-from sim.backends.doors import DoorArrays, Pushes
-from sim.runtime import ti
+from sim.backends.doors import Pushes
+from sim.runtime import kernel, ti
 from sim.tasks.survey import DIAGONAL, STRAIGHT
-from sim.world.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded, store
+from sim.world.episodes import Episodes, Indices, Numbers, WorldArrays, loaded, store
 
 FAR = 1 << 15
 """More actions than any path takes."""
@@ -35,16 +35,34 @@ Notes = ti.types.ndarray(ti.types.vector(7, ti.i32), 1)
 Goals = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
 
-class SearchDoors(NamedTuple):
-    """The doors of a world, and what searches keep of them: how far they were opened when a search began, the
-    poses that wait and the distance at which each is found.
-    """
+Answer = ti.types.ndarray(ti.i64, 1)
 
-    doorways: Any
-    pushes: Any
-    pushed: Any
-    waiting: Any
-    found_at: Any
+
+class SearchArrays(NamedTuple):
+    """What searches keep."""
+
+    moves: Moves
+    """Of each place: its survey, and ``DOORWAY``."""
+    distance: Steps
+    """Of each pose."""
+    queue: Indices
+    notes: Notes
+    goals: Goals
+    """The target of each, metres."""
+    first: Indices
+    """The environment of the first."""
+    pushed: Pushes
+    """How far the doors were opened when a search began."""
+    waiting: Indices
+    """The poses that wait."""
+    found_at: Indices
+    """The distance at which each of these is found."""
+
+
+class Doorways(NamedTuple):
+    """The doors of a world, open or not."""
+
+    doorways: Numbers
 
 
 @cache
@@ -52,7 +70,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
     """What is compiled for a configuration. Arguments are named for the arrays of a world and of searches."""
     search = Search(episodes)
 
-    @ti.kernel
+    @kernel
     def learn(
         moves: Moves, distance: Steps, notes: Notes, goals: Goals,
         s: ti.i32, i: ti.i32, j: ti.i32, survey: ti.types.ndarray(ti.u16, 2),
@@ -73,10 +91,9 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
                 stands = (ti.cast(open_, ti.i32) & bit) != 0
                 distance[8 * place + heading] = ti.cast(ti.select(stands, UNKNOWN, NOWHERE), ti.i16)
 
-    @ti.kernel
-    def mark(moves: Moves, notes: Notes, doorways: Numbers, s: ti.i32, house: ti.i32, x: ti.f32, y: ti.f32):
+    @kernel
+    def mark(moves: Moves, notes: Notes, doors: Doorways, s: ti.i32, house: ti.i32, x: ti.f32, y: ti.f32):
         """Mark the places of a lattice through (x, y) metres from which a step may meet a door."""
-        doors = ti.static(DoorArrays(doorways, None))
         note = notes[s]
         base = s * (moves.shape[0] // notes.shape[0])
         for column, row in ti.ndrange(note[COLUMNS], note[ROWS]):
@@ -85,64 +102,47 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
                 place = base + column * note[ROWS] + row
                 moves[place] = moves[place] | ti.u16(DOORWAY)
 
-    @ti.kernel
-    def act(
-        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
-        doorways: Numbers, pushes: Pushes, pushed: Pushes, waiting: Indices, found_at: Indices,
-        reals: Reals, wholes: Wholes, answer: ti.types.ndarray(ti.i64, 1),
-    ):  # fmt: skip
+    @kernel
+    def act(world: WorldArrays, searches: SearchArrays, answer: Answer):
         """The first action of a shortest path; ``NOWHERE`` if there is none."""
-        doors = ti.static(SearchDoors(doorways, pushes, pushed, waiting, found_at))
         ti.loop_config(block_dim=1)
-        for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
-            state = loaded(reals, wholes, first[0] + s)
-            answer[s] = search.choose(moves, distance, queue, notes, goals, doors, s, first[0] + s, state)
+        for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
+            e = searches.first[0] + s
+            answer[s] = search.choose(world, searches, s, e, loaded(world, e))
 
-    @ti.kernel
-    def follow(
-        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
-        numbers: Numbers, indices: Indices, doorways: Numbers, pushes: Pushes, pushed: Pushes,
-        waiting: Indices, found_at: Indices, reals: Reals, wholes: Wholes,
-        answer: ti.types.ndarray(ti.i64, 1),
-    ):  # fmt: skip
+    @kernel
+    def follow(world: WorldArrays, searches: SearchArrays, answer: Answer):
         """The same, and go there; ``UNKNOWN`` where the action before this one picked the target up."""
-        doors = ti.static(SearchDoors(doorways, pushes, pushed, waiting, found_at))
         ti.loop_config(block_dim=1)
-        for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
-            e = first[0] + s
-            state, action = loaded(reals, wholes, e), UNKNOWN
+        for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
+            e = searches.first[0] + s
+            state, action = loaded(world, e), UNKNOWN
             # What has been picked up is not marked otherwise, as nothing else is stepped meanwhile.
             if state.over != UNKNOWN:
-                action = search.choose(moves, distance, queue, notes, goals, doors, s, e, state)
+                action = search.choose(world, searches, s, e, state)
                 if action >= 0:
-                    cell, _, door = episodes.move(numbers, indices, doors, e, state, action)
+                    cell, _, door = episodes.move(world, e, state, action)
                     if door < 0:
                         state.cell = cell
                     else:
-                        episodes.push(doors, e, door)
+                        episodes.push(world, e, door)
                     if episodes.overlaps(state.origin, state.cell, state.target):
                         state.over = UNKNOWN
-                    store(reals, wholes, e, state)
+                    store(world, e, state)
             answer[s] = action
 
-    @ti.kernel
-    def play(
-        moves: Moves, distance: Steps, queue: Indices, notes: Notes, goals: Goals, first: Indices,
-        numbers: Numbers, indices: Indices, places: Indices, doorways: Numbers, pushes: Pushes,
-        pushed: Pushes, waiting: Indices, found_at: Indices, reals: Reals, wholes: Wholes,
-        answer: ti.types.ndarray(ti.i64, 1),
-    ):  # fmt: skip
+    @kernel
+    def play(world: WorldArrays, searches: SearchArrays, answer: Answer):
         """Play episodes to their ends; how many targets were picked up."""
-        doors = ti.static(SearchDoors(doorways, pushes, pushed, waiting, found_at))
         ti.loop_config(block_dim=1)
-        for s in range(ti.min(notes.shape[0], reals.shape[0] - first[0])):
-            e = first[0] + s
-            state, count = loaded(reals, wholes, e), 0
+        for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
+            e = searches.first[0] + s
+            state, count = loaded(world, e), 0
             while not state.over:
-                action = ti.max(0, search.choose(moves, distance, queue, notes, goals, doors, s, e, state))
-                state, picked, _, _, _ = episodes.advance(numbers, indices, places, doors, e, state, action)
+                action = ti.max(0, search.choose(world, searches, s, e, state))
+                state, picked, _, _, _ = episodes.advance(world, e, state, action)
                 count += picked
-            store(reals, wholes, e, state)
+            store(world, e, state)
             answer[s] = count
 
     return {"learn": learn, "mark": mark, "act": act, "follow": follow, "play": play}
@@ -163,25 +163,14 @@ class Search:
         self.near = int((config.target / 2 + max(config.body)) / config.step) + 1
 
     @ti.func
-    def choose(
-        self,
-        moves: ti.template(),
-        distance: ti.template(),
-        queue: ti.template(),
-        notes: ti.template(),
-        goals: ti.template(),
-        doors: ti.template(),
-        s,
-        e,
-        state,
-    ):
+    def choose(self, world: ti.template(), searches: ti.template(), s, e, state):
         """Search until a pose that an action leads to is known to lead to the target; say which action."""
-        opened = self.opened(doors, s, e)
-        if not (goals[s] == state.target).all() or opened:  # NaN, at first, equals nothing
-            goals[s] = state.target
-            self.begin(moves, distance, queue, notes, s, state)
-        note = notes[s]
-        base, rows = s * (moves.shape[0] // notes.shape[0]), note[ROWS]
+        opened = self.opened(world, searches, s, e)
+        if not (searches.goals[s] == state.target).all() or opened:  # NaN, at first, equals nothing
+            searches.goals[s] = state.target
+            self.begin(searches, s, state)
+        note, base = searches.notes[s], self.base(searches, s)
+        rows = note[ROWS]
         column, row, heading = state.cell[0] - note[COLUMN], state.cell[1] - note[ROW], state.cell[2]
         action = NOWHERE
         if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
@@ -189,9 +178,9 @@ class Search:
             forward, toll = self.headings[heading], 0
             # Forward first: of two shortest paths the straighter. A pose that cannot be is never found.
             options = ti.Vector([8 * place + (heading + 1 & 7), 8 * place + (heading + 7 & 7), -1])
-            if moves[place] >> heading & 1:
+            if searches.moves[place] >> heading & 1:
                 options[2] = 8 * (place + forward[0] * rows + forward[1]) + heading
-                toll = self.toll(moves, doors, e, state, note, 8 * base, 8 * place + heading)
+                toll = self.toll(world, searches, e, state, note, 8 * base, 8 * place + heading)
             nearest, searching = FAR, True
             while searching:
                 # Poses are found in order of distance: the first of the next poses to be found is the best,
@@ -199,38 +188,36 @@ class Search:
                 for turn in ti.static(range(3)):
                     option = ti.static((2 + turn) % 3)
                     if options[option] >= 0:
-                        known = ti.cast(distance[options[option]], ti.i32)
+                        known = ti.cast(searches.distance[options[option]], ti.i32)
                         if known >= 0:
                             if ti.static(option == 2):
                                 known += toll
                             if known < nearest:
                                 nearest, action = known, option
-                note, searching = self.admit(distance, queue, doors, 8 * base, note), False
+                note, searching = self.admit(searches, 8 * base, note), False
                 if note[HEAD] < note[TAIL]:
-                    searching = nearest > ti.cast(distance[queue[8 * base + note[HEAD]]], ti.i32) + 1
+                    head = searches.queue[8 * base + note[HEAD]]
+                    searching = nearest > ti.cast(searches.distance[head], ti.i32) + 1
                 if searching:
-                    note = self.expand(moves, distance, queue, doors, e, state, 8 * base, note)
-            notes[s] = note  # whole, as it is read: what Taichi caches in a loop is so the same
+                    note = self.expand(world, searches, e, state, 8 * base, note)
+            searches.notes[s] = note  # whole, as it is read: what Taichi caches in a loop is so the same
         return action
 
     @ti.func
-    def begin(
-        self,
-        moves: ti.template(),
-        distance: ti.template(),
-        queue: ti.template(),
-        notes: ti.template(),
-        s,
-        state,
-    ):
+    def base(self, searches: ti.template(), s):
+        """The first place of a search's lattice."""
+        return s * (searches.moves.shape[0] // searches.notes.shape[0])
+
+    @ti.func
+    def begin(self, searches: ti.template(), s, state):
         """Begin a search: forget what was found and queue the poses that pick the target up.
 
         Where a body is larger on the diagonal, only poses where it can turn: it could not leave others.
         """
-        note, anyhow = notes[s], ti.static(STRAIGHT | DIAGONAL)
-        base, rows = s * (moves.shape[0] // notes.shape[0]), note[ROWS]
+        note, anyhow = searches.notes[s], ti.static(STRAIGHT | DIAGONAL)
+        base, rows = self.base(searches, s), note[ROWS]
         for k in range(8 * base, 8 * base + note[TAIL]):
-            distance[queue[k]] = ti.cast(UNKNOWN, ti.i16)
+            searches.distance[searches.queue[k]] = ti.cast(UNKNOWN, ti.i16)
         middle = ti.cast(ti.floor((state.target - state.origin) / ti.static(self.step)), ti.i32)
         tail = 0
         for i in range(middle[0] - self.near, middle[0] + self.near + 2):
@@ -238,40 +225,40 @@ class Search:
                 column, row = i - note[COLUMN], j - note[ROW]
                 if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
                     place = base + column * rows + row
-                    if ti.cast(moves[place], ti.i32) & anyhow == anyhow:
+                    if ti.cast(searches.moves[place], ti.i32) & anyhow == anyhow:
                         for heading in range(8):
                             cell = ti.Vector([i, j, heading])
                             if self.episodes.overlaps(state.origin, cell, state.target):
-                                tail = self.found(distance, queue, 8 * base, tail, 8 * place + heading, 0)
+                                tail = self.found(searches, 8 * base, tail, 8 * place + heading, 0)
         note[HEAD], note[TAIL], note[WAITING] = 0, tail, 0
-        notes[s] = note
+        searches.notes[s] = note
 
     @ti.func
-    def opened(self, doors: ti.template(), s, e):
+    def opened(self, world: ti.template(), searches: ti.template(), s, e):
         """Whether a door was walked at, or closed, since the search began, which takes note of it."""
         opened = False
         if ti.static(self.closed_doors):
-            count = self.episodes.doors.count(doors)
+            count = self.episodes.doors.count(world)
             for door in range(count):  # pyright: ignore[reportArgumentType]
-                pushes = doors.pushes[e * count + door]
-                opened |= doors.pushed[s * count + door] != pushes
-                doors.pushed[s * count + door] = pushes
+                pushes = world.pushes[e * count + door]
+                opened |= searches.pushed[s * count + door] != pushes
+                searches.pushed[s * count + door] = pushes
         return opened
 
     @ti.func
-    def toll(self, moves: ti.template(), doors: ti.template(), e, state, note, base, pose):
+    def toll(self, world: ti.template(), searches: ti.template(), e, state, note, base, pose):
         """How many steps must be walked at closed doors until forward leads on from a pose (i32)."""
         toll = 0
         if ti.static(self.closed_doors):
             place = (pose - base) >> 3
-            if moves[pose >> 3] & DOORWAY:
+            if searches.moves[pose >> 3] & DOORWAY:
                 i, j = place // note[ROWS] + note[COLUMN], place % note[ROWS] + note[ROW]
                 cell = ti.Vector([i, j, pose & 7])
-                toll = self.episodes.doors.toll(doors, e, state.house, state.origin, cell)
+                toll = self.episodes.doors.toll(world, e, state.house, state.origin, cell)
         return toll
 
     @ti.func
-    def admit(self, distance: ti.template(), queue: ti.template(), doors: ti.template(), base, note):
+    def admit(self, searches: ti.template(), base, note):
         """Queue the poses that waited for the distance of the next pose, or where none is queued for the
         least. All poses at that distance are so queued before the first of them is expanded.
         """
@@ -279,64 +266,59 @@ class Search:
             admitting = note[WAITING] > 0
             if note[HEAD] < note[TAIL] and note[HEAD] > 0:
                 head = base + note[HEAD]
-                admitting &= distance[queue[head]] != distance[queue[head - 1]]
+                admitting &= (
+                    searches.distance[searches.queue[head]] != searches.distance[searches.queue[head - 1]]
+                )
             while admitting:
                 level = FAR
                 if note[HEAD] < note[TAIL]:
-                    level = ti.cast(distance[queue[base + note[HEAD]]], ti.i32)
+                    level = ti.cast(searches.distance[searches.queue[base + note[HEAD]]], ti.i32)
                 else:
                     for k in range(base, base + note[WAITING]):
-                        level = ti.min(level, doors.found_at[k])
+                        level = ti.min(level, searches.found_at[k])
                 k = base
                 while k < base + note[WAITING]:
-                    if doors.found_at[k] <= level:
-                        pose, found_at = doors.waiting[k], doors.found_at[k]
-                        note[TAIL] = self.found(distance, queue, base, note[TAIL], pose, found_at)
+                    if searches.found_at[k] <= level:
+                        pose, found_at = searches.waiting[k], searches.found_at[k]
+                        note[TAIL] = self.found(searches, base, note[TAIL], pose, found_at)
                         note[WAITING] -= 1
                         last = base + note[WAITING]
-                        doors.waiting[k], doors.found_at[k] = doors.waiting[last], doors.found_at[last]
+                        searches.waiting[k], searches.found_at[k] = (
+                            searches.waiting[last],
+                            searches.found_at[last],
+                        )
                     else:
                         k += 1
                 admitting = note[HEAD] == note[TAIL] and note[WAITING] > 0
         return note
 
     @ti.func
-    def expand(
-        self,
-        moves: ti.template(),
-        distance: ti.template(),
-        queue: ti.template(),
-        doors: ti.template(),
-        e,
-        state,
-        base,
-        note,
-    ):
+    def expand(self, world: ti.template(), searches: ti.template(), e, state, base, note):
         """Take the next pose from the queue and find those that one action leads from to it."""
-        pose, tail = queue[base + note[HEAD]], note[TAIL]
+        pose, tail = searches.queue[base + note[HEAD]], note[TAIL]
         place, heading = pose >> 3, pose & 7
-        further = ti.cast(distance[pose], ti.i32) + 1
-        tail = self.found(distance, queue, base, tail, 8 * place + (heading + 1 & 7), further)
-        tail = self.found(distance, queue, base, tail, 8 * place + (heading + 7 & 7), further)
+        further = ti.cast(searches.distance[pose], ti.i32) + 1
+        tail = self.found(searches, base, tail, 8 * place + (heading + 1 & 7), further)
+        tail = self.found(searches, base, tail, 8 * place + (heading + 7 & 7), further)
         forward = self.headings[heading]
         place -= forward[0] * note[ROWS] + forward[1]
         pose = 8 * place + heading
-        if moves[place] >> heading & 1:
-            toll = self.toll(moves, doors, e, state, note, base, pose)
+        if searches.moves[place] >> heading & 1:
+            toll = self.toll(world, searches, e, state, note, base, pose)
             if toll == 0:
-                tail = self.found(distance, queue, base, tail, pose, further)
-            elif distance[pose] == UNKNOWN:
-                doors.waiting[base + note[WAITING]] = pose
-                doors.found_at[base + note[WAITING]] = further + toll
+                tail = self.found(searches, base, tail, pose, further)
+            elif searches.distance[pose] == UNKNOWN:
+                searches.waiting[base + note[WAITING]] = pose
+                searches.found_at[base + note[WAITING]] = further + toll
                 note[WAITING] += 1
         note[HEAD], note[TAIL] = note[HEAD] + 1, tail
         return note
 
     @ti.func
-    def found(self, distance: ti.template(), queue: ti.template(), base, tail, pose, further):
+    def found(self, searches: ti.template(), base, tail, pose, further):
         """Note a pose's distance and queue it, if the body can be there and it is new; the queue's end."""
-        if distance[pose] == UNKNOWN:
-            distance[pose] = ti.cast(further, ti.i16)
-            queue[base + tail] = pose
+        if searches.distance[pose] == UNKNOWN:
+            searches.distance[pose] = ti.cast(further, ti.i16)
+            searches.queue[base + tail] = pose
             tail += 1
         return tail

@@ -18,6 +18,7 @@ from sim.environment.vector import HouseVectorEnv
 from sim.runtime import Array, Launch, start, ti
 from sim.tasks.survey import survey
 from sim.tasks.tasks import Box
+from sim.world.episodes import HOUSE
 from sim.world.world import World
 
 AT_ONCE = 64
@@ -136,7 +137,8 @@ class _Searches:
         """
         world, state = self.world, self.world.state
         house, origin = (
-            values[first : first + self.count] for values in (state["wholes"][:, 3], state["reals"][:, :2])
+            values[first : first + self.count]
+            for values in (state["wholes"][:, HOUSE], state["reals"][:, :2])
         )
         self.arrays["first"].fill(np.array([first], np.int32))
         count = len(house)

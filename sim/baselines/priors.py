@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from sim.baselines.lookout import WORD, origins_of
+from sim.baselines.coverage import WORD, origins_of
 from sim.tasks.places import Region, free_floor
 from sim.tasks.survey import Survey
 from sim.world.episodes import FOUND, HOUSE, NUMBER, WHOLES

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.baselines.lookout import WORD, Looks, Words, bit, in_steps, origins_of
+from sim.baselines.coverage import WORD, LineOfSight, bit, in_steps, origins_of
 from sim.baselines.priors import PRIORS, PriorName
 from sim.baselines.view_planner import (
     LINES,
@@ -22,13 +22,13 @@ from sim.baselines.view_planner import (
     SAMPLED,
     SPOT,
     VIEW,
-    Rows,
+    SearcherArrays,
     ViewPlanner,
 )
 from sim.environment.vector import HouseVectorEnv
-from sim.runtime import Array, Launch, start, ti
+from sim.runtime import Array, Launch, kernel, start, ti
 from sim.tasks.survey import survey
-from sim.world.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
+from sim.world.episodes import Episodes, WorldArrays, loaded
 from sim.world.world import World
 
 VIEWS, SAMPLES = 0.57, 0.29
@@ -41,9 +41,7 @@ AT_ONCE = 32
 EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
 """Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
 
-Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
-Counts, Bytes = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.u8, 1)
-Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
+Answer = ti.types.ndarray(ti.i64, 1)
 
 
 class Searcher:
@@ -123,76 +121,63 @@ def _starts(counts: Any) -> np.ndarray:
 
 @cache
 def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
-    looks = Looks(episodes)
-    planner = ViewPlanner(looks, pitch)
+    sight = LineOfSight(episodes)
+    planner = ViewPlanner(sight, pitch)
 
-    @ti.kernel
-    def prepare(
-        numbers: Numbers, indices: Indices, rows: Rows, spots: Numbers, samples: Indices, origins: Numbers,
-        moves: Counts, shown: Words, sampled: Words, answer: ti.types.ndarray(ti.i64, 1), queue: Indices,
-    ):  # fmt: skip
+    @kernel
+    def prepare(world: WorldArrays, search: SearcherArrays):
         """Look from every view of every house at its samples."""
-        slots = ti.min(ti.static(AT_ONCE), answer.shape[0])
-        words = sampled.shape[0] // slots
-        for view in range(shown.shape[0] // (8 * words)):
-            house, last = 0, rows.shape[0] - 1
-            while house < last and rows[house + 1][VIEW] <= 8 * view:
+        words = search.sampled.shape[0] // ti.min(ti.static(AT_ONCE), search.notes.shape[0])
+        for view in range(search.shown.shape[0] // (8 * words)):
+            house, end = 0, search.rows.shape[0] - 1
+            while house < end and search.rows[house + 1][VIEW] <= 8 * view:
                 house += 1
-            row = rows[house]
+            row, corner = search.rows[house], planner.corner(search, house)
             across = (row[LINES] + ti.static(pitch - 1)) // ti.static(pitch)
             here = view - row[VIEW] // 8
             i, j = here // across * ti.static(pitch), here % across * ti.static(pitch)
-            corner = ti.Vector([origins[2 * house], origins[2 * house + 1]])
             for heading in range(8):
-                if ti.cast(moves[row[PLACE] + i * row[LINES] + j], ti.i32) >> (8 + heading % 2) & 1:
+                can = ti.cast(search.moves[row[PLACE] + i * row[LINES] + j], ti.i32)
+                if can >> (8 + heading % 2) & 1:
                     cell = ti.Vector([i, j, heading])
-                    distance = looks.distances(numbers, indices, house, corner, cell)
-                    window = looks.window(distance, corner, corner, cell)
+                    far = sight.distances(world, house, corner, cell)
+                    window = sight.window(far, corner, corner, cell)
                     for k in range(row[SAMPLED]):
-                        at = 2 * (row[SPOT] + samples[row[SAMPLE] + k])
-                        i_, j_ = spots[at], spots[at + 1]
+                        at = 2 * (row[SPOT] + search.samples[row[SAMPLE] + k])
+                        i_, j_ = search.spots[at], search.spots[at + 1]
                         # Nested: Taichi's ``and`` computes both sides.
                         if window[0] <= i_ <= window[1] and window[2] <= j_ <= window[3]:  # noqa: SIM102
-                            if looks.meets(distance, corner, cell, looks.spot(corner, i_, j_)):
-                                shown[(8 * view + heading) * words + k // ti.static(WORD)] |= bit(k)
+                            if sight.meets(far, corner, cell, sight.spot(corner, i_, j_)):
+                                search.shown[(8 * view + heading) * words + k // ti.static(WORD)] |= bit(k)
 
-    @ti.kernel
-    def act(
-        numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes, rows: Rows, spots: Numbers,
-        samples: Indices, origins: Numbers, moves: Counts, shown: Words, left: Words, sampled: Words,
-        weights: Numbers, distance: Counts, queue: Indices, notes: Notes, last: Points, plan: Bytes,
-        answer: ti.types.ndarray(ti.i64, 1),
-    ):  # fmt: skip
+    @kernel
+    def act(world: WorldArrays, search: SearcherArrays, answer: Answer):
         """Look, strike out what is seen, plan again where a plan is at its end, and say the next action."""
-        count = reals.shape[0]
+        count = world.reals.shape[0]
         slots = ti.min(ti.static(AT_ONCE), count)
         ti.loop_config(block_dim=1)
         for slot in range(slots):
             for turn in range((count - slot + slots - 1) // slots):
                 e = slot + turn * slots
-                state, note = loaded(reals, wholes, e), notes[e]
-                row = rows[state.house]
+                state, note = loaded(world, e), search.notes[e]
                 if note[EPISODE] != state.episode or note[FOUND] != state.found:
                     near = ti.Vector([ti.math.nan, ti.math.nan])
                     if note[EPISODE] == state.episode:
-                        near = last[e]
-                    planner.restart(spots, origins, left, row, e, count, state, near)
+                        near = search.last[e]
+                    planner.restart(search, e, state, near)
                     note = ti.Vector([state.episode, state.found, 0, 0, 0])
-                    last[e] = state.target
+                    search.last[e] = state.target
                 if not note[KNOWN]:
-                    known = planner.look(numbers, indices, spots, origins, left, row, e, count, state)
+                    known = planner.look(world, search, e, state)
                     if known:
                         note[KNOWN], note[LENGTH] = 1, 0
                 if note[DONE] >= note[LENGTH]:
                     note[DONE] = 0
-                    note[LENGTH] = planner.plan(
-                        numbers, indices, rows, spots, samples, origins, moves, shown, left, sampled,
-                        weights, distance, queue, plan, row, e, slot, slots, count, state, note[KNOWN],
-                    )  # fmt: skip
+                    note[LENGTH] = planner.plan(world, search, e, slot, slots, state, note[KNOWN])
                 answer[e] = 0
                 if note[LENGTH] > 0:
-                    answer[e] = ti.cast(plan[e * ti.static(REPLAN) + note[DONE]], ti.i64)
+                    answer[e] = ti.cast(search.plan[e * ti.static(REPLAN) + note[DONE]], ti.i64)
                 note[DONE] += 1
-                notes[e] = note
+                search.notes[e] = note
 
     return {"prepare": prepare, "act": act}

@@ -4,9 +4,12 @@ The information gain of a viewpoint is the weight of the places of the target th
 from there would show. Its cost is the length of a shortest path there, and a few steps more.
 """
 
+from typing import NamedTuple
+
 from sim.backends.backend import TARGET
-from sim.baselines.lookout import WORD, Looks, bit
+from sim.baselines.coverage import WORD, LineOfSight, Words, bit
 from sim.runtime import ti
+from sim.world.episodes import Indices, Numbers
 
 REPLAN = 48
 """Steps until it plans again: what it saw on its path may have made another one better."""
@@ -19,102 +22,144 @@ SPOT, SPOTS, SAMPLE, SAMPLED, VIEW, PLACE, COLUMNS, LINES = range(8)
 """Of a house: its first spot and their number, its samples, its first view; its lattice's first place,
 columns and rows."""
 
+Counts, Bytes = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.u8, 1)
+Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
+Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
+
+
+class SearcherArrays(NamedTuple):
+    """What searchers know of the houses, and keep. Those that plan at once have a slot each."""
+
+    spots: Numbers
+    """Of each house (m, 2): where a target may lie, in steps."""
+    samples: Indices
+    """Of each house: the spots by which looks are judged."""
+    rows: Rows
+    origins: Numbers
+    """Of each house's lattice, metres."""
+    moves: Counts
+    """Of each place: its survey."""
+    shown: Words
+    """Of each view: the samples that it shows."""
+    left: Words
+    """Of each environment: the spots where its target may still be."""
+    sampled: Words
+    """Of each slot: the samples that are left."""
+    weights: Numbers
+    """Of each environment and word of samples: how likely each is."""
+    distance: Counts
+    """Of each slot and pose: actions to it and one, 0 where it was not found."""
+    queue: Indices
+    notes: Notes
+    last: Points
+    """Of each environment: its target, metres."""
+    plan: Bytes
+    """Of each environment: its next actions."""
+
 
 @ti.data_oriented
 class ViewPlanner:
     """What one environment's searcher does, as functions of the arrays."""
 
-    def __init__(self, looks: Looks, pitch: int) -> None:
-        """Plan for bodies with these looks; viewpoints are ``pitch`` steps apart."""
+    def __init__(self, sight: LineOfSight, pitch: int) -> None:
+        """Plan for bodies that see so; viewpoints are ``pitch`` steps apart."""
         self.pitch = pitch
-        self.looks, self.episodes, self.headings = looks, looks.episodes, looks.episodes.body.headings
+        self.sight, self.episodes, self.headings = sight, sight.episodes, sight.episodes.body.headings
 
     @ti.func
-    def restart(
-        self, spots: ti.template(), origins: ti.template(), left: ti.template(), row, e, count, state, near
-    ):
+    def first_left(self, search: ti.template(), e):
+        """Where an environment's words of ``left`` begin."""
+        return e * (search.left.shape[0] // search.notes.shape[0])
+
+    @ti.func
+    def corner(self, search: ti.template(), house):
+        """The origin of a house's lattice, metres."""
+        return ti.Vector([search.origins[2 * house], search.origins[2 * house + 1]])
+
+    @ti.func
+    def restart(self, search: ti.template(), e, state, near):
         """A new target: it may be anywhere but too near to the last one, where none is sampled."""
-        words, some = left.shape[0] // count, 0
-        corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-        self.fill(left, row, e, words)
+        row, first, some = search.rows[state.house], self.first_left(search, e), 0
+        corner = self.corner(search, state.house)
+        self.fill(search, row, first)
         for k in range(row[SPOTS]):
             at = 2 * (row[SPOT] + k)
-            spot = self.looks.spot(corner, spots[at], spots[at + 1])
+            spot = self.sight.spot(corner, search.spots[at], search.spots[at + 1])
             if ti.abs(spot - near).max() < ti.static(self.episodes.apart):  # never where near is NaN
-                left[e * words + k // ti.static(WORD)] ^= bit(k)
+                search.left[first + k // ti.static(WORD)] ^= bit(k)
             else:
                 some = 1
         if not some:
-            self.fill(left, row, e, words)
+            self.fill(search, row, first)
 
     @ti.func
-    def fill(self, left: ti.template(), row, e, words):
-        """The target may be anywhere."""
-        for word in range(words):
-            left[e * words + word] = 0
+    def fill(self, search: ti.template(), row, first):
+        """The target may be anywhere; ``first``: see ``first_left``."""
+        for word in range(first, first + search.left.shape[0] // search.notes.shape[0]):
+            search.left[word] = 0
         for k in range(row[SPOTS]):
-            left[e * words + k // ti.static(WORD)] |= bit(k)
+            search.left[first + k // ti.static(WORD)] |= bit(k)
 
     @ti.func
-    def look(
-        self, numbers: ti.template(), indices: ti.template(), spots: ti.template(), origins: ti.template(),
-        left: ti.template(), row, e, count, state,
-    ):  # fmt: skip
+    def look(self, world: ti.template(), search: ti.template(), e, state):
         """Whether a ray meets the target; if not, strike out the spots where one would have."""
-        distance, kinds = self.looks.backend.see(
-            numbers, indices, state.house, state.origin, state.cell, state.target, 0
+        distance, kinds = self.sight.backend.see(
+            world.numbers, world.indices, state.house, state.origin, state.cell, state.target, 0
         )
         known = 0
-        for r in range(ti.static(self.looks.config.rays)):
+        for r in range(ti.static(self.sight.config.rays)):
             known |= ti.cast(kinds[r] == ti.static(TARGET), ti.i32)
         if not known:
-            words = left.shape[0] // count
-            corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-            window = self.looks.window(distance, corner, state.origin, state.cell)
+            row, left = search.rows[state.house], self.first_left(search, e)
+            corner = self.corner(search, state.house)
+            window = self.sight.window(distance, corner, state.origin, state.cell)
             for word in range((row[SPOTS] + ti.static(WORD - 1)) // ti.static(WORD)):
                 first = row[SPOT] + word * ti.static(WORD)
                 end = ti.min(first + ti.static(WORD), row[SPOT] + row[SPOTS])
                 # Spots are in the order of their i: most words are outside the window as a whole.
-                if left[e * words + word] != 0 and spots[2 * first] <= window[1]:  # noqa: SIM102
-                    if spots[2 * (end - 1)] >= window[0]:
+                if search.left[left + word] != 0 and search.spots[2 * first] <= window[1]:  # noqa: SIM102
+                    if search.spots[2 * (end - 1)] >= window[0]:
                         for k in range(first, end):
-                            i, j = spots[2 * k], spots[2 * k + 1]
-                            if left[e * words + word] & bit(k - row[SPOT]) and window[2] <= j <= window[3]:
-                                spot = self.looks.spot(corner, i, j)
-                                if self.looks.meets(distance, state.origin, state.cell, spot):
-                                    left[e * words + word] ^= bit(k - row[SPOT])
+                            i, j = search.spots[2 * k], search.spots[2 * k + 1]
+                            mask = bit(k - row[SPOT])
+                            if search.left[left + word] & mask and window[2] <= j <= window[3]:
+                                spot = self.sight.spot(corner, i, j)
+                                if self.sight.meets(distance, state.origin, state.cell, spot):
+                                    search.left[left + word] ^= mask
         return known
 
     @ti.func
-    def plan(
-        self, numbers: ti.template(), indices: ti.template(), rows: ti.template(), spots: ti.template(),
-        samples: ti.template(), origins: ti.template(), moves: ti.template(), shown: ti.template(),
-        left: ti.template(), sampled: ti.template(), weights: ti.template(), distance: ti.template(),
-        queue: ti.template(), plan: ti.template(), row, e, slot, slots, count, state, known,
-    ):  # fmt: skip
+    def plan(self, world: ti.template(), search: ti.template(), e, slot, slots, state, known):
         """Search for paths from here to all poses, nearest first, until no pose further away can be better;
         note the first actions of the path to the best. How many.
         """
-        words, finer = sampled.shape[0] // slots, left.shape[0] // count
-        base = slot * (queue.shape[0] // slots)
+        row, left, words = (
+            search.rows[state.house],
+            self.first_left(search, e),
+            search.sampled.shape[0] // slots,
+        )
+        base = slot * (search.queue.shape[0] // slots)
         total = ti.f32(0.0)
         for word in range(words):
-            sampled[slot * words + word] = 0
+            search.sampled[slot * words + word] = 0
         for k in range(row[SAMPLED]):
-            spot = samples[row[SAMPLE] + k]
-            if left[e * finer + spot // ti.static(WORD)] & bit(spot):
-                sampled[slot * words + k // ti.static(WORD)] |= bit(k)
-                total += weights[e * words + k // ti.static(WORD)]
+            spot = search.samples[row[SAMPLE] + k]
+            if search.left[left + spot // ti.static(WORD)] & bit(spot):
+                search.sampled[slot * words + k // ti.static(WORD)] |= bit(k)
+                total += search.weights[e * words + k // ti.static(WORD)]
         across = (row[LINES] + ti.static(self.pitch - 1)) // ti.static(self.pitch)
         pose = 8 * (state.cell[0] * row[LINES] + state.cell[1]) + state.cell[2]
-        distance[base + pose], queue[base] = ti.u16(1), pose  # one more than it is: 0 is unknown
+        search.distance[base + pose], search.queue[base] = (
+            ti.u16(1),
+            pose,
+        )  # one more than it is: 0 is unknown
         head, tail, goal, best, searching = 0, 1, -1, ti.f32(0.0), True
         while searching and head < tail:
-            pose = queue[base + head]
+            pose = search.queue[base + head]
             head += 1
             place, heading = pose >> 3, pose & 7
             i, j = place // row[LINES], place % row[LINES]
-            away = ti.cast(distance[base + pose], ti.i32) - 1
+            away = ti.cast(search.distance[base + pose], ti.i32) - 1
             cost = ti.cast(away, ti.f32) + ti.static(HASTE)
             if known:
                 if self.episodes.overlaps(state.origin, ti.Vector([i, j, heading]), state.target):
@@ -125,91 +170,82 @@ class ViewPlanner:
                 gain = ti.f32(0.0)
                 if i == state.cell[0] and j == state.cell[1]:
                     cell = ti.Vector([i, j, heading])
-                    gain = self.turned(
-                        numbers, indices, spots, samples, origins, sampled, weights, row,
-                        slot * words, e * words, state, cell,
-                    )  # fmt: skip
+                    gain = self.turned(world, search, slot * words, e * words, state, cell)
                 elif i % ti.static(self.pitch) == 0 and j % ti.static(self.pitch) == 0:
                     view = i // ti.static(self.pitch) * across + j // ti.static(self.pitch)
                     view = (row[VIEW] + 8 * view + heading) * words
                     for word in range((row[SAMPLED] + ti.static(WORD - 1)) // ti.static(WORD)):
-                        both = shown[view + word] & sampled[slot * words + word]
-                        gain += weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
+                        both = search.shown[view + word] & search.sampled[slot * words + word]
+                        gain += search.weights[e * words + word] * ti.cast(ti.math.popcnt(both), ti.f32)
                 if gain / cost > best:
                     goal, best = pose, gain / cost
             if searching:
-                moves_here = ti.cast(moves[row[PLACE] + place], ti.i32)
+                moves_here = ti.cast(search.moves[row[PLACE] + place], ti.i32)
                 for turn in ti.static((1, 7)):
                     other = heading + turn & 7
                     if moves_here >> (8 + other % 2) & 1:
-                        tail = self.found(distance, queue, base, tail, 8 * place + other, away + 1)
+                        tail = self.found(search, base, tail, 8 * place + other, away + 1)
                 if moves_here >> heading & 1:
                     forward = self.headings[heading]
                     ahead = 8 * (place + forward[0] * row[LINES] + forward[1]) + heading
-                    tail = self.found(distance, queue, base, tail, ahead, away + 1)
+                    tail = self.found(search, base, tail, ahead, away + 1)
         if goal < 0 and not known:
-            goal = self.nearest(spots, left, distance, row, e, base, finer)
+            goal = self.nearest(search, row, left, base)
         length = 0
         if goal >= 0:
-            length = self.trace(moves, distance, plan, row, e, base, goal)
+            length = self.trace(search, row, e, base, goal)
         for k in range(base, base + tail):
-            distance[base + queue[k]] = ti.u16(0)
+            search.distance[base + search.queue[k]] = ti.u16(0)
         return length
 
     @ti.func
-    def turned(
-        self, numbers: ti.template(), indices: ti.template(), spots: ti.template(), samples: ti.template(),
-        origins: ti.template(), sampled: ti.template(), weights: ti.template(), row,
-        base, weight, state, cell,
-    ):  # fmt: skip
+    def turned(self, world: ti.template(), search: ti.template(), base, weight, state, cell):
         """The weight of the samples that are left and that a look from a cell would show."""
-        corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-        distance = self.looks.distances(numbers, indices, state.house, state.origin, cell)
-        window, gain = self.looks.window(distance, corner, state.origin, cell), ti.f32(0.0)
+        row, corner = search.rows[state.house], self.corner(search, state.house)
+        distance = self.sight.distances(world, state.house, state.origin, cell)
+        window, gain = self.sight.window(distance, corner, state.origin, cell), ti.f32(0.0)
         for k in range(row[SAMPLED]):
-            at = 2 * (row[SPOT] + samples[row[SAMPLE] + k])
-            i, j = spots[at], spots[at + 1]
+            at = 2 * (row[SPOT] + search.samples[row[SAMPLE] + k])
+            i, j = search.spots[at], search.spots[at + 1]
             inside = window[0] <= i <= window[1] and window[2] <= j <= window[3]
-            if inside and sampled[base + k // ti.static(WORD)] & bit(k):
-                met = self.looks.meets(distance, state.origin, cell, self.looks.spot(corner, i, j))
-                gain += weights[weight + k // ti.static(WORD)] * ti.cast(met, ti.f32)
+            if inside and search.sampled[base + k // ti.static(WORD)] & bit(k):
+                met = self.sight.meets(distance, state.origin, cell, self.sight.spot(corner, i, j))
+                gain += search.weights[weight + k // ti.static(WORD)] * ti.cast(met, ti.f32)
         return gain
 
     @ti.func
-    def found(self, distance: ti.template(), queue: ti.template(), base, tail, pose, away):
+    def found(self, search: ti.template(), base, tail, pose, away):
         """Note a pose that is new; the queue's end."""
-        if distance[base + pose] == 0:
-            distance[base + pose] = ti.cast(away + 1, ti.u16)
-            queue[base + tail] = pose
+        if search.distance[base + pose] == 0:
+            search.distance[base + pose] = ti.cast(away + 1, ti.u16)
+            search.queue[base + tail] = pose
             tail += 1
         return tail
 
     @ti.func
-    def nearest(
-        self, spots: ti.template(), left: ti.template(), distance: ti.template(), row, e, base, words
-    ):
+    def nearest(self, search: ti.template(), row, left, base):
         """The nearest pose on a spot that is left, where no view shows one; -1 where none is left."""
         goal, nearest, some = -1, 1 << 15, 0
         for k in range(row[SPOTS]):
-            if left[e * words + k // ti.static(WORD)] & bit(k):
+            if search.left[left + k // ti.static(WORD)] & bit(k):
                 some = 1
                 at = 2 * (row[SPOT] + k)
-                i, j = ti.round(spots[at], ti.i32), ti.round(spots[at + 1], ti.i32)
+                i, j = ti.round(search.spots[at], ti.i32), ti.round(search.spots[at + 1], ti.i32)
                 place = i * row[LINES] + j
                 for heading in range(8):
-                    away = ti.cast(distance[base + 8 * place + heading], ti.i32) - 1
+                    away = ti.cast(search.distance[base + 8 * place + heading], ti.i32) - 1
                     if 0 < away < nearest:
                         goal, nearest = 8 * place + heading, away
         if not some:
             # A target that rounding hid: look for it again.
-            self.fill(left, row, e, words)
+            self.fill(search, row, left)
         return goal
 
     @ti.func
-    def trace(self, moves: ti.template(), distance: ti.template(), plan: ti.template(), row, e, base, goal):
+    def trace(self, search: ti.template(), row, e, base, goal):
         """Go back from a goal to here and write the first actions of the path; how many."""
         pose = goal
-        away = ti.cast(distance[base + pose], ti.i32) - 1
+        away = ti.cast(search.distance[base + pose], ti.i32) - 1
         length = ti.min(away, ti.static(REPLAN))
         while away > 0:
             place, heading = pose >> 3, pose & 7
@@ -219,15 +255,15 @@ class ViewPlanner:
             if 0 <= i < row[COLUMNS] and 0 <= j < row[LINES]:
                 back = i * row[LINES] + j
                 if (
-                    ti.cast(moves[row[PLACE] + back], ti.i32) >> heading & 1
-                    and distance[base + 8 * back + heading] == away
+                    ti.cast(search.moves[row[PLACE] + back], ti.i32) >> heading & 1
+                    and search.distance[base + 8 * back + heading] == away
                 ):
                     before, action = 8 * back + heading, 2
             if before < 0:
                 before, action = 8 * place + (heading + 7 & 7), 0
-                if distance[base + before] != away:
+                if search.distance[base + before] != away:
                     before, action = 8 * place + (heading + 1 & 7), 1
             pose, away = before, away - 1
             if away < ti.static(REPLAN):
-                plan[e * ti.static(REPLAN) + away] = ti.cast(action, ti.u8)
+                search.plan[e * ti.static(REPLAN) + away] = ti.cast(action, ti.u8)
         return length

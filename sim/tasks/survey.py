@@ -6,14 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from sim.actions import HEADINGS
+from sim.actions import FORWARD, HEADINGS
 from sim.backends.backend import Backend, Bank, Lattice
-from sim.runtime import Array, Launch, start, ti
+from sim.runtime import Array, Launch, kernel, start, ti
 
 STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
 """Bits of a survey: the body can be at this place with a heading along an axis, on a diagonal."""
 
+HOUSE, FIRST_I, FIRST_J, COLUMNS, LINES, AT = range(6)
+"""Of a lattice: its house, its first place (i, j), its places east and south, and where its survey begins."""
+
 Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
+Bits, Rows = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.types.vector(6, ti.i32), 1)
 
 
 @dataclass(frozen=True)
@@ -40,12 +44,13 @@ def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Latti
         "numbers": bank.numbers,
         "indices": bank.indices,
         "origins": Array.of(np.concatenate([lattice.origin for lattice in lattices]).astype(np.float32)),
-        "rows": Array.of(np.array(rows, np.int32).ravel()),
+        "rows": Array(ti.i32, len(rows), 6),
         "tasks": Array.of(np.stack(tasks, axis=1).astype(np.int32).ravel()),
         "moves": Array(ti.u16, int(ends[-1])),
         "part": Array(ti.i32, int(ends[-1])),
         "stack": Array(ti.i32, int(ends[-1])),
     }
+    arrays["rows"].fill(np.array(rows, np.int32))
     look, join = _kernels(start(), backend)
     Launch(look, arrays)()
     Launch(join, arrays)()
@@ -59,38 +64,30 @@ def survey(backend: Backend, bank: Bank, houses: list[int], lattices: list[Latti
 @cache
 def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
     """Kernels that ask what a body can do, and that join the places."""
-    each, anywhere = 6, STRAIGHT | DIAGONAL
+    anywhere = STRAIGHT | DIAGONAL
 
-    @ti.kernel
-    def look(
-        numbers: Numbers,
-        indices: Indices,
-        origins: Numbers,
-        rows: Indices,
-        tasks: Indices,
-        moves: ti.types.ndarray(ti.u16, 1),
-    ):
+    @kernel
+    def look(numbers: Numbers, indices: Indices, origins: Numbers, rows: Rows, tasks: Indices, moves: Bits):
         for task in range(tasks.shape[0] // 2):
             k, column = tasks[2 * task], tasks[2 * task + 1]
-            house, i, j = rows[each * k], rows[each * k + 1] + column, rows[each * k + 2]
-            count = rows[each * k + 4]
-            at = rows[each * k + 5] + column * count
+            row = rows[k]
+            at = row[AT] + column * row[LINES]
             origin = ti.Vector([origins[2 * k], origins[2 * k + 1]])
-            for row in range(count):
-                found = 0
+            for line in range(row[LINES]):
+                i, j, found = row[FIRST_I] + column, row[FIRST_J] + line, 0
                 for heading in range(2):
-                    cell = ti.Vector([i, j + row, heading])
-                    found |= backend.stands(numbers, indices, house, origin, cell) << (8 + heading)
+                    cell = ti.Vector([i, j, heading])
+                    found |= backend.stands(numbers, indices, row[HOUSE], origin, cell) << (8 + heading)
                 for heading in range(8):
-                    cell = ti.Vector([i, j + row, heading])
-                    _, blocked = backend.move(numbers, indices, house, origin, cell, 2)
+                    cell = ti.Vector([i, j, heading])
+                    _, blocked = backend.move(numbers, indices, row[HOUSE], origin, cell, FORWARD)
                     found |= (1 - blocked) << heading
-                moves[at + row] = ti.cast(found, ti.u16)
+                moves[at + line] = ti.cast(found, ti.u16)
 
-    @ti.kernel
-    def join(rows: Indices, moves: ti.types.ndarray(ti.u16, 1), part: Indices, stack: Indices):
-        for k in range(rows.shape[0] // each):
-            number, columns, count, at = 0, rows[each * k + 3], rows[each * k + 4], rows[each * k + 5]
+    @kernel
+    def join(rows: Rows, moves: Bits, part: Indices, stack: Indices):
+        for k in range(rows.shape[0]):
+            number, columns, count, at = 0, rows[k][COLUMNS], rows[k][LINES], rows[k][AT]
             for seed in range(columns * count):
                 if moves[at + seed] & anywhere == anywhere and part[at + seed] == 0:
                     number += 1

@@ -5,12 +5,14 @@ environment, episode, counter): counter 0 is the episode's house and start, coun
 depends on how many environments there are, on how often others reset, or, for targets, on the agent.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sim.actions import FORWARD
 from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
 from sim.backends.body import SKIN
-from sim.backends.doors import Doors
+from sim.backends.doors import Doors, Pushes
 from sim.config import Config
 from sim.runtime import ti
 from sim.world.philox import below, philox, uniform
@@ -41,6 +43,26 @@ Indices = ti.types.ndarray(ti.i32, 1)
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
 Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
+
+class States(NamedTuple):
+    """The states of environments."""
+
+    reals: Reals
+    wholes: Wholes
+
+
+class WorldArrays(NamedTuple):
+    """What a step reads of the houses, and the states of the environments: see ``World``."""
+
+    numbers: Numbers
+    indices: Indices
+    places: Indices
+    doorways: Numbers
+    pushes: Pushes
+    reals: Reals
+    wholes: Wholes
+
+
 State = ti.types.struct(
     origin=ti.math.vec2,  # of the body's lattice, metres
     target=ti.math.vec2,  # its centre, metres
@@ -55,9 +77,9 @@ State = ti.types.struct(
 
 
 @ti.func
-def loaded(reals: ti.template(), wholes: ti.template(), e):
+def loaded(states: ti.template(), e):
     """An environment's state."""
-    real, whole = reals[e], wholes[e]
+    real, whole = states.reals[e], states.wholes[e]
     low = ti.cast(ti.bit_cast(whole[ti.static(SEED)], ti.u32), ti.u64)
     high = ti.cast(ti.bit_cast(whole[ti.static(SEED + 1)], ti.u32), ti.u64)
     return State(
@@ -74,11 +96,11 @@ def loaded(reals: ti.template(), wholes: ti.template(), e):
 
 
 @ti.func
-def store(reals: ti.template(), wholes: ti.template(), e, state):
+def store(states: ti.template(), e, state):
     """Write an environment's state, but for its seed."""
-    reals[e] = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
-    seed = wholes[e]
-    wholes[e] = ti.Vector(
+    states.reals[e] = ti.Vector([state.origin[0], state.origin[1], state.target[0], state.target[1]])
+    seed = states.wholes[e]
+    states.wholes[e] = ti.Vector(
         [
             state.cell[0], state.cell[1], state.cell[2], state.house, state.time,
             state.found, state.over, state.episode, seed[ti.static(SEED)], seed[ti.static(SEED + 1)],
@@ -102,24 +124,15 @@ class Episodes:
         self.apart = config.target + max(config.body)
 
     @ti.func
-    def advance(
-        self,
-        numbers: ti.template(),
-        indices: ti.template(),
-        places: ti.template(),
-        doors: ti.template(),
-        e,
-        state,
-        action,
-    ):
+    def advance(self, world: ti.template(), e, state, action):
         """One step but for sight: the state, and picked up, terminated, truncated, blocked (i32)."""
-        cell, blocked, door = self.move(numbers, indices, doors, e, state, action)
+        cell, blocked, door = self.move(world, e, state, action)
         if ti.static(self.config.slip > 0):
             counter = ti.Vector([state.episode, state.time, 0, WHEELS])
             words = philox(state.seed, ti.cast(counter, ti.u64))
             if uniform(words[0]) < ti.static(self.config.slip):
                 cell, blocked, door = state.cell, 0, -1
-        self.push(doors, e, door)
+        self.push(world, e, door)
         terminated = 0
         if ti.static(self.config.ends_on_collision):
             terminated = blocked
@@ -138,59 +151,65 @@ class Episodes:
                     1  # Its target stays: what is seen last, and said of the end, is what was reached.
                 )
             else:
-                state = self.sample_target(places, state, ti.static(self.apart))
+                state = self.sample_target(world, state, ti.static(self.apart))
         return state, picked, terminated, truncated, blocked
 
     @ti.func
-    def move(self, numbers: ti.template(), indices: ti.template(), doors: ti.template(), e, state, action):
+    def move(self, world: ti.template(), e, state, action):
         """The cell that an action leads to, whether something is in the way (i32), and which closed door is,
         -1 for none. Nothing is changed.
         """
-        cell, blocked = self.backend.move(numbers, indices, state.house, state.origin, state.cell, action)
+        cell, blocked = self.backend.move(
+            world.numbers, world.indices, state.house, state.origin, state.cell, action
+        )
         door = -1
         if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
             if action == FORWARD:
-                door = self.doors.ahead(doors, e, state.house, state.origin, state.cell)
+                door = self.doors.ahead(world, e, state.house, state.origin, state.cell)
                 blocked |= ti.cast(door >= 0, ti.i32)
         return cell, blocked, door
 
     @ti.func
-    def push(self, doors: ti.template(), e, door):
+    def push(self, world: ti.template(), e, door):
         """Walk at a closed door for a step; -1 for none."""
         if ti.static(self.config.closed_doors > 0):  # noqa: SIM102 - decided as it is compiled
             if door >= 0:
-                self.doors.push(doors, e, door)
+                self.doors.push(world, e, door)
 
     @ti.func
-    def begin(self, places: ti.template(), doors: ti.template(), e, state, house):
+    def begin(self, world: ti.template(), e, state, house):
         """The next episode, in the given house, or a sampled one if that is negative."""
         state.episode += 1
         state.house = house
         if house < 0:
-            state.house = below(self.random(state, 0, 0)[0], places[0])
-        at = 1 + HEADER * state.house
-        state.origin = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
+            state.house = below(self.random(state, 0, 0)[0], world.places[0])
+        state.origin = self.point(world, 1 + HEADER * state.house)
         state.time, state.found, state.over = 0, 0, 0
-        state = self.sample_start(places, self.sample_target(places, state, -1.0))
-        self.close_doors(doors, e, state)
+        state = self.sample_start(world, self.sample_target(world, state, -1.0))
+        self.close_doors(world, e, state)
         return state
 
     @ti.func
-    def close_doors(self, doors: ti.template(), e, state):
-        """Close the doors of an environment's house as its episode begins."""
-        if ti.static(self.config.closed_doors > 0):
-            self.doors.close(doors, e, state.house, state.origin, state.cell)
+    def point(self, world: ti.template(), at):
+        """Two float32 of the places."""
+        return ti.Vector([ti.bit_cast(world.places[at + k], ti.f32) for k in range(2)])
 
     @ti.func
-    def sample_start(self, places: ti.template(), state):
+    def close_doors(self, world: ti.template(), e, state):
+        """Close the doors of an environment's house as its episode begins."""
+        if ti.static(self.config.closed_doors > 0):
+            self.doors.close(world, e, state.house, state.origin, state.cell)
+
+    @ti.func
+    def sample_start(self, world: ti.template(), state):
         """Sample where an episode starts, not on its first target."""
         at = 1 + HEADER * state.house
-        first, count, given = places[at + 2], places[at + 3], places[at + 6]
+        first, count, given = world.places[at + 2], world.places[at + 3], world.places[at + 6]
         turn, searching = 0, 1
         while searching:
             turn += 1
             words = self.random(state, 0, turn)
-            place = places[first + below(words[0], count)]
+            place = world.places[first + below(words[0], count)]
             heading = ti.select(given < 0, below(words[1], 8), given)
             state.cell = ti.Vector([place & 0xFFFF, place >> 16, heading])
             on_target = self.overlaps(state.origin, state.cell, state.target)
@@ -198,19 +217,17 @@ class Episodes:
         return state
 
     @ti.func
-    def sample_target(self, places: ti.template(), state, apart):
+    def sample_target(self, world: ti.template(), state, apart):
         """Sample the next target, not within ``apart`` metres of the last along both axes."""
         state.found += 1
         at = 1 + HEADER * state.house
-        corner = ti.Vector([ti.bit_cast(places[at], ti.f32), ti.bit_cast(places[at + 1], ti.f32)])
-        first, count = places[at + 4], places[at + 5]
-        last = state.target
+        first, count = world.places[at + 4], world.places[at + 5]
+        corner, last = self.point(world, at), state.target
         turn, searching = 0, 1
         while searching:
             turn += 1
             place = first + 2 * below(self.random(state, state.found, turn)[0], count)
-            steps = ti.Vector([ti.bit_cast(places[place], ti.f32), ti.bit_cast(places[place + 1], ti.f32)])
-            state.target = corner + steps * ti.static(self.config.step)
+            state.target = corner + self.point(world, place) * ti.static(self.config.step)
             near = ti.cast(ti.abs(state.target - last).max() < apart, ti.i32)
             searching = near & ti.cast(turn < ti.static(TRIES), ti.i32)
         return state
@@ -228,25 +245,15 @@ class Episodes:
         return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
 
     @ti.func
-    def look(
-        self,
-        numbers: ti.template(),
-        indices: ti.template(),
-        doors: ti.template(),
-        state,
-        ray,
-        lanes: ti.template(),
-        observation: ti.template(),
-        e,
-    ):
+    def look(self, world: ti.template(), e, state, ray, lanes: ti.template(), observation: ti.template()):
         """Write what ``lanes`` rays see, from number ``ray`` on: ``Config.columns``, the angle in units of
         359 degrees, the distance in those of the range.
         """
         distance, kind = self.backend.see(
-            numbers, indices, state.house, state.origin, state.cell, state.target, ray
+            world.numbers, world.indices, state.house, state.origin, state.cell, state.target, ray
         )
         if ti.static(self.config.closed_doors > 0):
-            self.doors.hide(doors, e, state.house, state.origin, state.cell, ray, distance, kind)
+            self.doors.hide(world, e, state.house, state.origin, state.cell, ray, distance, kind)
         if ti.static(self.config.noise > 0 or self.config.dropout > 0):
             for r in range(ti.static(lanes)):
                 distance[r], kind[r] = self.disturbed(state, ray + r, distance[r], kind[r])

@@ -10,10 +10,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sim.backends.backend import Backend
-from sim.backends.doors import DoorArrays, Pushes
 from sim.config import Config
-from sim.runtime import ti
-from sim.world.episodes import OVER, Episodes, Indices, Numbers, Reals, Wholes, loaded, store
+from sim.runtime import kernel, ti
+from sim.world.episodes import (
+    OVER,
+    Episodes,
+    Indices,
+    Numbers,
+    Reals,
+    States,
+    Wholes,
+    WorldArrays,
+    loaded,
+    store,
+)
 
 TERMINATED, TRUNCATED, BLOCKED = range(3)
 """Rows of ``step``'s flags."""
@@ -56,51 +66,33 @@ def kernels(
         flags[ti.static(TRUNCATED) * count + e] = ti.cast(truncated, ti.u8)
         flags[ti.static(BLOCKED) * count + e] = ti.cast(blocked, ti.u8)
 
-    @ti.kernel
-    def reset(
-        numbers: Numbers,
-        indices: Indices,
-        places: Indices,
-        doorways: Numbers,
-        pushes: Pushes,
-        reals: Reals,
-        wholes: Wholes,
-        option_wholes: Options,
-        option_reals: Reals,
-        observation: Observation,
-    ):
+    @kernel
+    def reset(world: WorldArrays, option_wholes: Options, option_reals: Reals, observation: Observation):
         """Begin the next episode where the house, the first of ``option_wholes`` (E, 4), is not ``KEEP``.
         ``option_reals`` (E, 4): origin, with the cell that is the rest of ``option_wholes``, and target; what
         is NaN is sampled.
         """
-        doors = ti.static(DoorArrays(doorways, pushes))
-        for e in range(reals.shape[0]):
+        for e in range(world.reals.shape[0]):
             if option_wholes[e][0] != ti.static(KEEP):
-                state = episodes.begin(places, doors, e, loaded(reals, wholes, e), option_wholes[e][0])
+                state = episodes.begin(world, e, loaded(world, e), option_wholes[e][0])
                 at = option_reals[e]
                 if at[0] == at[0]:
                     state.origin = ti.Vector([at[0], at[1]])
                     state.cell = ti.Vector([option_wholes[e][1], option_wholes[e][2], option_wholes[e][3]])
                 if at[2] == at[2]:
                     state.target = ti.Vector([at[2], at[3]])
-                episodes.close_doors(doors, e, state)
-                store(reals, wholes, e, state)
+                episodes.close_doors(world, e, state)
+                store(world, e, state)
                 if ti.static(all_rays):
-                    episodes.look(numbers, indices, doors, state, 0, rays, observation, e)
+                    episodes.look(world, e, state, 0, rays, observation)
         if ti.static(by_ray):
-            for e, r in ti.ndrange(reals.shape[0], rays):
+            for e, r in ti.ndrange(world.reals.shape[0], rays):
                 if option_wholes[e][0] != ti.static(KEEP):
-                    episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, observation, e)
+                    episodes.look(world, e, loaded(world, e), r, 1, observation)
 
-    @ti.kernel
+    @kernel
     def step(
-        numbers: Numbers,
-        indices: Indices,
-        places: Indices,
-        doorways: Numbers,
-        pushes: Pushes,
-        reals: Reals,
-        wholes: Wholes,
+        world: WorldArrays,
         action: Longs,
         observation: Observation,
         final: Observation,
@@ -115,71 +107,67 @@ def kernels(
         Fills ``observation``, ``reward`` (E,) and ``flags`` (3, E): terminated, truncated, blocked; in
         ``SAME_STEP`` also ``final`` and the ``last`` state.
         """
-        doors = ti.static(DoorArrays(doorways, pushes))
-        for e in range(reals.shape[0]):
+        for e in range(world.reals.shape[0]):
             if ti.static(all_rays):
                 # What the next environment looks up comes from memory while this one steps.
-                after = loaded(reals, wholes, ti.min(e + 1, reals.shape[0] - 1))
-                prefetched[e] = backend.prefetch(numbers, indices, after.house, after.origin, after.cell)
-            state = loaded(reals, wholes, e)
+                after = loaded(world, ti.min(e + 1, world.reals.shape[0] - 1))
+                prefetched[e] = backend.prefetch(
+                    world.numbers, world.indices, after.house, after.origin, after.cell
+                )
+            state = loaded(world, e)
             if ti.static(mode == NEXT_STEP) and state.over:
-                state = episodes.begin(places, doors, e, state, SAMPLE)
+                state = episodes.begin(world, e, state, SAMPLE)
                 reward[e] = 0.0
-                flag(flags, e, reals.shape[0], 0, 0, 0)
+                flag(flags, e, world.reals.shape[0], 0, 0, 0)
             else:
                 state, picked, terminated, truncated, blocked = episodes.advance(
-                    numbers, indices, places, doors, e, state, ti.cast(action[e], ti.i32)
+                    world, e, state, ti.cast(action[e], ti.i32)
                 )
                 reward[e] = ti.cast(picked, ti.f32)
-                flag(flags, e, reals.shape[0], terminated, truncated, blocked)
+                flag(flags, e, world.reals.shape[0], terminated, truncated, blocked)
             if ti.static(mode == SAME_STEP) and state.over:
-                store(last_reals, last_wholes, e, state)
+                store(ti.static(States(last_reals, last_wholes)), e, state)
                 if ti.static(all_rays):
-                    episodes.look(numbers, indices, doors, state, 0, rays, final, e)
-                    state = episodes.begin(places, doors, e, state, SAMPLE)
-            store(reals, wholes, e, state)
+                    episodes.look(world, e, state, 0, rays, final)
+                    state = episodes.begin(world, e, state, SAMPLE)
+            store(world, e, state)
             if ti.static(all_rays):
-                episodes.look(numbers, indices, doors, state, 0, rays, observation, e)
+                episodes.look(world, e, state, 0, rays, observation)
         if ti.static(by_ray):
             if ti.static(mode == SAME_STEP):
-                for e, r in ti.ndrange(reals.shape[0], rays):
-                    if wholes[e][ti.static(OVER)]:
-                        episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, final, e)
-                for e in range(reals.shape[0]):
-                    if wholes[e][ti.static(OVER)]:
-                        store(
-                            reals,
-                            wholes,
-                            e,
-                            episodes.begin(places, doors, e, loaded(reals, wholes, e), SAMPLE),
-                        )
-            for e, r in ti.ndrange(reals.shape[0], rays):
-                episodes.look(numbers, indices, doors, loaded(reals, wholes, e), r, 1, observation, e)
+                for e, r in ti.ndrange(world.reals.shape[0], rays):
+                    if world.wholes[e][ti.static(OVER)]:
+                        episodes.look(world, e, loaded(world, e), r, 1, final)
+                for e in range(world.reals.shape[0]):
+                    if world.wholes[e][ti.static(OVER)]:
+                        store(world, e, episodes.begin(world, e, loaded(world, e), SAMPLE))
+            for e, r in ti.ndrange(world.reals.shape[0], rays):
+                episodes.look(world, e, loaded(world, e), r, 1, observation)
 
-    @ti.kernel
-    def describe(reals: Reals, wholes: Wholes, pose: Numbers, target: Numbers, house: Indices):
+    @kernel
+    def describe(states: States, pose: Numbers, target: Numbers, house: Indices):
         """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), the targets' centres (E, 2), metres,
         and the houses (E,).
         """
-        for e in range(reals.shape[0]):
-            state = loaded(reals, wholes, e)
+        for e in range(states.reals.shape[0]):
+            state = loaded(states, e)
             eye = backend.body.eye(state.origin, state.cell)
             pose[3 * e], pose[3 * e + 1] = eye[0], eye[1]
             pose[3 * e + 2] = ti.cast(state.cell[2], ti.f32) * ti.static(np.pi / 4)
             target[2 * e], target[2 * e + 1] = state.target[0], state.target[1]
             house[e] = state.house
 
-    @ti.kernel
-    def peek(places: Indices, reals: Reals, wholes: Wholes, targets: Numbers):
+    @kernel
+    def peek(world: WorldArrays, targets: Numbers):
         """Write each environment's target and the next ones, (E, count, 2), metres."""
-        for e in range(reals.shape[0]):
-            state, count = loaded(reals, wholes, e), targets.shape[0] // (2 * reals.shape[0])
+        for e in range(world.reals.shape[0]):
+            state, count = loaded(world, e), targets.shape[0] // (2 * world.reals.shape[0])
             for k in range(count):
                 targets[2 * (e * count + k)] = state.target[0]
                 targets[2 * (e * count + k) + 1] = state.target[1]
-                state = episodes.sample_target(places, state, ti.static(episodes.apart))
+                state = episodes.sample_target(world, state, ti.static(episodes.apart))
 
-    @ti.kernel
+    @kernel
     def stand(numbers: Numbers, indices: Indices, origins: Numbers, cells: Indices, free: Indices):
         """Whether bodies can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
         for k in range(free.shape[0]):

@@ -24,7 +24,7 @@ from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
 from logic import save
 from logic.errors import RequestError
-from sim.baselines.lookout import origins_of
+from sim.baselines.coverage import origins_of
 from tests.sample_houses import random_house
 
 HOUSES = [random_house(seed) for seed in range(4)]

@@ -1,11 +1,16 @@
-"""Taichi's cache of kernels, and the threads that environments are made in."""
+"""Taichi's cache of kernels, records of arrays, and the threads that environments are made in."""
+
+# pyright: reportInvalidTypeForm=false, reportGeneralTypeIssues=false
 
 import os
 import subprocess
 import sys
 import time
+from typing import NamedTuple
 
-from sim.runtime import LOCK_AGE, drop_stale_lock
+import numpy as np
+
+from sim.runtime import LOCK_AGE, Array, Launch, drop_stale_lock, kernel, start, ti
 
 
 def test_a_lock_that_a_killed_process_left_does_not_switch_the_kernel_cache_off(tmp_path):
@@ -50,3 +55,37 @@ def test_first_environments_made_and_stepped_in_four_threads_at_once_do_as_those
         [sys.executable, "-c", FIRST_IN_THREADS], check=False, capture_output=True, text=True, timeout=300
     )
     assert (made.stdout.strip(), made.returncode) == ("[0, 1, 2, 3] True", 0), made.stderr
+
+
+Numbers = ti.types.ndarray(ti.f32, 1)
+
+
+class Sides(NamedTuple):
+    wide: Numbers
+    high: Numbers
+
+
+def test_a_kernel_has_arrays_together_as_a_record_and_takes_them_by_its_fields():
+    start()
+
+    @ti.func
+    def area(sides: ti.template(), k):
+        return sides.wide[k] * sides.high[k]
+
+    @kernel
+    def areas(scale: Numbers, sides: Sides, found: Numbers):
+        """Of boxes, all at one scale."""
+        for k in range(found.shape[0]):
+            found[k] = scale[0] * area(sides, k)
+
+    values = {
+        "found": np.zeros(2),
+        "high": np.array([2, 3]),
+        "scale": np.array([10]),
+        "wide": np.array([4, 5]),
+    }
+    arrays = {name: Array.of(value.astype(np.float32)) for name, value in values.items()}
+    launch = Launch(areas, arrays)
+    assert launch.names == ["scale", "wide", "high", "found"]
+    launch()
+    assert arrays["found"].numpy().tolist() == [80, 150]

@@ -14,7 +14,7 @@ from agent.learning.environments import make_envs
 from agent.policies.policies import QPolicy, RandomPolicy
 from sim import HouseVectorEnv
 from sim.actions import FORWARD
-from sim.baselines.lookout import Lookout
+from sim.baselines.coverage import Coverage
 from sim.baselines.oracle import Oracle
 from tests.sample_houses import drawn, random_house
 
@@ -64,13 +64,13 @@ def test_only_the_first_episode_of_each_environment_counts():
 
 def test_coverage_and_rooms_are_noted_after_500_steps_and_at_the_end():
     envs = make_envs([drawn("aaa\naaa\na+a\n...\n...\nb+b\nbbb")], 4, "mixed")
-    lookout = Lookout(envs)
-    noted = play(envs, Straight(), seed=0, houses=np.zeros(4, int), lookout=lookout)
+    coverage = Coverage(envs)
+    noted = play(envs, Straight(), seed=0, houses=np.zeros(4, int), coverage=coverage)
     assert noted.coverage.shape == (2, 4)
     assert (noted.coverage[0] > 0.05).all()
     assert (noted.coverage[1] == noted.coverage[0]).all()  # it has stood before a wall for long
-    assert (noted.coverage[1] == lookout.share()).all()
-    assert (noted.rooms == lookout.rooms()).all()
+    assert (noted.coverage[1] == coverage.share()).all()
+    assert (noted.rooms == coverage.rooms()).all()
 
 
 def test_the_oracle_as_a_policy_picks_up_what_it_does_by_itself(envs):

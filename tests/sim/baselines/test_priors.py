@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim import HouseVectorEnv
-from sim.baselines.lookout import WORD, origins_of
+from sim.baselines.coverage import WORD, origins_of
 from sim.baselines.searcher import KNOWN, Searcher
 from tests import sample_houses
 

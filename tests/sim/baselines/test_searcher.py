@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim import HouseVectorEnv, Oracle
-from sim.baselines.lookout import WORD, Lookout
+from sim.baselines.coverage import WORD, Coverage
 from sim.baselines.searcher import DONE, KNOWN, Searcher
 from tests import sample_houses
 
@@ -23,49 +23,49 @@ def test_a_spot_is_seen_just_where_the_environment_shows_a_target_there(backend)
     house = HOUSE if backend == "continuous" else GRID
     one = HouseVectorEnv([house], targets="mixed", backend=backend)
     one.reset(seed=0)
-    lookout = Lookout(one)
-    targets = lookout.spots[0]
+    coverage = Coverage(one)
+    targets = coverage.spots[0]
     number = len(targets)
     many = HouseVectorEnv([house], num_envs=number, targets="mixed", backend=backend)
     for seed in range(12):
         _, info = one.reset(seed=seed)
-        lookout.begin()
+        coverage.begin()
         pose = np.repeat(info["pose"].astype(float), number, axis=0)
         options = {"house": np.zeros(number, int), "pose": pose, "target": targets}
         shown = many.reset(seed=0, options=options)[0][..., 1].any(axis=1)
         half = (one.config.body[0] + one.config.target) / 2 - 1e-5
         under = (np.abs(targets - pose[:, :2]) < half).all(axis=1)
-        seen = bits(lookout.seen[0], number)
+        seen = bits(coverage.seen[0], number)
         assert (seen == (shown | under)).mean() > 0.998  # but for a ray along a target's edge
-        assert lookout.share()[0] == seen.sum() / number
+        assert coverage.share()[0] == seen.sum() / number
 
 
 def test_what_was_seen_stays_seen_until_the_next_reset():
     envs = HouseVectorEnv([HOUSE], num_envs=3, targets="mixed")
     envs.reset(seed=0)
-    lookout = Lookout(envs)
-    lookout.begin()
-    first = before = lookout.share()
+    coverage = Coverage(envs)
+    coverage.begin()
+    first = before = coverage.share()
     for _ in range(8):
         envs.step(np.zeros(3, int))
-        lookout.look()
-        assert (lookout.share() >= before).all()
-        before = lookout.share()
+        coverage.look()
+        assert (coverage.share() >= before).all()
+        before = coverage.share()
     assert (before > first).all()
     envs.reset(seed=0)
-    lookout.begin()
-    assert (lookout.share() == first).all()
+    coverage.begin()
+    assert (coverage.share() == first).all()
 
 
 def test_what_one_environment_forgets_the_others_keep():
     envs = HouseVectorEnv([HOUSE], num_envs=3, targets="mixed")
     envs.reset(seed=0)
-    lookout = Lookout(envs)
-    lookout.begin()
-    before = lookout.seen.copy()
+    coverage = Coverage(envs)
+    coverage.begin()
+    before = coverage.seen.copy()
     assert before.any(axis=1).all()
-    lookout.forget(np.array([False, True, False]))
-    np.testing.assert_array_equal(lookout.seen, before * np.array([[1], [0], [1]], np.uint64))
+    coverage.forget(np.array([False, True, False]))
+    np.testing.assert_array_equal(coverage.seen, before * np.array([[1], [0], [1]], np.uint64))
 
 
 def test_a_room_counts_once_the_eye_is_in_it():
@@ -74,13 +74,13 @@ def test_a_room_counts_once_the_eye_is_in_it():
     )
     poses = np.array([[1.35, 3.1, np.pi / 2], [1.35, 3.1, -np.pi / 2]])
     envs.reset(seed=0, options={"house": np.zeros(2, int), "pose": poses})
-    lookout = Lookout(envs)
-    lookout.begin()
+    coverage = Coverage(envs)
+    coverage.begin()
     entered = []
     for _ in range(40):
         envs.step(np.full(2, 2))
-        lookout.look()
-        entered.append(lookout.rooms().tolist())
+        coverage.look()
+        entered.append(coverage.rooms().tolist())
     assert entered[0] == [0, 0]
     assert entered[-1] == [1, 1]
     assert entered == sorted(entered)

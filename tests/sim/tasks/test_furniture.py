@@ -10,7 +10,7 @@ from shapely import box
 
 from logic import House, Piece
 from sim import DEFAULT, HouseVectorEnv, Oracle
-from sim.baselines.lookout import origins_of
+from sim.baselines.coverage import origins_of
 from sim.tasks.furniture import BESIDE, Habit, Object
 from tests import sample_houses
 

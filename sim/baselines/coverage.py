@@ -1,4 +1,4 @@
-"""Where bodies have looked and been: the spots of a house where a target would have been seen, and rooms.
+"""Coverage: the spots of a house where a target would have been seen, and the rooms that a body was in.
 
 Seen means what it does for an agent: a ray ends on it. So walls, furniture, the rays' range and the gaps
 between them count, and what is unseen is exactly where a target that has not been seen may still be.
@@ -12,8 +12,8 @@ import numpy as np
 from sim.backends.rays import Rays
 from sim.environment.vector import HouseVectorEnv
 from sim.geometry import Geometry
-from sim.runtime import Array, Launch, start, ti
-from sim.world.episodes import Episodes, Indices, Numbers, Reals, Wholes, loaded
+from sim.runtime import Array, Launch, kernel, start, ti
+from sim.world.episodes import HOUSE, Episodes, Indices, Numbers, WorldArrays, loaded
 from sim.world.world import World
 
 FAR_OFF = 1e6
@@ -23,7 +23,7 @@ WORD = 64
 """Spots in a word of bits."""
 
 PITCH = 0.29
-"""Metres between the spots of ``Lookout``, about: a whole number of steps."""
+"""Metres between the spots of ``Coverage``, about: a whole number of steps."""
 
 Words = ti.types.ndarray(ti.u64, 1)
 
@@ -35,7 +35,7 @@ def bit(k):
 
 
 @ti.data_oriented
-class Looks:
+class LineOfSight:
     """A look's rays, and whether one would have met a target at a spot."""
 
     def __init__(self, episodes: Episodes) -> None:
@@ -47,10 +47,10 @@ class Looks:
         self.reach = self.half * 2**0.5
 
     @ti.func
-    def distances(self, numbers: ti.template(), indices: ti.template(), house, origin, cell):
+    def distances(self, world: ti.template(), house, origin, cell):
         """How far each ray goes before anything but a target stops it, metres."""
         nowhere = ti.Vector([ti.f32(FAR_OFF), ti.f32(FAR_OFF)])
-        distance, _ = self.backend.see(numbers, indices, house, origin, cell, nowhere, 0)
+        distance, _ = self.backend.see(world.numbers, world.indices, house, origin, cell, nowhere, 0)
         return distance
 
     @ti.func
@@ -106,7 +106,7 @@ class Looks:
         return ti.cast(near < far, ti.i32)
 
 
-class Lookout:
+class Coverage:
     """How much of its house each of E environments has looked at, and which rooms it has been in.
 
     Its spots are the places where this world's targets may lie, on a square grid of ``PITCH``. Only on the
@@ -120,7 +120,9 @@ class Lookout:
         """
         self.world: World = envs.unwrapped.world
         if self.world.config.closed_doors:
-            raise ValueError("a lookout looks through doorways: give it environments with closed_doors=0")
+            raise ValueError(
+                "coverage is of looks through doorways: give it environments with closed_doors=0"
+            )
         pitch = in_steps(PITCH, self.world)
         spots = [here.targets[here.spread(pitch)] for here in self.world.places]
         self.arrays = {
@@ -186,7 +188,7 @@ class Lookout:
 
     @property
     def _houses(self) -> np.ndarray:
-        return self.world.state["wholes"][:, 3]
+        return self.world.state["wholes"][:, HOUSE]
 
     @property
     def _shapes(self) -> list[Geometry]:
@@ -205,27 +207,26 @@ def in_steps(length: float, world: World) -> int:
 
 @cache
 def _kernels(program: Any, episodes: Episodes) -> Any:
-    looks = Looks(episodes)
+    sight = LineOfSight(episodes)
 
-    @ti.kernel
+    @kernel
     def look(
-        numbers: Numbers, indices: Indices, reals: Reals, wholes: Wholes,
-        spots: Numbers, starts: Indices, origins: Numbers, seen: Words, counts: Indices,
-    ):  # fmt: skip
+        world: WorldArrays, spots: Numbers, starts: Indices, origins: Numbers, seen: Words, counts: Indices
+    ):
         """Note what each environment sees from where it is, and how much it has seen."""
-        for e in range(reals.shape[0]):
-            state, words = loaded(reals, wholes, e), seen.shape[0] // reals.shape[0]
-            distance = looks.distances(numbers, indices, state.house, state.origin, state.cell)
+        for e in range(world.reals.shape[0]):
+            state, words = loaded(world, e), seen.shape[0] // world.reals.shape[0]
+            distance = sight.distances(world, state.house, state.origin, state.cell)
             first, end = starts[state.house], starts[state.house + 1]
             corner = ti.Vector([origins[2 * state.house], origins[2 * state.house + 1]])
-            window, count = looks.window(distance, corner, state.origin, state.cell), 0
+            window, count = sight.window(distance, corner, state.origin, state.cell), 0
             for k in range(end - first):
                 word = e * words + k // ti.static(WORD)
                 if not (seen[word] & bit(k)):
                     i, j = spots[2 * (first + k)], spots[2 * (first + k) + 1]
                     # Nested: Taichi's ``and`` computes both sides.
                     if window[0] <= i <= window[1] and window[2] <= j <= window[3]:  # noqa: SIM102
-                        if looks.meets(distance, state.origin, state.cell, looks.spot(corner, i, j)):
+                        if sight.meets(distance, state.origin, state.cell, sight.spot(corner, i, j)):
                             seen[word] |= bit(k)
                 count += ti.cast((seen[word] & bit(k)) != 0, ti.i32)
             counts[e] = count
