@@ -56,6 +56,7 @@ def violations(house: House, promises: Promises) -> list[str]:
             *grid,
             *star_doors(house, promises),
             *star_rooms(house, promises),
+            *_area(house, promises),
             *_types(house, promises),
             *star_sides(house, promises),
             *inside,
@@ -65,6 +66,7 @@ def violations(house: House, promises: Promises) -> list[str]:
     return [
         *grid,
         *plan_rooms(house, promises),
+        *_area(house, promises),
         *plan_doors(house, promises),
         *plan_units(house, promises),
         *plan_windows(house, promises),
@@ -123,6 +125,15 @@ def _off_grid(house: House, cell: float) -> Iterator[str]:
                 size, digits=3, holds=lambda read: abs(read / cell - round(read / cell)) * cell > 1e-7
             )[0]
             yield f"main room: is {text} m {name}, not whole cells of {number(cell)} m"
+
+
+def _area(house: House, promises: Promises) -> Iterator[str]:
+    if promises.house_area:
+        least, most = promises.house_area
+        whole = sum(room.area for room in house.rooms)
+        if not least - TOLERANCE <= whole <= most + TOLERANCE:
+            area = figure(whole, least, most)
+            yield f"house: is of {area} m² ({number(least)} to {number(most)})"
 
 
 def _types(house: House, promises: Promises) -> Iterator[str]:

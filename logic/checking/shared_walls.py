@@ -30,12 +30,6 @@ def plan_rooms(house: House, promises: Promises) -> Iterator[str]:
         yield f"house: its rooms lie in {parts} parts that do not touch"
     if (gap := gaps(house).area) > 1e-3:
         yield f"house: {figure(gap)} m² between its rooms are no room's"
-    if promises.house_area:
-        least, most = promises.house_area
-        whole = sum(room.area for room in house.rooms)
-        if not least - TOLERANCE <= whole <= most + TOLERANCE:
-            area = figure(whole, least, most)
-            yield f"house: is of {area} m² ({number(least)} to {number(most)})"
     for room in house.rooms:
         least, most = promises.room_area.get(room.type, (0.0, room.area))
         if not least - TOLERANCE <= room.area <= most + TOLERANCE:

@@ -155,10 +155,17 @@ class Feasibility:
         places = {clause: located(*place) for clause, place in origins.items()}
         return [(fact, {each: places[each] for each in clauses if each in places}) for fact, clauses in known]
 
-    def of_walls(self, relaxed: Relaxed) -> Question:
-        """What can be asked of the rooms of a house, and of the places for the walls that they share."""
-        unplaced = self.walls and not self._placed
-        return Question(relaxed, self.placer.wall_conflict if unplaced else None)
+    def of_rooms(self, relaxed: Relaxed, request: Request) -> Question:
+        """What can be asked of the rooms of a house, and of the places for their walls or of their areas."""
+        if self._placed or not self.walls:
+            return Question(relaxed)
+        if self.grammar.shares_walls:
+            return Question(relaxed, self.placer.wall_conflict)
+
+        def too_small_or_large(layout: Sequence[Symbol], without: Collection[Symbol]) -> Conflict | None:
+            return self.placer.area_conflict(layout, request.fixed, sorted(self._lengths), without)
+
+        return Question(relaxed, too_small_or_large)
 
     def _conflict(
         self, request: Request, type_: str, furniture: Sequence[Symbol], without: Collection[Symbol]

@@ -4,7 +4,7 @@ Stage 1 samples types and sides, then the furniture of each room; stage 2 places
 """
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -22,10 +22,14 @@ from logic.layout.account import FURNITURE, LAYOUT
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import to_furnish
 from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
+from logic.placement.prolog import Term
 from logic.request.request import Request
 
 MOST_MISFITS = 200
 """How often sampled rooms may fail to fit between the fixed rooms, though others might fit."""
+
+MOST_AREAS = 300
+"""How often sampled types and sides may have no area that the house may have, though others might."""
 
 
 class StarMaker(Maker):
@@ -34,6 +38,11 @@ class StarMaker(Maker):
     making: Layout | None = None
     """The layout of the last house."""
 
+    @property
+    def _has_area(self) -> bool:
+        """Whether the grammar states the area of the whole house."""
+        return bool(self._loaded.walls)
+
     def made(self, request: Request, rng: np.random.Generator, inferences: int) -> House:
         """See ``Maker.made``."""
         nogoods = Nogoods()
@@ -41,7 +50,7 @@ class StarMaker(Maker):
         while True:
             try:
                 plan = self._placer.place(layout, rng, inferences, minimal=nogoods.count > 1)
-                self.making = layout
+                self.making = _sized(layout, plan["sizes"])
                 return house(plan, layout, request)
             except Misfit as proof:
                 inferences -= proof.inferences
@@ -70,14 +79,26 @@ class StarMaker(Maker):
     def _sample_rooms(self, request: Request, rng: np.random.Generator, nogoods: "Nogoods") -> Layout:
         """A layout without furniture, and without the types of room that cannot have any."""
         program, assumed = self._programs.rooms_for(request)
-        self._placer.account.at(LAYOUT, "the types and sides of the rooms (clingo)")
         without = [
             atom for type_ in sorted(nogoods.unfurnishable) for atom in to_furnish(type_, request.rooms)
         ]
-        atoms = program.sample(rng, assumed, without, nogoods.of[program])
-        if atoms is None:
-            raise NoLayout(request, self.feasibility, nogoods.unfurnishable, nogoods.orders)
-        self._placer.account.sampled()
+        while True:
+            self._placer.account.at(LAYOUT, "the types and sides of the rooms (clingo)")
+            atoms = program.sample(rng, assumed, without, nogoods.of[program])
+            if atoms is None:
+                raise NoLayout(request, self.feasibility, nogoods.unfurnishable, nogoods.orders)
+            self._placer.account.sampled()
+            conflict = self._has_area and self._placer.area_conflict(
+                atoms, request.fixed, sorted(self._loaded.furniture)
+            )
+            if not conflict:
+                break
+            self._placer.account.refuted(conflict.clauses)
+            nogoods.add(program, conflict.atoms)
+            if len(nogoods.of[program]) > MOST_AREAS:
+                raise LimitReached(
+                    f"{MOST_AREAS} times {self._misfit(request)}. {self._placer.account.refutations}"
+                )
         named = defaultdict[str, list[Symbol]](list)
         for atom in atoms:
             named[atom.name].append(atom)
@@ -132,10 +153,25 @@ class StarMaker(Maker):
         nogoods.misfits += 1
         if nogoods.misfits == MOST_MISFITS:
             raise LimitReached(
-                f"{MOST_MISFITS} times the sampled rooms did not fit between the fixed rooms, though "
-                "smaller ones might: try another seed, fewer rooms or smaller types. "
-                f"{self._placer.account.refutations}"
+                f"{MOST_MISFITS} times {self._misfit(request)}. {self._placer.account.refutations}"
             )
+
+    def _misfit(self, request: Request) -> str:
+        """What may be wrong with rooms that do not fit, and what to try."""
+        area = "the sampled rooms did not leave the main room the area that is left of house_area/2"
+        if not request.fixed:
+            return f"{area}, though others might: try another seed, number of rooms, or wider bounds"
+        between = "the sampled rooms did not fit between the fixed rooms"
+        found = f"{between}, or {area.removeprefix('the sampled rooms ')}" if self._has_area else between
+        return f"{found}, though smaller ones might: try another seed, fewer rooms or smaller types"
+
+
+def _sized(layout: Layout, sizes: Iterable[Sequence[Any]]) -> Layout:
+    """A layout with the sizes that rooms have for the area of the house: number, width, depth."""
+    given = {number: Term("size", float(width), float(depth)) for number, width, depth in sizes}
+    return replace(
+        layout, rooms=[replace(room, given=given.get(room.number, room.given)) for room in layout.rooms]
+    )
 
 
 def house(plan: dict[str, Any], layout: Layout, request: Request) -> House:

@@ -47,7 +47,7 @@ class Promises(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_def
     room_area: dict[str, tuple[float, float]] = {}
     """Of each room type in other houses: least and greatest area, square metres."""
     house_area: tuple[float, float] | None = None
-    """Of all rooms of other houses together: least and greatest area, square metres."""
+    """Of all rooms of a house together, with a star's main room: least and greatest area, square metres."""
     narrowest: dict[str, float] = {}
     """Of each room type in other houses: the least of its shorter side, metres."""
     opens: dict[str, tuple[str, ...]] = {}

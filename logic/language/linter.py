@@ -123,7 +123,7 @@ def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
     """The programs of furniture of each type; where rooms share walls, with any doors in them too."""
     for type_ in map(str, loaded.types):
         yield {"this_room": type_}, [("room", [])]
-        if loaded.walls:
+        if loaded.grammar.shares_walls:
             yield {"this_room": type_, **GIVEN}, [("room", []), ("plan", []), ("doorways", [])]
 
 

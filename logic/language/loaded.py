@@ -33,7 +33,7 @@ from logic.language.vocabulary import (
 from logic.layout.program import Endless, Program
 from logic.layout.programs import Programs
 from logic.layout.relaxed import Relaxed, Source
-from logic.layout.terms import Lengths, depth_steps, length_facts, wall_facts
+from logic.layout.terms import Lengths, area_facts, berth_fact, depth_steps, length_facts, wall_facts
 from logic.placement.placer import Placer
 from logic.request.request import MOST_ROOMS
 from logic.spelling import closest
@@ -53,7 +53,7 @@ class LoadedGrammar:
         lengths that are no likely number of metres, about variables that are likely to be constants, and
         about pieces that no room has.
         """
-        self._grammar = grammar
+        self.grammar = grammar
         files = grammar.own + grammar.prolog
         self._illegible = [error for file in files for error in unreadable(file)]
         self.placer = Placer(replace(grammar, prolog=()) if self._illegible else grammar, cell)
@@ -72,7 +72,7 @@ class LoadedGrammar:
         self._of_no_room: list[GrammarError] = []
         self.errors = first_causes(self._readable()) or first_causes(self._errors())
         self.lengths: Lengths = {} if self.errors else length_facts(self.extremes)
-        self.walls = [] if self.errors or not grammar.shares_walls else self._walls()
+        self.walls = [] if self.errors else self._walls()
         self.warnings = [] if self.errors else [*self._unlikely()]
         walls = [fact for fact, _ in self.walls]
         self.programs = Programs(grammar, self.furniture, self.lengths, self.placer.account, walls)
@@ -90,7 +90,7 @@ class LoadedGrammar:
             yield from map(Mistake, self._illegible)
             return
         try:
-            misused = list(self._misused(read(self._grammar.own)))
+            misused = list(self._misused(read(self.grammar.own)))
             misnamed = list(self._other_topologies()) if self._words.derived else []
         except GrammarError as error:
             yield Mistake(error)
@@ -104,7 +104,7 @@ class LoadedGrammar:
             if self.placer.problems or any({"type/1", "topology/1"} & each.explains for each in strange):
                 yield from strange
         # Which clauses there are depends on the topology, and that is a star where none is named.
-        unnamed = self._grammar.topology_name == STAR.stem
+        unnamed = self.grammar.topology_name == STAR.stem
         for error in (problem(*row) for row in self.placer.problems):
             yield Mistake(error, about=frozenset({"topology/1", "type/1"} if unnamed else {"type/1"}))
 
@@ -117,7 +117,7 @@ class LoadedGrammar:
         shared = [
             use for each in stated & core_words(PLANS).opened.keys() for use in self._words.derived[each]
         ]
-        if shared and not named and self._grammar.topology_name == STAR.stem:
+        if shared and not named and self.grammar.topology_name == STAR.stem:
             first = min(shared, key=lambda use: use.node.location.begin)
             why = f"{first.node.name} is for rooms that share walls: name a topology, as in topology(ring)."
             named = [Mistake(error_at(first.node, why), frozenset({"topology/1"}))]
@@ -127,19 +127,19 @@ class LoadedGrammar:
         """Predicates that each grammar states, and no ``.lp`` file does, where they are not misspelt."""
         names = {f"{name}/{arity}" for name, arity in needed if (name, arity) not in self._words.derived}
         names -= {name for mistake in strange for name in mistake.explains}
-        return [self._facts.absent_from(".lp", sorted(names), self._grammar.own)] if names else []
+        return [self._facts.absent_from(".lp", sorted(names), self.grammar.own)] if names else []
 
     def _misused(self, statements: Sequence[Statement]) -> Iterator[GrammarError]:
         """Statements that no grammar may have, and those that do not act where they stand."""
         try:
-            self._words = words(statements, core_words(self._grammar.topology))
-            self._facts = Facts(self._grammar, self._words)
+            self._words = words(statements, core_words(self.grammar.topology))
+            self._facts = Facts(self.grammar, self._words)
         except RecursionError:
             yield next(filter(_too_deep, statements)).error("this is nested too deeply to be read")
             return
-        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words, self._grammar)}
+        refused = {id(each.node): each.error(why) for each, why in closed_heads(self._words, self.grammar)}
         yield from refused.values()
-        programs = stages(core_words(self._grammar.topology))
+        programs = stages(core_words(self.grammar.topology))
         yield from audit((each for each in statements if id(each.node) not in refused), programs)
         yield from misplaced(self._words, refused)
         yield from unstratified(statements)
@@ -149,12 +149,12 @@ class LoadedGrammar:
         """Rules that name a topology in another way than ``grammar.find`` reads it, so it is not used."""
         found = self._words.derived.get(("topology", 1), [])
         for use in found:
-            named = f"topology({self._grammar.topology_name})."
-            if str(use.statement.node) != named and self._grammar.topology_name != OWN.stem:
+            named = f"topology({self.grammar.topology_name})."
+            if str(use.statement.node) != named and self.grammar.topology_name != OWN.stem:
                 yield use.statement.error("a topology is named by a fact alone, as in topology(ring).")
-        if not found and self._grammar.topology_name not in (STAR.stem, OWN.stem):
-            name = self._grammar.topology_name
-            yield GrammarError(f"topology({name}). is no fact where it stands", self._grammar.directory)
+        if not found and self.grammar.topology_name not in (STAR.stem, OWN.stem):
+            name = self.grammar.topology_name
+            yield GrammarError(f"topology({name}). is no fact where it stands", self.grammar.directory)
 
     def _errors(self) -> Iterator[Mistake]:
         sized = self.placer.sized()
@@ -193,7 +193,7 @@ class LoadedGrammar:
             names.append("piece_size/4")
         absent = [f"{each.arguments[0].name}/1" for each in lengths if each not in found]
         if names or len(absent) > 1:
-            yield self._facts.absent_from(".pl", [*names, *absent], self._grammar.prolog)
+            yield self._facts.absent_from(".pl", [*names, *absent], self.grammar.prolog)
 
     def _unsized(
         self, probe: Program, sized: Iterable[tuple[str, str, str, int, int]], lacking: Set[str]
@@ -238,29 +238,33 @@ class LoadedGrammar:
         lit = {str(symbol.arguments[0]) for symbol in probe.atoms("lit", 1)}
         sizes = self.extremes["rooms"].items()
         usable = {type_: type_ in lit for type_, size in sizes if isinstance(size, list)}
-        clashes = self.placer.disagreements(usable, units=whole is not probe)
+        clashes = self.placer.disagreements(usable, whole is not probe, MOST_ROOMS)
         yield from self._unsized(probe, sized, {str(clause.arguments[-1]) for clause in absent})
         yield from map(Mistake, [*errors, *clashes, *self._facts.absent(absent)])
         if not errors and not absent:
             yield from map(Mistake, impossible(self.extremes, self.placer.origins))
 
     def _walls(self) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
-        """What stage 1 knows of walls that rooms share."""
-        known = self.placer.wall_lengths(self.furniture)
+        """What stage 1 knows of walls that rooms share, and of the area of the house."""
+        total, rooms = self.placer.areas(self.furniture)
+        areas = area_facts(total, rooms)
+        if not self.grammar.shares_walls:
+            return [*areas, berth_fact(self.extremes["lengths"], rooms)] if total else []
+        walls = wall_facts(*self.placer.wall_lengths(self.furniture))
         depths = depth_steps(*self.depths) if self.depths else []
-        return [*wall_facts(*known), *((step, ()) for step in depths)]
+        return [*walls, *areas, *((step, ()) for step in depths)]
 
     def _units(self, stated: Symbol, known: bool) -> Iterator[GrammarError]:
         """What is wrong where a grammar states that there are units, which its topology has if ``known``."""
         self.depths = self.placer.unit_depths()
         self.most_in_unit = stated.arguments[1].number
         if not known:
-            name = self._grammar.topology_name
+            name = self.grammar.topology_name
             yield self._facts.at(stated, f"{stated}: the topology {name} has no units, as building has")
         elif self.depths is None and not self.placer.origins([Function("unit_depth")]):
             clause = "unit_depth(D) :- { D >= 7.0, D =< 9.0 }."
             why = f"unit_depth/1 has no clause: add one, as {clause}"
-            yield GrammarError(why, self._grammar.prolog[-1], 1, 1)
+            yield GrammarError(why, self.grammar.prolog[-1], 1, 1)
 
     def _unlikely(self) -> Iterator[GrammarError]:
         """What is hardly meant."""
@@ -272,9 +276,9 @@ class LoadedGrammar:
         """A stage without furniture: a rule that has very many instances in it is refused."""
         rules = (constants, [(stage, [])])
         try:
-            return Program(self._grammar.asp, *rules, most=MOST_INSTANCES)
+            return Program(self.grammar.asp, *rules, most=MOST_INSTANCES)
         except Endless:
-            endless = Relaxed(Source(self._grammar.asp), *rules, most=MOST_INSTANCES).largest().reason
+            endless = Relaxed(Source(self.grammar.asp), *rules, most=MOST_INSTANCES).largest().reason
         why = (
             f"this rule has more than {MOST_INSTANCES:,} instances: does it recur without end? {endless.text}"
         )
@@ -283,7 +287,7 @@ class LoadedGrammar:
     def topology_error(self, why: str) -> GrammarError:
         """An error of the topology of the user's own, where it first says on which lines rooms lie."""
         found = self._words.derived.get(("edge", 3))
-        return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
+        return error_at(found[0].node, why) if found else GrammarError(why, self.grammar.directory)
 
 
 def _too_deep(statement: Statement) -> bool:

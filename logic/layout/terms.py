@@ -112,8 +112,6 @@ def wall_facts(
     doorway: float,
     contact: float,
     extremes: Iterable[Sequence[Any]],
-    total: Sequence[float] | None,
-    floors: Iterable[tuple[str, float, float]],
 ) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
     """What stage 1 knows of walls (``differences.lp``), each fact with the clauses it comes from.
 
@@ -135,18 +133,42 @@ def wall_facts(
                 for pair in pairs
             ]
         only.append(Function("window_size", [kind]))
-    areas: list[tuple[Symbol, Sequence[float], tuple[Symbol, ...]]] = []
-    if total:
-        areas.append((Function("total"), total, (Function("house_area"),)))
-    for type_, *floor_ in floors:
-        kind = Function(type_)
-        areas.append(
-            (Function("floor", [kind]), floor_, (Function("size", [kind]), Function("room_area", [kind])))
-        )
-    for name, (least, most), clauses in areas:
-        bounds = Number(floor(100 * least)), Number(ceil(100 * most))
-        facts.append((Function(name.name, [*name.arguments, *bounds]), clauses))
     return facts + [(Function("sized", [clause]), (clause,)) for clause in only]
+
+
+def area_facts(
+    total: Sequence[float], rooms: Iterable[tuple[str, float, float, float, float]]
+) -> list[tuple[Symbol, tuple[Symbol, ...]]]:
+    """What stage 1 knows of the area of the house and of rooms of each type (``areas.lp``), each fact with
+    the clauses it comes from. ``rooms``: see ``Placer.areas``.
+    """
+
+    def bounds(least: float, most: float) -> tuple[Symbol, Symbol]:
+        return Number(floor(100 * least)), Number(ceil(100 * most))
+
+    facts: list[tuple[Symbol, tuple[Symbol, ...]]] = []
+    if total:
+        facts.append((Function("total", bounds(*total)), (Function("house_area"),)))
+    for type_, least, most, *_ in rooms:
+        kind = Function(type_)
+        clauses = Function("size", [kind]), Function("room_area", [kind])
+        facts.append((Function("floor", [kind, *bounds(least, most)]), clauses))
+    return facts
+
+
+def berth_fact(
+    lengths: Mapping[str, float], rooms: Sequence[tuple[str, float, float, float, float]]
+) -> tuple[Symbol, tuple[Symbol, ...]]:
+    """What rooms take of a star's main room (``star/areas.lp``), centimetres, with its clauses."""
+    gap = max(lengths["room_gap"], lengths["door_clearance"])
+    bounds = [min(room[3] for room in rooms), max(room[4] for room in rooms)]
+    bounds += [gap, gap, lengths["door_width"], lengths["door_width"]]
+    numbers = [
+        Number(rounded(100 * length)) for length, rounded in zip(bounds, (floor, ceil) * 3, strict=True)
+    ]
+    clauses = [Function("length", [Function(name)]) for name in ("room_gap", "door_clearance", "door_width")]
+    sizes = [Function("size", [Function(type_)]) for type_, *_ in rooms]
+    return Function("berth", numbers), (*sizes, *clauses)
 
 
 def depth_steps(least: float, most: float) -> list[Symbol]:

@@ -3,6 +3,7 @@
 One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 """
 
+from collections import defaultdict
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -56,11 +57,13 @@ class Infeasible(Exception):
 
 
 class Misfit(Exception):
-    """These rooms do not fit between the fixed rooms; where that is infeasible, no other sizes do either."""
+    """These rooms do not fit between the fixed rooms, or leave a main room no area; where that is infeasible,
+    no other sizes do either.
+    """
 
     def __init__(self, infeasible: bool, inferences: int) -> None:
         """Keep the Prolog inferences that it took."""
-        super().__init__("the rooms do not fit between the fixed rooms")
+        super().__init__("the rooms do not fit together")
         self.infeasible, self.inferences = infeasible, inferences
 
 
@@ -112,12 +115,12 @@ class Placer:
             extents[type_] = {piece: used("size", [type_, piece], extent) for piece, extent in each}
         return {"lengths": named, "rooms": rooms, "pieces": extents}, _first_at_each_place(wrong), absent
 
-    def disagreements(self, types: Mapping[str, bool], units: bool) -> list[GrammarError]:
+    def disagreements(self, types: Mapping[str, bool], units: bool, most_rooms: int) -> list[GrammarError]:
         """What is wrong with lengths that only some grammars state, and between lengths: ``agreement.pl``.
 
         ``types`` have a size, each with whether such rooms have windows; houses are with or without units.
         """
-        topology = Term("topology", self._walls, "true" if units else "false")
+        topology = Term("topology", self._walls, "true" if units else "false", most_rooms)
         rooms = [Term("room", type_, "true" if lit else "false") for type_, lit in types.items()]
         return _first_at_each_place(self._ask("grammar_disagreements", topology, rooms))
 
@@ -134,12 +137,13 @@ class Placer:
     ) -> dict[str, Any]:
         """Place a layout: ``{"floor": {}, "rooms": [{}], "inferences": n}``, metres, as in a house file.
 
-        Of fixed rooms the plan is None, and ``corner`` is where the main room's corner is.
+        Of fixed rooms the plan is None, and ``corner`` is where the main room's corner is. Of rooms whose
+        sizes follow from the area of the house, ``sizes`` lists number, width and depth.
 
         Conflicts are ``minimal``, or else found five times as quickly.
 
         Raises ``Infeasible`` where the constraints have no solution, ``Misfit`` where the rooms do not fit
-        between the fixed rooms, ``LimitReached`` past this number of inferences, ``GrammarError`` for a
+        together, ``LimitReached`` past this number of inferences, ``GrammarError`` for a
         clause that does not end.
         """
         # Seeds for the rooms and the main room: thousands of numbers cost more to pass than to sample.
@@ -166,10 +170,43 @@ class Placer:
         return answer
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
-        """How much wall a door takes, how much rooms share that share one, the extremes of each room type's
-        size, metres, and the area of the house and of each room type's, square metres: ``plans.pl``.
+        """How much wall a door takes, how much rooms share that share one, and the extremes of each room
+        type's size, metres: ``plans.pl``.
         """
         return self._ask("plan_lengths", types)
+
+    def areas(self, types: Iterable[str]) -> list[Any]:
+        """The least and greatest area of the house; type, areas and widths of each type of room. In metres
+        and square metres, and empty where no area of the house is stated: ``totals.pl``.
+        """
+        return self._ask("house_areas", types)
+
+    def area_conflict(
+        self,
+        layout: Iterable[Symbol],
+        fixed: Sequence[FixedRoom],
+        types: Iterable[str],
+        without: Iterable[Symbol] = (),
+    ) -> Conflict | None:
+        """Why no star with these types and sides has the area that is stated; None where some may have it."""
+        named = defaultdict[str, dict[int, Symbol]](dict)
+        corners = []
+        for atom in layout:
+            if atom.name == "corner":
+                corners.append(atom)
+            elif atom.name in {"room", "side", "numbered"}:
+                number, value = atom.arguments if atom.name != "numbered" else reversed(atom.arguments)
+                named[atom.name][number.number] = value
+        rooms = []
+        for number, type_ in sorted(named["room"].items()):
+            side, place = named["side"][number], named["numbered"].get(number)
+            if place is None:
+                rooms.append(Term("room", number, type_, side))
+            else:
+                its = fixed[place.number]
+                rooms.append(Term("fixed", place.number, number, side, float(its.width), float(its.depth)))
+        reasons = self._ask("layout_area_conflict", rooms, corners, types, without)
+        return None if reasons is None else _conflict(reasons)
 
     def walls(
         self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()
@@ -262,9 +299,13 @@ class Placer:
         found = self._ask("room_pieces", room.type, room.furniture, room.given)
         return [(type_, parse_term(atom)) for type_, atom in found]
 
-    def bounds(self, room: RoomLayout, target: Symbol) -> dict[str, Any]:
-        """What the lengths of a target in a room could have been, and which constraints bind: see core.pl."""
-        return self._ask("room_lengths", room.type, room.furniture, room.given, room.seed, target)
+    def bounds(self, room: RoomLayout, target: Symbol, taken: float | None = None) -> dict[str, Any]:
+        """What the lengths of a target in a room could have been, and which constraints bind: see core.pl.
+
+        ``taken``: the area of all other rooms of a star, square metres, of whose area the room has the rest.
+        """
+        others = "any" if taken is None else float(taken)
+        return self._ask("room_lengths", room.type, room.furniture, room.given, others, room.seed, target)
 
     def wall_bounds(
         self, layout: Iterable[Symbol], rooms: Sequence[Rect], number: int, outlined: bool = False

@@ -54,7 +54,7 @@ class Prover:
         fixed = {granted(each): True for each in fixed_requirements(request.fixed)}
         for order in found.orders:
             relaxed.exclude(Conflict({**order, **fixed}, ()))
-        question = self._of.of_walls(relaxed)
+        question = self._of.of_rooms(relaxed, request)
         if question.possible(statements):
             raise VitruviusError(f"{request} was proved infeasible that has walls")
         needed = least(question, statements)
@@ -85,19 +85,19 @@ class Prover:
     def conflict(self, request: Request) -> list[Reason]:
         """Why there are no such rooms, without what would do: the request's own choices among the reasons."""
         relaxed, statements = self._of.house(request)
-        return [each.reason for each in least(self._of.of_walls(relaxed), statements)]
+        return [each.reason for each in least(self._of.of_rooms(relaxed, request), statements)]
 
     def _number_of_rooms(
         self, request: Request, unfurnishable: Iterable[str], conflict: Collection[Reason]
     ) -> tuple[bool, int | None]:
         """Whether another number of rooms would end the conflict, and one that does for everything."""
         named = False
-        for rooms in _others(request, far=not self._of.walls):
+        for rooms in _others(request, far=not self._of.grammar.shares_walls):
             other = replace(request, rooms=rooms)
             relaxed, statements = self._of.house(other, unfurnishable)
             some = [each for each in statements if each.reason in conflict]
             try:
-                possible = self._of.of_walls(relaxed).possible(some, MOST_TRIED)
+                possible = self._of.of_rooms(relaxed, other).possible(some, MOST_TRIED)
             except TooMany:  # It may be: so the number is named.
                 named = True
                 continue
@@ -112,7 +112,7 @@ class Prover:
     def _has_house(self, request: Request) -> bool:
         """Whether a request is soon found to have a house: rooms, each of which can be furnished."""
         relaxed, statements = self._of.house(request)
-        question = self._of.of_walls(relaxed)
+        question = self._of.of_rooms(relaxed, request)
         while (layout := _soon(question, statements)) is not None:
             types = {atom.arguments[1].name for atom in layout if atom.name == "room"}
             bare = [type_ for type_ in sorted(types) if not self._of.is_furnishable(request, type_)]

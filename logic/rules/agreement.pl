@@ -16,27 +16,29 @@ then the text names both.
 :- use_module(language/lengths).
 :- use_module(linear/regions).
 :- use_module(language/reports).
+:- use_module(star/star_areas).
 :- use_module(language/sizes).
 :- use_module(shared_walls/totals).
 
 %!  grammar_disagreements(+Topology, +Types, -Json) is det.
 %
-%   Json lists [File,Line,Column,Text]. Topology is topology(Walls,Units): shared or apart, and true where houses have units.
+%   Json lists [File,Line,Column,Text]. Topology is topology(Walls,Units,Rooms): shared or apart, true where houses have units, and how many
+%   rooms they have at most.
 %   Types are room(Type,Lit), Lit is true where such rooms have windows; each has a size.
 
 grammar_disagreements(Topology, Types, Json) :-
     findall([File,Line,Column,Text], disagreement(Topology, Types, wrong(File,Line,Column,Text)), Found),
     as_json(Found, Json).
 
-disagreement(topology(Walls,_), Types, Wrong) :- narrow_walls(Walls, Types, Wrong).
-disagreement(topology(shared,Units), Types, Wrong) :-
+disagreement(topology(Walls,_,_), Types, Wrong) :- narrow_walls(Walls, Types, Wrong).
+disagreement(topology(Walls,Units,Most), Types, Wrong) :- stated(house_area(_,_)), total_wrong(Walls-Units, Most, Types, Wrong).
+disagreement(topology(shared,Units,_), Types, Wrong) :-
     (   member(Name, [door_margin,window_margin]), length_report(Name, Wrong), Wrong = wrong(_,_,_,_)
     ;   stated_length(room_gap, Gap), number(Gap), Gap > 0,
         clash(room_gap(_), "rooms share walls in this topology: state room_gap(0.0)", [], Wrong)
     ;   member(room(Type,_), Types), stated_for(room_area(Type,_,_)), area_wrong(Type, Wrong)
     ;   member(room(Type,Lit), Types), window_wrong(Type, Lit, Wrong)
     ;   stated(house_size(_,_)), house_wrong(Types, Wrong)
-    ;   stated(house_area(_,_)), total_wrong(Units, Types, Wrong)
     ;   stated(unit_depth(_)), unit_wrong(Units, Types, Wrong) ).
 
 stated(Head) :- \+ \+ clause(grammar:Head, _).
@@ -138,19 +140,36 @@ in_house(Type) :-
 
 smallest(Types, Least) :- findall(Short-Type, ( member(room(Type,_), Types), shortest_wall(Type, Short) ), Found), sort(Found, [_-Least|_]).
 
-%   total_wrong(+Units, +Types, -Wrong): what one room must have, or what the house may have, is out of its area.
+%   total_wrong(+Topology, +Rooms, +Types, -Wrong): what one room must have, or what the house may have, is out of its area.
 
-total_wrong(true, _, Wrong) :- clash(house_area(_,_), "the houses of this topology have units: state room_area of their rooms", [], Wrong).
-total_wrong(false, Types, Wrong) :-
+total_wrong(shared-true, _, _, Wrong) :-
+    clash(house_area(_,_), "neither a house of units nor a unit has an area that is stated: state unit_depth/1, and room_area/3 of the rooms", [], Wrong).
+total_wrong(Walls-false, Rooms, Types, Wrong) :-
     judged(areas_found(house_area(Least,Most), Least, Most, Found), Found, []-house_area(_,_), Report),
     (   Report = L-M
-    ->  (   findall(A-Type, ( member(room(Type,_), Types), floor_area(Type, A, _) ), Areas), min_member(Low-Type, Areas), M < Low - 1.0e-9
-        ->  ( grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
-            clash(house_area(_,_), "~w m2 at most, and no room is smaller than ~w allows, ~w m2", [metres(M),clause(Clause),metres(Low)], Wrong)
-        ;   stated(house_size(_,_)), house_system(W, D, System), corners([(0 =< W)-[],(0 =< D)-[]|System], W, D, Corners),
-            least_and_greatest_area(Corners, _, High-_), L > High + 1.0e-9,
-            clash(house_area(_,_), "~w m2 at least, and ~w allows ~w m2 at most", [metres(L),clause(house_size(_,_)),metres(High)], Wrong) )
+    ->  maplist(square, [L,M], [Low,High]), findall(Ranges-Type, ( member(room(Type,_), Types), type_ranges(Type, Ranges) ), Sized),
+        once(total_disagrees(Walls, Low-High, Rooms, Sized, Wrong))
     ;   Wrong = Report ).
+
+total_disagrees(Walls, _-Most, _, Sized, Wrong) :-
+    findall(A-Type, member(ranges(_,_,A-_)-Type, Sized), Areas), min_member(Least-Type, Areas),
+    ( Walls == shared -> Whole = Least ; Whole is 2*Least ), Most < Whole - 1.0e-9,
+    ( Walls == shared, grammar:room_area(Type, _, _) -> Clause = room_area(Type,_,_) ; Clause = room_size(Type,_,_) ),
+    maplist(square_metres, [Most,Least], [M,A]),
+    (   Walls == shared
+    ->  clash(house_area(_,_), "~w m2 at most, and no room is smaller than ~w allows, ~w m2", [metres(M),clause(Clause),metres(A)], Wrong)
+    ;   clash(house_area(_,_), "~w m2 at most, and neither the main room nor another is smaller than ~w allows, ~w m2", [metres(M),clause(Clause),metres(A)], Wrong) ).
+total_disagrees(shared, Least-_, _, _, Wrong) :-
+    stated(house_size(_,_)), house_system(W, D, System), corners([(0 =< W)-[],(0 =< D)-[]|System], W, D, Corners),
+    least_and_greatest_area(Corners, _, High-_), Least > High + 1.0e-9,
+    maplist(square_metres, [Least,High], [L,H]),
+    clash(house_area(_,_), "~w m2 at least, and ~w allows ~w m2 at most", [metres(L),clause(house_size(_,_)),metres(H)], Wrong).
+total_disagrees(Walls, Least-_, Rooms, Sized, Wrong) :-
+    findall(A, member(ranges(_,_,_-A)-_, Sized), Areas), max_list(Areas, Largest),
+    findall(W, member(ranges(_-W,_,_)-_, Sized), Ws), max_list(Ws, Widest),
+    ( Walls == shared -> High is Rooms*Largest ; greatest_star(Rooms, Widest, Largest, High) ), Least > High + 1.0e-9,
+    maplist(square_metres, [Least,High], [L,H]),
+    clash(house_area(_,_), "~w m2 at least, and a house of ~w rooms, the most there are, has ~w m2 at most", [metres(L),Rooms,metres(H)], Wrong).
 
 unit_wrong(false, _, Wrong) :- clash(unit_depth(_), "the houses of this topology have no units, as those of building have", [], Wrong).
 unit_wrong(true, Types, Wrong) :-

@@ -1,6 +1,6 @@
 :- module(core, [grammar_problems/4, grammar_lengths/3, grammar_origins/2, grammar_sized/1, placed/3,
-                 room_conflict/4, room_system/3, room_pieces/4, room_lengths/6,
-                 main_lengths/4, solver_version/1]).
+                 room_conflict/4, room_system/3, room_pieces/4, room_lengths/7,
+                 main_lengths/4, layout_area_conflict/5, solver_version/1]).
 
 /** <module> Stage 2: from a layout to a house
 
@@ -35,6 +35,8 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
         given_rooms.pl     the same where sizes and doors are given
         plan.pl            from the rooms' frames to the house's plan
     star/main_room.pl  the rooms around the main room
+    star/fixed_rooms.pl    the same where some stay where they are
+    star/star_areas.pl     the area of the whole house
     shared_walls/      plans where rooms share walls
         plans.pl           what Python asks for them
         walls.pl           where the walls are; areas.pl, totals.pl; openings.pl: doors and windows in them; contacts.pl
@@ -61,7 +63,12 @@ The one goal that Python asks for a house is placed/3: terms in, JSON out.
 :- use_module(linear/grid).
 :- use_module(language/lengths).
 :- reexport(room/given_rooms).
+:- use_module(star/fixed_rooms).
 :- use_module(star/main_room).
+:- use_module(star/star_areas).
+:- reexport(shared_walls/totals, [house_areas/2]).
+:- use_module(shared_walls/areas).
+:- use_module(shared_walls/totals, [total_area/1]).
 :- use_module(language/origins).
 :- use_module(room/plan).
 :- reexport(language/promised).
@@ -131,10 +138,12 @@ report_record(Report, Report).
 %   Layout is layout(Rooms,Corners,Seed,Proof): Rooms are, in clockwise order, room(R,Type,Side,Atoms,Seed) or
 %   fixed(R,Side,size(Width,Depth,Door),at(Along,Wall)), see main_room.pl. Json is one of these, with "inferences":
 %
-%       {"floor":.., "rooms":..}            the plan, with "corner" where rooms are fixed
+%       {"floor":.., "rooms":..}            the plan, with "corner" where rooms are fixed, and "sizes", [R,Width,Depth] of rooms
+%                                           that were furnished once more for the area of the house
 %       {"infeasible": [[R,Reasons]..]}     no sizes and places satisfy these rooms. Reasons are those of a conflict
 %                                           (minimal or quick, as Proof is): [holds,Atom], [fails,Atom], [clause,Clause]
-%       {"misfit": Any}                     the rooms do not fit between the fixed ones; Any: nor with any other sizes
+%       {"misfit": Any}                     the rooms do not fit between the fixed ones, Any: nor with any other sizes; or leave
+%                                           the main room no area
 %       {"limit": true}                     that takes more inferences than Limit
 %       {"wrong": [File,Line,Column,Text]}  a clause of the grammar's does not end for these rooms
 
@@ -146,8 +155,11 @@ house_answer(layout(Rooms,Corners,Seed,Proof), Answer) :-
     append(Conflicts, Infeasible),
     retractall(finished(_,_)),
     (   Infeasible == []
-    ->  maplist(outline, Finished, Outlines),
-        placed_around(Outlines, Corners, Seed, Finished, Answer)
+    ->  rooms_in_area(Rooms, Corners, Finished, Resized, Sizes),
+        maplist(outline, Resized, Outlines),
+        placed_around(Outlines, Corners, Seed, Resized, Placed),
+        maplist(size_record, Sizes, Records),
+        Answer = Placed.put(sizes, Records)
     ;   maplist(store_finished, Rooms, Finished),
         Answer = _{infeasible:Infeasible} ).
 
@@ -168,8 +180,7 @@ finished_room(Proof, room(R,Type,Side,Layout,Seed), Side-Room, Conflicts) :-
     ->  maplist(reason_record, Why, Reasons), Conflicts = [[R,Reasons]]
     ;   Room = Answer, Conflicts = [] ).
 
-outline(Side-fixed(size(W,D,Door),at(Along,Wall)), outline(Side,W,D,Door,fixed(Along,Wall))) :- !.
-outline(Side-Room, outline(Side,W,D,Door,free)) :- room_width(Room, W), room_depth(Room, D), room_door(Room, Door).
+size_record(R-size(W0,D0), [R,W,D]) :- maplist(metres, [W0,D0], [W,D]).
 
 placed_around(Outlines, Corners, Seed, Finished, Answer) :-
     memberchk(outline(_,_,_,_,fixed(_,_)), Outlines), !,
@@ -180,13 +191,29 @@ placed_around(Outlines, Corners, Seed, Finished, Answer) :-
         ( infeasible_between(Narrow, Corners) -> Any = true ; Any = false ),
         Answer = _{misfit:Any} ).
 placed_around(Outlines, Corners, Seed, Finished, Answer) :-
-    call(main_room_around(Outlines, Corners, Main, Starts), Seed, _),
+    call(main_room_around(Outlines, Corners, Main, Starts), Seed, _), !,
     house_plan(Main, Starts, Finished, Answer).
+placed_around(_, _, _, _, _{misfit:false}).
 
 narrowest(outline(Side,_,D,Door,free), outline(Side,Least,D,Door,free)) :- !,
     findall(W, ( clause(grammar:room_size(Type,_,_), _), room_extent(Type, W-_, _) ), Ws),
     min_list(Ws, Least).
 narrowest(Fixed, Fixed).
+
+%!  layout_area_conflict(+Rooms, +Corners, +Types, +Without, -Json) is det.
+%
+%   Json lists the reasons, as in placed/3, why no such rooms make a house of the area that the grammar states, see area_conflict/5, with
+%   fixed(I,R,Side,Width,Depth) in metres; or is null where they may.
+
+layout_area_conflict(Rooms, Corners, Types, Without, Json) :-
+    maplist(in_house_unit, Rooms, Measured),
+    (   area_conflict(Measured, Corners, Types, Without, Why)
+    ->  maplist(reason_record, Why, Reasons)
+    ;   Reasons = null ),
+    as_json(Reasons, Json).
+
+in_house_unit(fixed(I,R,Side,W0,D0), fixed(I,R,Side,W,D)) :- !, maplist(rounded_up, [W0,D0], [W,D]).
+in_house_unit(Room, Room).
 
 %!  grammar_origins(+Clauses, -Json) is det.
 %
@@ -232,32 +259,37 @@ room_pieces(Type, Layout, Given, Json) :-
     findall([F,Text], ( member(F-Atom, Parts), term_string(Atom, Text) ), Pieces),
     as_json(Pieces, Json).
 
-%!  room_lengths(+Type, +Layout, +Given, +Seed, +Target, -Json) is det.
+%!  room_lengths(+Type, +Layout, +Given, +Taken, +Seed, +Target, -Json) is det.
 %
-%   Json is what room_bounds/7 says of a Target in the room of this Seed: bounds_json/3. Given is `any`, or what is given of
-%   the room, see given_shape/2.
+%   Json is what room_bounds/8 says of a Target in the room of this Seed: bounds_json/3. Given is `any`, or what is given of
+%   the room, see given_shape/2. Taken is the area of all other rooms of a star, in square metres, or `any`.
 
-room_lengths(Type, Layout, Given, Seed, Target, Json) :-
+room_lengths(Type, Layout, Given, Taken, Seed, Target, Json) :-
     given_shape(Given, Shape),
-    room_bounds(Type, Layout, Shape, Seed, Target, Lengths, Binding),
+    (   number(Taken), total_area(Least-Most)
+    ->  square(Taken, Others), Low is Least - Others, High is Most - Others, Left = Low-High
+    ;   Left = any ),
+    room_bounds(Type, Layout, Shape, Left, Seed, Target, Lengths, Binding),
     bounds_json(Lengths, Binding, Json).
 
 %!  main_lengths(+Outlines, +Corners, +Width, -Json) is det.
 %
 %   Json is what main_room_ranges/6 says of rooms outline(Side,Width,Depth,Door), all in metres: "walls", "width",
-%   "height", and "law", the file and line of the clause that states it.
+%   "height", and "law", the file and line of the clause that states it; "any", both where the house had any area.
 
 main_lengths(Outlines, Corners, Width, Json) :-
     maplist(free_outline, Outlines, Rooms),
     rounded_up(Width, W),
-    main_room_ranges(Rooms, Corners, W, Walls, Widths, Heights),
-    maplist(inner_range, [Widths,Heights], [W1-W2,H1-H2]),
+    main_room_ranges(Rooms, Corners, W, left, Walls, Widths, Heights),
+    main_room_ranges(Rooms, Corners, W, any, _, AnyWidths, AnyHeights),
+    maplist(metre_range, [Widths,Heights,AnyWidths,AnyHeights], [Width0,Height0,AnyWidth,AnyHeight]),
     maplist(metres, Walls, [North,East,South,West]),
-    maplist(metres, [W1,W2,H1,H2], [WLow,WHigh,HLow,HHigh]),
     predicate_property(main_room:width_range(_,_,_), file(File)),
     predicate_property(main_room:width_range(_,_,_), line_count(Line)),
-    as_json(_{walls:_{north:North,east:East,south:South,west:West}, width:[WLow,WHigh], height:[HLow,HHigh],
-              law:[File,Line]}, Json).
+    as_json(_{walls:_{north:North,east:East,south:South,west:West}, width:Width0, height:Height0,
+              any:_{width:AnyWidth, height:AnyHeight}, law:[File,Line]}, Json).
+
+metre_range(Range, [Low,High]) :- inner_range(Range, L-H), maplist(metres, [L,H], [Low,High]).
 
 free_outline(outline(Side,W0,D0,Door0), outline(Side,W,D,Door,free)) :- maplist(rounded_up, [W0,D0,Door0], [W,D,Door]).
 

@@ -199,7 +199,7 @@ class PlanWitness(Witness):
     def _search(self) -> Search:
         """What could be instead."""
         relaxed, statements = self._maker.feasibility.house(self._request, laws=True)
-        question = self._maker.feasibility.of_walls(relaxed)
+        question = self._maker.feasibility.of_rooms(relaxed, self._request)
         return Search(question, statements, self._support.chosen, self._making.layout, MOST)
 
     @cache  # noqa: B019 (a witness is asked about one house)

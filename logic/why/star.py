@@ -61,11 +61,12 @@ class StarWitness(Witness):
             why = msgspec.structs.replace(why, others=len(sides) - 1)
 
         def lengths() -> Lengths:
-            return (
-                ((), ())
-                if layout.fixed
-                else self._lengths(layout, Function("room" if part is None else "door"))
-            )
+            if layout.fixed:
+                return (), ()
+            if part is not None:
+                return self._lengths(layout, Function("door"))
+            others = sum(room.area for room in self._house.rooms) - self._house.counted[layout.number].area
+            return self._lengths(layout, Function("room"), others)
 
         for found in self._answer(why, support, variables, lengths, lambda: self._search, until):
             types = (
@@ -86,7 +87,7 @@ class StarWitness(Witness):
     def _search(self) -> Search:
         """What could be instead."""
         relaxed, statements = self._builder.maker.feasibility.house(self._request, laws=True)
-        question = self._builder.maker.feasibility.of_walls(relaxed)
+        question = self._builder.maker.feasibility.of_rooms(relaxed, self._request)
         return Search(question, statements, self._support.chosen, (self._rooms.models or [])[-1][0])
 
     @cache  # noqa: B019 (a witness is asked about one house)
@@ -118,14 +119,23 @@ class StarWitness(Witness):
             f"at least as large as any room (here a {largest.type} of {largest.area:.1f} m2), at most twice "
         )
         law = Reason(f"{words}as long as wide and as the least area that fits", file, line, 1)
+        taken = sum(room.width * room.depth for room in rooms)
+        rest = (
+            *self._reasons([("clause", "house_area")]),
+            Reason(f"the rooms around it, which take {taken:.3f} m2"),
+        )
 
         def length(name: str, value: float, *sides: str) -> Length:
             least, greatest = found[name]
             side = max(sides, key=lambda each: found["walls"][each])
             wall = found["walls"][side]
             rooms_there = (*gaps, Reason(f"the rooms on the {side} side, which take {wall:.3f} m"))
-            no_less = rooms_there if abs(wall - least) < 1e-6 else (law,)
-            return Length(name, value, least, greatest, no_less, (law,))
+            lowest, highest = found["any"][name]
+            law_or_rest = rest if least > lowest + 1e-6 else (law,)
+            no_less = rooms_there if abs(wall - least) < 1e-6 else law_or_rest
+            return Length(
+                name, value, least, greatest, no_less, rest if greatest < highest - 1e-6 else (law,)
+            )
 
         width = length("width", floor.width, "north", "south")
         height = length("height", floor.height, "east", "west")

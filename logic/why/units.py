@@ -42,7 +42,7 @@ class UnitWitness(PlanWitness):
         relaxed, statements = feasibility.house(self._request, laws=True)
         known = unit.known([atom.arguments[0] for atom in self._making.program.atoms("step", 1)])
         place = relaxed.choice(Reason(f"{self.name}: {unit}"), known[True], known[False])
-        question = feasibility.of_walls(relaxed)
+        question = feasibility.of_rooms(relaxed, self._request)
         return Search(question, [*statements, place], self._support.chosen, self._making.layout, MOST)
 
     @property
@@ -132,5 +132,5 @@ class UnitsWitness(PlanWitness):
         """What could be instead among the units and the public rooms."""
         feasibility = self._maker.units_feasibility
         relaxed, statements = feasibility.house(self._request, laws=True)
-        question = feasibility.of_walls(relaxed)
+        question = feasibility.of_rooms(relaxed, self._request)
         return Search(question, statements, self._support.chosen, self._making.layout, MOST)

@@ -131,11 +131,11 @@ class Witness(ABC):
 
         return Choice(choice.name, choice.value, tuple(map(judged, choice.instead)))
 
-    def _lengths(self, room: RoomLayout, target: Symbol) -> Lengths:
-        """The lengths of a target in a room, and the bounds on it that are tight."""
+    def _lengths(self, room: RoomLayout, target: Symbol, taken: float | None = None) -> Lengths:
+        """The lengths of a target in a room, and the bounds on it that are tight: see ``Placer.bounds``."""
         types, atoms = zip(*self._builder.placer.pieces(room), strict=True)
         names = dict(zip(map(str, atoms), part_names(types), strict=True))
-        return self._bounds(self._builder.placer.bounds(room, target), names)
+        return self._bounds(self._builder.placer.bounds(room, target, taken), names)
 
     def _bounds(self, found: Mapping[str, Any], names: Mapping[str, str]) -> Lengths:
         """Lengths and tight bounds as SWI-Prolog gives them (``why/bounds.pl``), with names in words."""

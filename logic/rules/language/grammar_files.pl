@@ -47,7 +47,8 @@ or several.
 
 %!  house_area(-Least, -Most)
 %
-%   how large the floor of all rooms of a plan is together, in square metres, where rooms share walls and there are no units.
+%   how large the floor of all rooms of a house is together, in square metres; in a star with its main room. Not for houses of
+%   units, neither of all units nor of each: there state unit_depth/1 and room_area/3.
 %
 %       house_area(60.0, 80.0).
 

@@ -37,9 +37,10 @@ room_pieces(Proof, room(R,Type,Layout,Seed,Size,Doors,frame(Side,X0,Y0)), Pieces
 
 %!  given_shape(+Given, -Shape) is det.
 %
-%   Shape is that of a room (solution.pl) of which Given is `any`, or given(Size,Doors), as above.
+%   Shape is that of a room (solution.pl) of which Given is `any`, given(Size,Doors), as above, or size(Width,Depth).
 
 given_shape(any, any).
+given_shape(size(W0,D0), sized(W,D)) :- maplist(rounded_up, [W0,D0], [W,D]).
 given_shape(given(Size,Doors), Shape) :- given_shape(Size, Doors, Shape).
 
 given_shape(W0-D0, doors(F,L,B,K), shape(W,D,doors(Front,Left,Back,Right))) :-

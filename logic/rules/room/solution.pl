@@ -198,10 +198,11 @@ resting_on(Without, _-Why) :- member(Reason, Why), memberchk(Reason, Without), !
 %!  whole_system(+Type, +Layout, -Room, -System) is det.
 %!  whole_system(+Type, +Layout, +Shape, -Room, -System) is det.
 %
-%   System is the whole linear system of a Room with this furniture, every size unknown but those of a known Shape.
+%   System is the whole linear system of a Room with this furniture, every size unknown but those of a known Shape with its doors.
 
 whole_system(Type, Layout, Room, System) :- whole_system(Type, Layout, any, Room, System).
 
+whole_system(Type, Layout, sized(_,_), Room, System) :- !, whole_system(Type, Layout, any, Room, System).
 whole_system(Type, Layout, Shape, Room, System) :-
     shaped_room(Type, Layout, Shape, Room),
     room_system(Room, System).
@@ -213,9 +214,11 @@ room_system(Room, System) :-
 
 %!  shaped_room(+Type, +Layout, +Shape, -Room) is det.
 %
-%   Room has this furniture and a known Shape, shape(Width,Depth,Doors), see records.pl; or `any`.
+%   Room has this furniture and a known Shape, shape(Width,Depth,Doors), see records.pl; `sized(Width,Depth)`, of which the door is not
+%   known; or `any`.
 
 shaped_room(Type, Layout, any, Room) :- !, layout_room(Type, Layout, Room).
+shaped_room(Type, Layout, sized(W,D), Room) :- !, layout_room(Type, Layout, Room), room_width(Room, W), room_depth(Room, D).
 shaped_room(Type, Layout, shape(W,D,Doors), Room) :-
     layout_room(Type, Layout, Doors, Room),
     room_width(Room, W), room_depth(Room, D).

@@ -61,19 +61,14 @@ box_record(box(X,Y,W,H), _{x:MX, y:MY, width:MW, height:MH}) :- maplist(metres, 
 
 %!  plan_lengths(+Types, -Json) is det.
 %
-%   Json is [Doorway,Contact,Extremes,Total,Floors]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
+%   Json is [Doorway,Contact,Extremes]: the wall that a door takes with its margins, what rooms share at least that share a wall, and [Type,[LeastWidth,GreatestWidth,LeastDepth,GreatestDepth],Bends,Brims], what size and area leave to a room of
 %   the type. It is at most W wide or at most D deep for each [W,D] of the Bends, at least so for each of the Brims.
-%   Total is [Least,Most], the area of the house, or null; Floors are [Type,Least,Most], areas of rooms, where it is stated.
 
 plan_lengths(Types, Json) :-
     length_of(door_width, Width), length_of(door_margin, Margin), metres(Width + 2*Margin, Doorway),
     maplist(type_extremes, Types, Records),
     least_contact(Contact),
-    findall([T,L,M], ( total_area(_), member(T, Types), floor_area(T, L0, M0), maplist(square_metres, [L0,M0], [L,M]) ), Floors),
-    ( total_area(_) -> once(grammar:house_area(Least, Most)), Total = [Least,Most] ; Total = null ),
-    as_json([Doorway,Contact,Records,Total,Floors], Json).
-
-square_metres(Squares, Area) :- metres(Squares, Half), metres(Half, Area).
+    as_json([Doorway,Contact,Records], Json).
 
 type_extremes(Type, [Type,Reach,Bends,Brims]) :-
     room_system(Type, W, D, System),

@@ -1,4 +1,4 @@
-:- module(totals, [total_area/1, total_constraints/3, total_sample//7, floor_area/3]).
+:- module(totals, [total_area/1, house_areas/2, total_constraints/3, total_sample//7, type_ranges/2, square_metres/2]).
 
 /** <module> The area of a whole plan, which is the sum of those of its rooms
 
@@ -12,6 +12,7 @@ finds a plan, a range of sizes is halved: in smaller ranges the bounds are narro
 :- use_module(library(lists)).
 :- use_module(library(yall)).
 :- use_module(library(pairs)).
+:- use_module('../answers').
 :- use_module(areas).
 :- use_module('../linear/exact').
 :- use_module('../language/grammar_files').
@@ -30,11 +31,32 @@ finds a plan, a range of sizes is halved: in smaller ranges the bounds are narro
 
 total_area(Least-Most) :- clause(grammar:house_area(_,_), _), grammar:house_area(L, M), !, maplist(square, [L,M], [Least,Most]).
 
-%!  floor_area(+Type, -Least, -Most) is semidet.
+%!  house_areas(+Types, -Json) is det.
 %
-%   The areas that the size and the area of a type leave to its rooms, in squares of the house's unit.
+%   Json is [Total,Rooms]: Total is [Least,Most], the area of the house in square metres, and Rooms are [Type,Least,Most,Narrowest,Widest],
+%   areas and widths (metres) of rooms of these Types. Both are empty where the grammar states no area of the house.
 
-floor_area(Type, Least, Most) :- type_ranges(Type, ranges(_,_,Least-Most)).
+house_areas(Types, Json) :-
+    (   total_area(_)
+    ->  once(grammar:house_area(Least, Most)), Total = [Least,Most],
+        maplist(type_areas, Types, Rooms)
+    ;   Total = [], Rooms = [] ),
+    as_json([Total,Rooms], Json).
+
+type_areas(Type, [Type,Least,Most,Narrowest,Widest]) :-
+    type_ranges(Type, ranges(W1-W2,_,A1-A2)),
+    maplist(square_metres, [A1,A2], [Least,Most]),
+    maplist(metres, [W1,W2], [Narrowest,Widest]).
+
+%!  square_metres(+Squares, -Area) is det.
+%
+%   An area in squares of the house's unit is so many square metres.
+
+square_metres(Squares, Area) :- metres(Squares, Half), metres(Half, Area).
+
+%!  type_ranges(+Type, -Ranges) is det.
+%
+%   Ranges are ranges(Widths,Depths,Areas), each Least-Greatest, that the size and the area of a type leave to its rooms.
 
 type_ranges(Type, ranges(W1-W2,D1-D2,Least-Most)) :-
     room_system(Type, W, D, System),

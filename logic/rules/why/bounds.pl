@@ -1,4 +1,4 @@
-:- module(bounds, [room_parts/4, room_bounds/7, length_bounds/5, tight/4, bounds_json/3]).
+:- module(bounds, [room_parts/4, room_bounds/8, length_bounds/5, tight/4, bounds_json/3]).
 
 /** <module> Why a room's lengths are as they are: what else they could have been, and which constraints bind
 
@@ -19,6 +19,7 @@ the atom of stage 1 that puts a piece or a companion where it is: on(F,K,P,N), w
 :- use_module('../room/records').
 :- use_module('../room/room').
 :- use_module('../room/solution').
+:- use_module('../shared_walls/totals').
 
 %!  room_parts(+Type, +Layout, +Shape, -Parts) is det.
 %
@@ -32,16 +33,17 @@ room_parts(Type, Layout, Shape, Parts) :-
 
 part_name(part(Atom,item(F,_,_,_),_), F-Atom).
 
-%!  room_bounds(+Type, +Layout, +Shape, +Seed, +Target, -Lengths, -Binding) is det.
+%!  room_bounds(+Type, +Layout, +Shape, +Left, +Seed, +Target, -Lengths, -Binding) is det.
 %
 %   Lengths are length(Name,Value,Least-LeastWhy,Greatest-GreatestWhy) of the target, in the house's unit. Least and
 %   Greatest are what it could have been with this furniture: a piece's size in a room of this size, a place where all
-%   sizes are what they are. Each has the reasons (reasons.pl) why it can be no further. Binding are
+%   sizes are what they are; a room's size with an area within Least-Most, where Left says so. Each has the reasons (reasons.pl) why it can be no further. Binding are
 %   binds(Sum,Relation,Constant,Why): the constraints on the target that are tight, a sum of Factor*Name and a Constant
 %   that is Relation, "=<" or "=", to zero. A Name is Thing-What, where a Thing is a target or `floor`, the free one.
 
-room_bounds(Type, Layout, Shape, Seed, Target, Lengths, Binding) :-
-    whole_system(Type, Layout, Shape, Room, System),
+room_bounds(Type, Layout, Shape, Left, Seed, Target, Lengths, Binding) :-
+    whole_system(Type, Layout, Shape, Room, Furnished),
+    left_system(Left, Type, Room, Bounded), append(Furnished, Bounded, System),
     call(furnished(Type, Layout, Shape, quick, Solved), Seed, _),
     is_room(Solved),
     room_items(Room, Items),
@@ -53,6 +55,16 @@ room_bounds(Type, Layout, Shape, Seed, Target, Lengths, Binding) :-
     maplist(asked_bounds(System, Sizes-SolvedSizes), Asked, Values, Lengths),
     term_variables(Asked, Variables),
     tight(System, Names-SolvedNames, Variables, Binding).
+
+%   left_system(+Left, +Type, +Room, -System): what the area that is Left to a room says of each side by itself.
+
+left_system(any, _, _, []).
+left_system(Least-Most, Type, Room, System) :-
+    room_width(Room, W), room_depth(Room, D),
+    type_ranges(Type, ranges(W1-W2,D1-D2,_)),
+    maplist(of_house, [D1*W =< Most,W1*D =< Most,Least =< D2*W,Least =< W2*D], System).
+
+of_house(Constraint, Constraint-[house_area]).
 
 sizes(Room, Items, [W,D|Sizes]) :-
     room_width(Room, W), room_depth(Room, D),
@@ -175,7 +187,7 @@ past(System, Sizes-Values, Constraint, Why) :-
 
 %!  tight(+System, +Names-Solved, +Variables, -Binding) is det.
 %
-%   Binding are binds(Sum,Relation,Constant,Why), see room_bounds/7, of the constraints on these Variables; Names are
+%   Binding are binds(Sum,Relation,Constant,Why), see room_bounds/8, of the constraints on these Variables; Names are
 %   Variable-Name, and Solved are Value-Name.
 
 tight(System, Names-SolvedNames, Variables, Binding) :-

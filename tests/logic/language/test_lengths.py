@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 import pytest
+from clingo import Function, Number
 
 from logic import House, Unsatisfiable, check
 from logic.generation.builder import Builder
@@ -106,12 +107,17 @@ TOTALS: dict[str, tuple[str, str, dict[str, Any], tuple[float, float]]] = {
     "rooms cut in two": ("home", "cuts", {"rooms": 5}, (50.0, 51.0)),
     "rooms along a corridor": ("clinic", "", {"rooms": 9}, (250.0, 255.0)),
     "on a grid": ("home", "", {"rooms": 4, "cell": 0.25}, (40.0, 42.0)),
+    "a star": ("family", "", {"rooms": 5}, (130.0, 131.0)),
+    "one area of a star": ("family", "", {"rooms": 3}, (60.0, 60.0)),
+    "near the least of a star": ("family", "", {"rooms": 4}, (20.0, 43.0)),
+    "near the most of a star": ("family", "", {"rooms": 1}, (73.5, 90.0)),
+    "a star on a grid": ("family", "", {"rooms": 4, "cell": 0.5}, (60.0, 64.0)),
 }
 
 
 @pytest.mark.parametrize("title", TOTALS)
 def test_the_area_of_a_house_holds_in_what_is_made(title: str, tmp_path: Path) -> None:
-    """In rectangles, in those that lack corners, and in those with niches."""
+    """In rectangles, in those that lack corners, in those with niches, and around a main room."""
     grammar, topology, request, (least, most) = TOTALS[title]
     folder = edited(tmp_path / "mine", {}, grammar)
     (folder / "area.pl").write_text(f"house_area({least}, {most}).")
@@ -124,6 +130,55 @@ def test_the_area_of_a_house_holds_in_what_is_made(title: str, tmp_path: Path) -
         assert check(house) == []
         narrow = msgspec.structs.replace(Promises(), house_area=(least / 2, least - 1))
         assert any(line.startswith("house: is of ") for line in check(house, narrow))
+
+
+def test_the_area_of_a_star_holds_around_fixed_rooms(tmp_path: Path) -> None:
+    folder = edited(tmp_path / "mine", {}, "family")
+    (kept,) = generate(2, grammar=folder, count=1)
+    whole = sum(room.area for room in kept.rooms)
+    keep = [msgspec.to_builtins(kept.star.rooms[0])]
+    for least in (whole + 20, whole + 60):
+        (folder / "area.pl").write_text(f"house_area({least}, {least + 2}).")
+        (house,) = generate(3, grammar=folder, keep=keep, count=1)
+        assert kept.star.rooms[0] in house.star.rooms
+        assert least - 1e-6 <= sum(room.width * room.height for room in house.rooms) <= least + 2 + 1e-6
+        assert check(house) == []
+
+
+def test_no_star_that_is_made_is_refuted_by_its_area(tmp_path: Path) -> None:
+    """What stage 1 knows of areas, and what stage 2 knows before there is furniture, excludes no house."""
+    folder = edited(tmp_path / "mine", {}, "family")
+    for rooms in (1, 2, 4, 7):
+        free = Builder(find("family"))  # One grammar at a time is loaded in a process.
+        house, layout = free.house(Request(rooms), 1, rooms, 10**8), free.maker.making
+        atoms = [Function("room", [Number(each.number), each.type]) for each in layout.rooms]
+        atoms += [Function("side", [Number(each.number), each.side]) for each in layout.rooms]
+        whole = sum(room.area for room in house.rooms)
+        (folder / "area.pl").write_text(f"house_area({whole}, {whole}).")
+        tight = Builder(find(folder))
+        program, _ = tight.programs.rooms_for(Request(rooms))
+        assert program.possible([*atoms, *layout.corners])
+        assert (
+            tight.placer.area_conflict([*atoms, *layout.corners], (), sorted(tight.loaded.furniture)) is None
+        )
+
+
+@pytest.mark.parametrize(
+    ("rooms", "area", "others"),
+    [(4, (30.0, 40.0), 3), (1, (115.0, 125.0), 2)],
+    ids=["too small for the rooms", "too large for them"],
+)
+def test_a_star_that_its_area_does_not_allow_is_proved_impossible_by_that_line(
+    rooms: int, area: tuple[float, float], others: int, tmp_path: Path
+) -> None:
+    folder = edited(tmp_path / "mine", {}, "family")
+    (folder / "area.pl").write_text(f"house_area({area[0]}, {area[1]}).")
+    with pytest.raises(Unsatisfiable) as error:
+        next(generate(rooms, grammar=folder))
+    assert f"area.pl:1:1: house_area({area[0]}, {area[1]})." in str(error.value)
+    assert f"There is a house with --rooms {others}." in str(error.value)
+    (other,) = generate(others, grammar=folder, count=1)
+    assert area[0] <= sum(room.width * room.height for room in other.rooms) <= area[1]
 
 
 def test_a_house_that_its_area_does_not_allow_is_proved_impossible_by_that_line(tmp_path: Path) -> None:

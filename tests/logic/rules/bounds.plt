@@ -17,7 +17,7 @@ seats([on(stand,1,middle,1),with(stand,1,stool,left),with(stand,1,stool,inwards)
 %   bounds(+Layout, +Target, +What, -Low, -High): in whole millimetres.
 
 bounds(Layout, Target, What, Low, High, LowWhy, HighWhy) :-
-    room_bounds(cell, Layout, any, 1, Target, Lengths, _),
+    room_bounds(cell, Layout, any, any, 1, Target, Lengths, _),
     memberchk(length(What,Value,L-LowWhy,H-HighWhy), Lengths),
     Value >= L - 1.0e-6, Value =< H + 1.0e-6,
     Low is round(L*1000), High is round(H*1000).
@@ -41,16 +41,16 @@ test(a_door_keeps_clear_of_what_stands_at_the_side, true(( Low == 1000, memberch
     row(L), bounds(L, door, left, Low, _, Why, _).
 test(a_piece_is_bound_in_a_room_of_its_size, true(( abs(L - 0.5*W) < 1.0e-6, abs(H - (W-0.8)) < 1.0e-6 ))) :-
     Layout = [on(shelf,1,back,1),busy(back),last(back,1)],                  % a passage at both ends
-    room_bounds(cell, Layout, any, 1, room, Sizes, _), memberchk(length(width,W,_,_), Sizes),
-    room_bounds(cell, Layout, any, 1, on(shelf,1,back,1), Lengths, _), memberchk(length(length,_,L-_,H-_), Lengths).
+    room_bounds(cell, Layout, any, any, 1, room, Sizes, _), memberchk(length(width,W,_,_), Sizes),
+    room_bounds(cell, Layout, any, any, 1, on(shelf,1,back,1), Lengths, _), memberchk(length(length,_,L-_,H-_), Lengths).
 test(what_is_joined_binds, true(memberchk(binds([1*(on(crate,1,left,1)-along)],"=",_,_), Binding))) :-
-    row(L), room_bounds(cell, L, any, 1, on(crate,1,left,1), _, Binding).
+    row(L), room_bounds(cell, L, any, any, 1, on(crate,1,left,1), _, Binding).
 test(the_deepest_piece_bounds_the_free_floor,
      true(memberchk(binds([1*(on(crate,1,left,1)-depth),-1*(floor-left)],"=<",_,_), Binding))) :-
-    row(L), room_bounds(cell, L, any, 1, on(crate,1,left,1), _, Binding).
+    row(L), room_bounds(cell, L, any, any, 1, on(crate,1,left,1), _, Binding).
 test(what_is_loose_does_not_bind,
      true(\+ ( member(binds(Sum,_,_,_), Binding), memberchk(_*(on(crate,2,back,2)-along), Sum) ))) :-
-    two(L), room_bounds(cell, L, any, 1, on(crate,2,back,2), _, Binding).
+    two(L), room_bounds(cell, L, any, any, 1, on(crate,2,back,2), _, Binding).
 test(parts_come_as_in_a_house_file, Types == [stand,stool,stool]) :-
     seats(L), room_parts(cell, L, any, Parts), findall(T, member(T-_, Parts), Types).
 test(companions_come_after_their_piece, Atoms == [on(crate,1,back,1),with(crate,1,stool,near),with(crate,1,stool,far),
@@ -59,6 +59,6 @@ test(companions_come_after_their_piece, Atoms == [on(crate,1,back,1),with(crate,
     findall(A, member(_-A, Parts), Atoms).
 test(on_a_grid_lengths_are_whole_cells,
      [setup(set_cell(0.5)), cleanup(set_cell(0)), true(( integer(Low), integer(High) ))]) :-
-    room_bounds(cell, [], any, 1, room, Lengths, _), memberchk(length(width,_,Low-_,High-_), Lengths).
+    room_bounds(cell, [], any, any, 1, room, Lengths, _), memberchk(length(width,_,Low-_,High-_), Lengths).
 
 :- end_tests(bounds).

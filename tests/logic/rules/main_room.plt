@@ -1,5 +1,6 @@
 % The rooms around the main room.
 :- use_module('../../../logic/rules/language/grammar_files').
+:- use_module('../../../logic/rules/star/fixed_rooms').
 :- use_module('../../../logic/rules/star/main_room').
 :- use_module(library(apply)).
 :- use_module(library(lists)).

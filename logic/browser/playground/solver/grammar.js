@@ -70,7 +70,7 @@ export class Grammar {
     this.loadLengths(named(".pl"));
     this.loadTypes();
     this.loadExtremes();
-    this.walls = this.sharesWalls ? this.wallFacts() : [];
+    this.walls = [...(this.sharesWalls ? this.wallFacts() : []), ...this.areaFacts()];
     this.warnings = this.remarks();
   }
 
@@ -147,6 +147,7 @@ export class Grammar {
       if (value.wrong) throw wrong(value.wrong);
       return value;
     };
+    this.metres = Object.fromEntries(report.lengths);
     const lengths = report.lengths.map(([name, metres]) => [`length(${name},${Math.floor(1000 * used(`${name}/1`, metres))})`, `length(${name})`]);
     this.lengths = {};
     for (const [type, extremes, pieces] of report.types) {
@@ -157,7 +158,7 @@ export class Grammar {
         this.lengths[type].push([`extent(${fact})`, `size(${type},${piece})`]);
       }
     }
-    const topology = compound("topology", this.sharesWalls ? "shared" : "apart", false);
+    const topology = compound("topology", this.sharesWalls ? "shared" : "apart", false, this.bundle.mostRooms);
     const rooms = this.types.map((type) => compound("room", atom(type), this.lit.has(type)));
     const disagreements = this.prolog.ask("grammar_disagreements", topology, list(rooms));
     if (disagreements.length) throw wrong(disagreements[0]);
@@ -169,7 +170,7 @@ export class Grammar {
 
   /** What stage 1 knows of walls that rooms share: facts of shared_walls/differences.lp, each with its clauses. */
   wallFacts() {
-    const [doorway, contact, extremes, total, floors] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
+    const [doorway, contact, extremes] = this.prolog.ask("plan_lengths", list(Object.keys(this.furniture).map(atom)));
     const facts = [[`length(doorway,${Math.floor(1000 * doorway)})`, ["length(door_width)", "length(door_margin)"]]];
     facts.push([`length(contact,${Math.floor(1000 * contact)})`, []]);
     const only = ["house_size"];
@@ -180,11 +181,23 @@ export class Grammar {
         for (const pair of pairs) facts.push([`${name}(${[type, ...pair.map((metres) => bound(1000 * metres))]})`, clauses]);
       only.push(`window_size(${type})`);
     }
-    const bounds = (least, most) => [Math.floor(100 * least), Math.ceil(100 * most)];
-    if (total) facts.push([`total(${bounds(...total)})`, ["house_area"]]);
-    for (const [type, ...areas] of floors)
-      facts.push([`floor(${[type, ...bounds(...areas)]})`, [`size(${type})`, `room_area(${type})`]]);
     return [...facts, ...only.map((clause) => [`sized(${clause})`, [clause]])];
+  }
+
+  /** What stage 1 knows of the area of the house, where one is stated: facts of areas.lp, and of star/areas.lp. */
+  areaFacts() {
+    const [total, rooms] = this.prolog.ask("house_areas", list(this.types.map(atom)));
+    if (!total.length) return [];
+    const bounds = (least, most) => [Math.floor(100 * least), Math.ceil(100 * most)];
+    const facts = [[`total(${bounds(...total)})`, ["house_area"]]];
+    for (const [type, least, most] of rooms)
+      facts.push([`floor(${[type, ...bounds(least, most)]})`, [`size(${type})`, `room_area(${type})`]]);
+    if (this.sharesWalls) return facts;
+    const { room_gap: gap, door_clearance: clear, door_width: door } = this.metres, apart = Math.max(gap, clear);
+    const widths = [Math.min(...rooms.map((room) => room[3])), Math.max(...rooms.map((room) => room[4]))];
+    const berth = [widths, [apart, apart], [door, door]].map((each) => bounds(...each));
+    const clauses = ["room_gap", "door_clearance", "door_width"].map((name) => `length(${name})`);
+    return [...facts, [`berth(${berth})`, [...this.types.map((type) => `size(${type})`), ...clauses]]];
   }
 
   /** A program, grounded once and kept. */

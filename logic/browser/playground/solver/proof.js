@@ -8,7 +8,7 @@
 import { LimitReached } from "./answers.js";
 import { MOST, granted, requirements, toFurnish } from "./grammar.js";
 import { Program } from "./program.js";
-import { nogood, terms } from "./star.js";
+import { areaConflict, nogood, terms } from "./star.js";
 import { atomOf, rule, statements } from "./statements.js";
 import { atom, list, parseTerm, prologText, termText } from "./terms.js";
 
@@ -145,7 +145,7 @@ function rooms(grammar, request, unfurnishable) {
     relaxed.choice({ bare: type }, toFurnish(type, request.rooms).map((text) => [text, false]));
   const refuted = grammar.sharesWalls
     ? (layout, without) => grammar.prolog.ask("plan_conflict", terms(layout), without)
-    : null;
+    : grammar.walls.length ? (layout, without) => areaConflict(grammar, layout, without) : null;
   return [relaxed, refuted];
 }
 

@@ -9,12 +9,26 @@ export const nogood = (reasons) => reasons.filter(([kind]) => kind !== "clause")
 
 export const terms = (atoms) => list(atoms.map((text) => prologText(parseTerm(text))));
 
+/** How often rooms may not leave the main room the area that it must have, though others might. */
+const MOST_MISFITS = 200, MOST_AREAS = 300;
+const NO_AREA = "the sampled rooms did not leave the main room the area that is left of house_area/2, though others might";
+
+/** Reasons why no star of this layout has the area that is stated, where the clauses `without` are left out; null where some may. */
+export function areaConflict(grammar, layout, without) {
+  if (!grammar.walls.length) return null;
+  const named = (name) => new Map(layout.map(parseTerm).filter((term) => term.name === name).map(({ args: [number, value] }) => [number, value.name]));
+  const sides = named("side");
+  const rooms = [...named("room")].sort(([a], [b]) => a - b).map(([number, type]) => compound("room", number, atom(type), atom(sides.get(number))));
+  const corners = terms(layout.filter((text) => text.startsWith("corner(")));
+  return grammar.prolog.ask("layout_area_conflict", list(rooms), corners, list(grammar.types.map(atom)), without);
+}
+
 /** A star, { floor, rooms }, metres, as in a house file. */
 export function star(grammar, request, rng, inferences) {
   const nogoods = new Map();
   const of = (program) => nogoods.get(program) ?? nogoods.set(program, []).get(program);
   const unfurnishable = new Set();
-  let count = 0;
+  let count = 0, misfits = 0;
 
   const furnish = (rooms, numbers) => {
     const furnished = [...rooms];
@@ -33,7 +47,7 @@ export function star(grammar, request, rng, inferences) {
 
   const layout = () => {
     for (;;) {
-      const bare = sampleRooms(grammar, request, rng, unfurnishable);
+      const bare = sampleRooms(grammar, request, rng, unfurnishable, of(grammar.rooms(request)));
       const rooms = furnish(bare.rooms, bare.rooms.keys());
       if (rooms) return { ...bare, rooms };
     }
@@ -48,6 +62,11 @@ export function star(grammar, request, rng, inferences) {
     const answer = grammar.prolog.ask("placed", term, inferences);
     if (answer.wrong) throw wrong(answer.wrong);
     if (answer.limit) throw new LimitReached("the Prolog inferences for a house ran out");
+    if ("misfit" in answer) {
+      if (++misfits === MOST_MISFITS) throw new LimitReached(`${MOST_MISFITS} times ${NO_AREA}`);
+      found = layout();
+      continue;
+    }
     if (!answer.infeasible) return { floor: answer.floor, rooms: answer.rooms };
     inferences -= answer.inferences;
     if (inferences <= 0) throw new LimitReached("the Prolog inferences for a house ran out");
@@ -60,12 +79,21 @@ export function star(grammar, request, rng, inferences) {
   }
 }
 
-/** Types, sides and corners, without the types of room that cannot have any furniture. */
-function sampleRooms(grammar, request, rng, unfurnishable) {
+/** Types, sides and corners, without the types of room that cannot have any furniture. What is impossible is added to the nogoods. */
+function sampleRooms(grammar, request, rng, unfurnishable, nogoods) {
   const holds = requirements(request).map(granted);
   const fails = [...unfurnishable].sort().flatMap((type) => toFurnish(type, request.rooms));
-  const layout = grammar.rooms(request).sample(rng, holds, fails);
-  if (!layout) throw new Unsatisfiable([...unfurnishable].sort());
+  const sampled = () => {
+    for (;;) {
+      const layout = grammar.rooms(request).sample(rng, holds, fails, nogoods);
+      if (!layout) throw new Unsatisfiable([...unfurnishable].sort());
+      const reasons = areaConflict(grammar, layout, list([]));
+      if (!reasons) return layout;
+      nogoods.push(nogood(reasons));
+      if (nogoods.length > MOST_AREAS) throw new LimitReached(`${MOST_AREAS} times ${NO_AREA}`);
+    }
+  };
+  const layout = sampled();
   const named = (name) => layout.map(parseTerm).filter((term) => term.name === name);
   const sides = new Map(named("side").map(({ args: [number, side] }) => [number, side.name]));
   const rooms = named("room")

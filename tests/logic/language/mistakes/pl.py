@@ -644,6 +644,45 @@ door_width(0.762).          % the paper's 2.5 feet
         "50.0 m2 at least, and house_size(W, D) in line 13 allows 49.0 m2 at most",
         at="house_area",
     ),
+    *(
+        Mistake(
+            f"{title} of a star",
+            "sizes.pl",
+            old="",
+            new=f"house_area({bounds}).",
+            says=f"house_area({bounds}){says}",
+        )
+        for title, bounds, says in (
+            (
+                "an area",
+                "5.0, 11.0",
+                ": 11.0 m2 at most, and neither the main room nor another is smaller than room_size(bathroom",
+            ),
+            (
+                "an area that no number of rooms has",
+                "9.0e5, 9.1e5",
+                ": 900000.0 m2 at least, and a house of 128 rooms, the most",
+            ),
+            (
+                "a least area above the greatest",
+                "60.0, 50.0",
+                " is not a least and a greatest number of square metres",
+            ),
+        )
+    ),
+    appended(
+        "an area of the house that no number of rooms has",
+        "house_area(4000.0, 4100.0).",
+        "house_area(4000.0, 4100.0): 4000.0 m2 at least, and a house of 128 rooms, the most there are, has",
+    ),
+    Mistake(
+        "an area of a house of units",
+        "sizes.pl",
+        old="",
+        new="house_area(300.0, 400.0).",
+        says="house_area(300.0, 400.0): neither a house of units nor a unit has an area that is stated",
+        grammar="apartments",
+    ),
     appended(
         "a least area of the house above the greatest",
         "house_area(60.0, 50.0).",
