@@ -75,9 +75,13 @@ def _findings(severity: str, found: Iterable[GrammarError], grammar: Grammar) ->
 def _idle(grammar: Grammar, loaded: LoadedGrammar, rooms: int | None) -> list[GrammarError]:
     """Rules that bind in no house that the topology allows and in no type of room, as far as was looked."""
     unbound: dict[Reason, None] = {}
+    program_of = loaded.program_of
     source, left, most = Source(grammar.asp), MOST_INSTANCES, 0
     limit = ""
     for constants, parts in _programs(loaded, rooms, unbound):
+        ground = {"base", *(name for name, _ in parts)}
+        if most and all(program_of[each.file, each.line, each.column] not in ground for each in unbound):
+            continue  # No rule that is left stands in it.
         named = ", ".join(f"{name} = {value}" for name, value in constants.items() if name not in GIVEN)
         loaded.placer.account.at(GROUNDING, f"which rules bind where {named} (clingo)")
         program = Relaxed(source, constants, parts, most=left)
@@ -121,10 +125,11 @@ def _programs(loaded: LoadedGrammar, rooms: int | None, unbound: Iterable[Reason
 
 def _furniture(loaded: LoadedGrammar) -> Iterator[Ground]:
     """The programs of furniture of each type; where rooms share walls, with any doors in them too."""
-    for type_ in map(str, loaded.types):
+    types = [*map(str, loaded.types)]
+    for type_ in types:
         yield {"this_room": type_}, [("room", [])]
-        if loaded.grammar.shares_walls:
-            yield {"this_room": type_, **GIVEN}, [("room", []), ("plan", []), ("doorways", [])]
+    for type_ in types if loaded.grammar.shares_walls else ():
+        yield {"this_room": type_, **GIVEN}, [("room", []), ("plan", []), ("doorways", [])]
 
 
 def _numbers(rules: Iterable[Reason], loaded: LoadedGrammar) -> list[int]:

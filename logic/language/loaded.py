@@ -17,7 +17,7 @@ from logic.language.integers import overflowing
 from logic.language.metres import impossible, unlikely
 from logic.language.prolog_problems import problem, unknown
 from logic.language.stages import misplaced
-from logic.language.statements import Statement, error_at, read
+from logic.language.statements import Statement, error_at, place, read
 from logic.language.stratification import unstratified
 from logic.language.vocabulary import (
     Words,
@@ -83,6 +83,11 @@ class LoadedGrammar:
     def constants(self) -> list[str]:
         """What the grammar defines as constants of clingo's, as text."""
         return [str(use.node) for use in self._words.defined.values()]
+
+    @property
+    def program_of(self) -> dict[tuple[str | None, int | None, int | None], str]:
+        """The name of the program in which each rule of the grammar stands, by its place."""
+        return {place(rule.node): rule.program for rule in self._words.rules}
 
     def _readable(self) -> Iterator[Mistake]:
         """What is wrong with statements by themselves."""

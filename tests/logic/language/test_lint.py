@@ -4,12 +4,16 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from logic import GrammarError, GrammarWarning, generate, lint
 from logic.grammar import SHIPPED, find, shipped
+from logic.language import linter
 from logic.language.linter import findings
+from logic.layout.program import Part
+from logic.layout.relaxed import Relaxed, Source
 from vitruvius.cli import main
 
 
@@ -119,6 +123,23 @@ def test_rules_that_bind_only_in_larger_houses_or_beside_some_doors_draw_no_find
     (finding,) = findings(find(folder))
     assert (finding.severity, finding.text.split(":", 1)[0]) == ("warning", "this rule never binds")
     assert finding.text.endswith(IDLE)
+
+
+def test_nothing_is_ground_in_which_no_rule_that_has_not_bound_yet_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """All rules of ``home`` bind in houses of 6 and 8 rooms, and in rooms whatever their doors."""
+    ground: list[list[str]] = []
+    relaxed = linter.Relaxed
+
+    def counted(source: Source, constants: dict[str, Any], parts: list[Part], most: int) -> Relaxed:
+        ground.append([name for name, _ in parts])
+        return relaxed(source, constants, parts, most=most)
+
+    monkeypatch.setattr(linter, "Relaxed", counted)
+    assert not findings(find("home"))
+    assert ground.count(["house"]) == 2
+    assert ground.count(["room"]) == len(ground) - 2
 
 
 def test_sizes_and_facts_of_pieces_that_no_room_has_are_warnings_and_change_nothing(tmp_path: Path) -> None:
