@@ -48,22 +48,25 @@ class Shield:
         noise: float = 0.0,
         distance: int = -2,
         door: int | None = None,
+        device: str = "cpu",
     ) -> None:
         """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
         keeps on every side, ``noise`` the standard deviation of the rays' distances; metres.
         ``distance`` is the observations' column that has it, ``door`` the one that says which rays end on a
-        closed door, where there are such: a body may walk at it, which opens it.
+        closed door, where there are such: a body may walk at it, which opens it. ``device`` is the
+        observations'.
         """
         self.distance, self.door = distance, door
         self.reach, self.apart, self.tolerance = reach, pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
         self.most = 1 - SPREAD * noise / reach
-        self.clear = torch.tensor(clearance(angles, body, step, margin) / reach, dtype=torch.float32)
+        clear = clearance(angles, body, step, margin) / reach
+        self.clear = torch.tensor(clear, dtype=torch.float32, device=device)
         self.at_door = 1.5 * self.clear.amax(0)
         # Where the body stands straight, the walls run along the first two; diagonally, along the others.
         turned = angles + np.pi / 4 * np.array([[0], [2], [1], [3]])
-        self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32)
+        self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32, device=device)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed."""
@@ -72,9 +75,9 @@ class Shield:
             is_door = observation[..., self.door]
             passed = passed + is_door
             # A bump before a door is a push.
-            blocked = blocked & ~((is_door > 0) & (distance < self.at_door.to(distance.device))).any(-1)
+            blocked = blocked & ~((is_door > 0) & (distance < self.at_door)).any(-1)
         far = (distance + passed)[..., None, :]  # 1 or more where the target is: it is never in the way
-        free = (far - self.clear.to(distance.device)).amin(-1) >= 0
+        free = (far - self.clear).amin(-1) >= 0
         free, free_diagonally = free.unbind(-1)
         # The vote is costly and rarely needed: only where the two regions differ.
         asked = free != free_diagonally
@@ -89,7 +92,7 @@ class Shield:
         Where two rays meet one wall, the line through both points runs along an axis: along or
         across the heading if that is straight, at 45 degrees to it if it is diagonal. The pairs vote.
         """
-        place = distance[..., None, :] * self.across.to(distance.device)
+        place = distance[..., None, :] * self.across
         same = (place[..., self.apart :] - place[..., : -self.apart]).abs_() < self.tolerance
         votes = (same & (distance[..., None, self.apart :] < self.most)).sum(-1)
         return votes[..., 2:].sum(-1) > votes[..., :2].sum(-1)

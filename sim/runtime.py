@@ -74,19 +74,21 @@ class _Owner:
 _owner: _Owner | None = None
 
 
-def start(device: str = "cpu", threads: int | None = None) -> Any:
+def start(device: str | None = None, threads: int | None = None) -> Any:
     """Start Taichi, once: one that runs already, ours or the caller's, is left as it is. Returns its program.
 
-    ``device``: ``cpu`` or ``cuda``; ``ValueError`` if it is not there, or another one runs already.
+    ``device``: ``cpu`` or ``cuda``, ``ValueError`` if it is not there or another one runs; by default the one
+    that runs, or else the CPU.
     ``threads`` bounds its workers (all cores by default). Environments are made and stepped in any thread; on
     a GPU, or after a caller's own ``ti.init``, they are made in the thread that started Taichi.
     Raises ``RuntimeError`` in a fork of a process in which it ran.
     """
     global _owner  # noqa: PLW0603 - Taichi has one program a process
     _require_threads()
-    arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
     with _compiling:
         if impl.get_runtime().prog is None:
+            device = device or "cpu"
+            arch = {"cpu": ti.cpu, "cuda": ti.cuda}[device]
             if device == "cuda" and not has_cuda():  # Taichi would take the CPU in its place
                 raise ValueError(
                     "device 'cuda' cannot be had: no GPU with a CUDA driver was found here: take device 'cpu'"
@@ -96,7 +98,7 @@ def start(device: str = "cpu", threads: int | None = None) -> Any:
             owner.program = impl.get_runtime().prog
             _owner = owner
     running = impl.current_cfg().arch
-    if (running == ti.cuda) != (device == "cuda"):
+    if device and (running == ti.cuda) != (device == "cuda"):
         names = {ti.x64: "the CPU", ti.arm64: "the CPU", ti.cuda: "a GPU"}
         now = names.get(running, running.name)
         raise ValueError(f"device {device!r} cannot be had: Taichi runs on {now} in this process")
@@ -223,7 +225,9 @@ class Array:
         return self.view().copy()
 
     def view(self) -> np.ndarray:
-        """Its memory, which the view keeps alive, as a NumPy array: only where the device is the CPU."""
+        """Its memory, which the view keeps alive, as a NumPy array: ``RuntimeError`` on a GPU."""
+        if on_gpu():
+            raise RuntimeError("NumPy cannot look into a GPU's memory: take numpy(), a copy, or tensor()")
         if self._view is None:
             interface = self._interface(self.shape, self.dtype)
             self._view = np.asarray(_Memory(self.ndarray, {"__array_interface__": interface}))

@@ -76,6 +76,7 @@ def shield(envs: HouseVectorEnv) -> Shield:
         noise=config.noise,
         distance=config.column("distance"),
         door=config.column("is door") if config.sees_doors else None,
+        device=envs.device,
     )
 
 

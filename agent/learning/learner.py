@@ -4,7 +4,6 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from time import perf_counter
 from typing import Any
 
 import torch
@@ -14,6 +13,7 @@ from agent.banks import bank_hash
 from agent.learning import ranks
 from agent.learning.config import TrainConfig, differences
 from agent.learning.environments import layer_of
+from agent.learning.stopwatch import Stopwatch
 from agent.policies.policies import Explorer, QPolicy
 from logic.errors import RequestError, VitruviusError
 from sim import HouseVectorEnv
@@ -128,7 +128,7 @@ class Learner(ABC):
         self.generator = torch.Generator(config.device).manual_seed(self.seed)
         self.network: Any = self.network_of(config).to(config.device)
         self.avoidance = layer_of(config, envs, self.generator)
-        self.steps, self.clock = 0, Clock()
+        self.steps, self.clock, self.simulating = 0, Clock(), Stopwatch(config.device)
         self.recent: deque[tuple[float, float]] = deque(maxlen=max(1, round(EPISODE / report)))
 
     @property
@@ -151,16 +151,17 @@ class Learner(ABC):
     def reset_envs(self) -> Tensor:
         """Begin episodes in all environments; the observations (E, R, C)."""
         self.s = torch.as_tensor(self.envs.reset(seed=self.seed)[0], device=self.config.device)
-        self.blocked = self.ended = torch.zeros(self.envs.num_envs, dtype=torch.bool)
+        self.blocked = self.ended = torch.zeros(
+            self.envs.num_envs, dtype=torch.bool, device=self.config.device
+        )
         return self.s
 
     def step_envs(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Step all environments: the rewards, and whether the episodes ended in a terminal state or by time,
         (E,) each. ``s`` (E, R, C), ``blocked`` and ``ended`` (E,) bool are what it led to.
         """
-        before = perf_counter()
-        observation, r, terminated, truncated, info = self.envs.step_torch(actions)
-        self.clock.simulating += perf_counter() - before
+        with self.simulating.running():
+            observation, r, terminated, truncated, info = self.envs.step_torch(actions)
         # Cloned: the simulator writes over its tensors at the next step.
         self.s, self.blocked = observation.clone(), info["blocked"].clone()
         self.ended = terminated | truncated
@@ -174,6 +175,7 @@ class Learner(ABC):
         """The report after what was counted, which is added up over all ranks."""
         targets, steps, overruled = ranks.total((tally.targets, tally.steps, tally.overruled))
         self.clock.all = ranks.first(self.clock.all)
+        self.clock.simulating += self.simulating.take()
         self.steps += int(steps)
         self.recent.append((targets, steps))
         recent_targets, recent_steps = (sum(column) for column in zip(*self.recent, strict=True))

@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 
 @contextmanager
-def joined(device: str = "cpu") -> Iterator[None]:
+def joined() -> Iterator[None]:
     """Join the ranks that ``torchrun`` started, for as long as the block lasts; nothing without it.
 
     Where a machine has processors for all of its ranks, each keeps to its own share of them: call it before
@@ -31,7 +31,8 @@ def joined(device: str = "cpu") -> Iterator[None]:
     # (https://github.com/pytorch/pytorch/issues/190489). Imported first, it finds no group to hold.
     import torch.distributed.nn.functional  # noqa: F401
 
-    dist.init_process_group("nccl" if device == "cuda" else "gloo")
+    # gloo takes tensors of GPUs too, and several ranks that share one, as NCCL does not.
+    dist.init_process_group("gloo")
     try:
         yield
         dist.barrier()  # a rank that leaves while others still communicate would end them

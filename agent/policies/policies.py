@@ -128,7 +128,7 @@ class QPolicy:
         self.choice = Choice(q, preference, self.avoidance(observation, blocked))
         actions = subsume(preference, self.choice.allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
-        same = torch.zeros(len(actions), dtype=torch.bool)
+        same = torch.zeros_like(blocked)
         self.remembered = self.network.memory(self.remembered, observation, blocked, actions, same)
         return actions
 
@@ -215,4 +215,4 @@ def home(preference: Tensor, observation: Tensor) -> Tensor:
     target: the original's rule for random actions.
     """
     seen = observation[:, MIDDLE, -1].amax(-1, keepdim=True) > 0
-    return preference.masked_fill(seen & (torch.arange(ACTIONS) == FORWARD), torch.inf)
+    return preference.masked_fill(seen & (torch.arange(ACTIONS, device=seen.device) == FORWARD), torch.inf)

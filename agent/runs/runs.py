@@ -140,7 +140,7 @@ def run(
     number any more; the last good checkpoint is kept then. Raises what a signal is to raise
     (``logic.stopping``) once the run is saved after it.
     """
-    with ranks.joined(config.device):
+    with ranks.joined():
         folder = Folder(Path(path))
         if ranks.rank():  # the first rank alone writes
             learner = _learner(houses, config)

@@ -88,6 +88,7 @@ def act(learner: PQN) -> None:
         epsilon=config.final_epsilon,
         forward=config.forward,
         generator=learner.generator,
+        simulating=learner.simulating,
     )
 
 

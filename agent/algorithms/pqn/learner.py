@@ -99,7 +99,6 @@ class PQN(Learner):
         start, epsilon, rollout = perf_counter(), self.epsilon, self.rollout
         self.act(epsilon)
         loss = self.train_epochs(self.returns())
-        self.clock.simulating += rollout.simulating
         self.clock.all += perf_counter() - start
         tally = Tally(float(rollout.r.sum()), float(rollout.valid.sum()), rollout.overruled)
         return self.report(tally, loss=loss, epsilon=epsilon)
@@ -113,6 +112,7 @@ class PQN(Learner):
             epsilon=epsilon,
             forward=self.config.forward,
             generator=self.generator,
+            simulating=self.simulating,
         )
 
     def returns(self) -> Tensor:

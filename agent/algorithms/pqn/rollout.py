@@ -1,12 +1,12 @@
 """A rollout: some steps of many environments, kept in place for the learner."""
 
 from dataclasses import dataclass
-from time import perf_counter
 
 import torch
 from torch import Tensor
 
 from agent.avoidance import Layer, subsume
+from agent.learning.stopwatch import Stopwatch
 from agent.policies.network import QNetwork
 from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
@@ -46,9 +46,6 @@ class Rollout:
     overruled: int = 0
     """How many actions the avoidance layer changed."""
 
-    simulating: float = 0.0
-    """Seconds spent in the simulator."""
-
     @classmethod
     def starting(cls, steps: int, observation: Tensor, memory: Tensor) -> "Rollout":
         """Make room for that many steps from the first observations (E, R, C) and memories (E, M, 6)."""
@@ -78,14 +75,14 @@ class Rollout:
         epsilon: float,
         forward: float,
         generator: torch.Generator,
+        simulating: Stopwatch,
     ) -> None:
         """Act from where the last rollout ended: the network's actions under avoidance, a share ``epsilon``
-        at random.
+        at random. ``simulating`` counts the simulator's seconds.
         """
         first = ended = self.terminated[-1] | self.truncated[-1]
         for states in (self.s, self.blocked, self.memory):
             states[0] = states[-1]
-        self.simulating = 0.0
         values, explored = [], []
         noise = exploration(self.a.shape, generator, epsilon, forward, draws=2)
         for t, (chosen, random) in enumerate(zip(*noise, strict=True)):
@@ -93,9 +90,8 @@ class Rollout:
             values.append((q, allowed))
             explored.append(epsilon_greedy(q, chosen, random))
             self.a[t] = subsume(explored[t], allowed)
-            before = perf_counter()
-            observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
-            self.simulating += perf_counter() - before
+            with simulating.running():
+                observation, reward, terminated, truncated, info = envs.step_torch(self.a[t])
             # Copied: the simulator writes over its tensors at the next step.
             self.s[t + 1], self.blocked[t + 1], self.r[t] = observation, info["blocked"], reward
             self.terminated[t], self.truncated[t] = terminated, truncated

@@ -7,6 +7,7 @@ from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.pqn.rollout import Rollout
 from agent.learning.environments import shield
+from agent.learning.stopwatch import Stopwatch
 from agent.policies.network import QNetwork
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house
@@ -27,7 +28,15 @@ def filled(envs: HouseVectorEnv, network: QNetwork, *, length: int, times: int) 
     rollout, kept = Rollout.starting(length, observation, network.memory.empty(E)), []
     for _ in range(times):
         generator = torch.Generator().manual_seed(0)
-        rollout.fill(envs, network, shield(envs), epsilon=0.0, forward=0.9, generator=generator)
+        rollout.fill(
+            envs,
+            network,
+            shield(envs),
+            epsilon=0.0,
+            forward=0.9,
+            generator=generator,
+            simulating=Stopwatch(),
+        )
         kept.append(
             [part.clone() for part in (rollout.s[:-1], rollout.memory[:-1], rollout.a, rollout.valid)]
         )

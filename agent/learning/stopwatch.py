@@ -1,0 +1,41 @@
+"""How long a part of a run takes, on the device that does it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+import torch
+
+
+class Stopwatch:
+    """Adds up the seconds of blocks of work. A GPU works on when a call has returned: there its own clock is
+    read before and after, and nothing waits until the sum is asked for.
+    """
+
+    def __init__(self, device: str = "cpu") -> None:
+        """``device``: what the work is done on, ``cpu`` or ``cuda``."""
+        self.device, self._seconds = device, 0.0
+        self._blocks: list[tuple[torch.cuda.Event, torch.cuda.Event]] = []
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Count the time of a block."""
+        if self.device == "cpu":
+            before = perf_counter()
+            yield
+            self._seconds += perf_counter() - before
+            return
+        begin, end = torch.cuda.Event(enable_timing=True), torch.cuda.Event(enable_timing=True)
+        begin.record()
+        yield
+        end.record()
+        self._blocks.append((begin, end))
+
+    def take(self) -> float:
+        """The seconds since it was last asked, and begin again at 0."""
+        for begin, end in self._blocks:
+            end.synchronize()
+            self._seconds += begin.elapsed_time(end) / 1000
+        seconds, self._seconds = self._seconds, 0.0
+        self._blocks.clear()
+        return seconds

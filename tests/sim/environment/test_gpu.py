@@ -1,0 +1,71 @@
+"""A GPU does what the CPU does. What can be held without one is held everywhere."""
+
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from agent.runs.checkpoint import load
+from benchmarks.simulator.devices import compared
+from sim import runtime
+from sim.runtime import Array, has_cuda, impl, start, ti
+
+needs_gpu = pytest.mark.skipif(not has_cuda(), reason="no GPU here")
+
+
+@needs_gpu
+def test_what_happens_on_a_gpu_is_what_happens_on_the_cpu(tmp_path):
+    for device in ("cpu", "cuda"):
+        program = f"write_trails({device!r}, {str(tmp_path / device)!r})"
+        python("-c", f"from benchmarks.simulator.on_device import write_trails; {program}")
+    differences = compared(*(np.load(tmp_path / f"{device}.npz") for device in ("cpu", "cuda")))
+    assert {preset: each["events"] for preset, each in differences.items()} == dict.fromkeys(differences, 0)
+    for each in differences.values():
+        assert each["places"] < 1e-5
+        assert each["distances"] < 1e-4
+        assert each["elsewhere"] < 1e-4
+
+
+@needs_gpu
+@pytest.mark.parametrize("preset", ["pqn", "pqn-recurrent"])
+def test_a_run_on_a_gpu_goes_on_and_its_agent_plays_on_a_cpu(tmp_path, preset):
+    train = (
+        "-m",
+        "vitruvius.cli",
+        "train",
+        "--preset",
+        preset,
+        "--device",
+        "cuda",
+        "--out",
+        str(tmp_path / "run"),
+    )
+    python(*train, "--num-envs", "64", "--steps", "8000")
+    python(*train, "--num-envs", "64", "--steps", "16000", "--resume")
+    agent = load(tmp_path / "run/agent.safetensors")
+    assert agent.steps >= 16000
+    assert {value.device.type for value in agent.network.state_dict().values()} == {"cpu"}
+
+
+def test_what_needs_taichi_takes_the_device_that_runs(monkeypatch):
+    program = start()
+    monkeypatch.setattr(impl, "current_cfg", lambda: SimpleNamespace(arch=ti.cuda))
+    assert start() is program
+    with pytest.raises(ValueError, match="'cpu' cannot be had: Taichi runs on a GPU in this process"):
+        start("cpu")
+
+
+def test_a_gpus_memory_is_not_looked_into(monkeypatch):
+    start()
+    array = Array(ti.i32, 3)
+    monkeypatch.setattr(runtime, "on_gpu", lambda: True)
+    with pytest.raises(RuntimeError, match="cannot look into a GPU's memory"):
+        array.view()
+
+
+def python(*arguments: str) -> None:
+    """Run a Python of its own: Taichi runs on one device a process."""
+    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
