@@ -19,7 +19,7 @@ TRAINING, VALIDATION, TEST = range(10**9), range(10**9, 2 * 10**9), range(2 * 10
 """Seeds of the generator: to learn from, to choose settings by, and to be measured by alone."""
 
 
-class Bank(NamedTuple):
+class FrozenBank(NamedTuple):
     """256 houses of a grammar, made of seeds of ``TEST``: house i has ``rooms[i % len(rooms)]`` rooms."""
 
     grammar: str
@@ -29,20 +29,23 @@ class Bank(NamedTuple):
 
 
 BANKS = {
-    "test-v1": Bank(
+    "test-v1": FrozenBank(
         "family", range(2, 7), "9b80dfd60e196e70935b5a2befd59fce20acd0a206309273cbdc237d33f397a9"
     ),
-    "home-test-v1": Bank(
+    "home-test-v1": FrozenBank(
         "home", range(4, 11), "5a8daf1d35f302516c96b8b2459da00515caf1a6eb5ed8b60b699e65d7acd5d4"
     ),
-    "large-test-v1": Bank(
+    "large-test-v1": FrozenBank(
         "family", range(8, 13), "590c7346f4cb94d0385f2c70261cb217411579a10bb6d27d0eeeeeb7c1274823"
     ),
-    "home-large-test-v1": Bank(
+    "home-large-test-v1": FrozenBank(
         "home", range(8, 13), "dc346454637e41b95cd82eb3adbd6fd4db7f54feea72af9208baa7d3de7cea50"
     ),
 }
 """The banks of the benchmark, by name; each is a file of ``benchmarks/houses``."""
+
+PAPER_HOUSE = "paper-house"
+"""``sim.environment.arguments.PAPER_HOUSE``, without Taichi."""
 
 NAME = "test-v1"
 """The bank that agents are measured in where none is named."""
@@ -92,7 +95,7 @@ def named(houses: str | Path) -> list[House]:
     """The houses of a house file, or of a bank of ``BANKS`` by its name, or the paper's by ``PAPER_HOUSE``.
     Raises ``HouseFileError``.
     """
-    from sim.environment.arguments import PAPER_HOUSE, house_list  # here: it imports Taichi
+    from sim.environment.arguments import house_list  # here: it imports Taichi
 
     if str(houses) in BANKS:
         return benchmark(str(houses))
@@ -106,7 +109,6 @@ def named(houses: str | Path) -> list[House]:
 
 def require_places(targets: str, houses: str | Path) -> None:
     """Raise ``RequestError`` for one of the paper's tasks in another house: its places are in the paper's."""
-    from sim.environment.arguments import PAPER_HOUSE
     from sim.tasks.tasks import PAPER_TASKS
 
     if targets in PAPER_TASKS and str(houses) != PAPER_HOUSE:

@@ -216,7 +216,7 @@ def by_a_worker(path: Path) -> str:
 
 
 @dataclass(frozen=True)
-class Target:
+class FuzzTarget:
     """What makes inputs, and what answers them."""
 
     make: Callable[[Path, random.Random], Path]
@@ -224,7 +224,7 @@ class Target:
     again: Callable[[Path], str] | None = None
 
 
-TARGETS = {"houses": Target(house_file, read), "lint": Target(grammar, linted, by_a_worker)}
+TARGETS = {"houses": FuzzTarget(house_file, read), "lint": FuzzTarget(grammar, linted, by_a_worker)}
 
 
 def _tried(name: str, folder: Path, seed: str) -> tuple[str, float, int]:

@@ -24,7 +24,7 @@ from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play
 from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.result import Result
-from agent.evaluation.scores import Bank, ScoreFile, modes_of
+from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
 from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs, shield
 from logic import load
@@ -85,7 +85,7 @@ class Task:
         rooms = np.array([len(house.secondary) for house in houses])
         result = Result(self.targets, rooms, shortest_ways(envs, 0), runs)
         if self.out:
-            bank = Bank(banks.bank_hash(houses), str(self.held_out), len(houses))
+            bank = ScoredBank(banks.bank_hash(houses), str(self.held_out), len(houses))
             modes = modes_of([result])
             file = ScoreFile(bank, 0, modes, agents=[name], training_steps=self.steps)
             write_whole(self.out, file.json())

@@ -24,7 +24,20 @@ if TYPE_CHECKING:
 LOCK_AGE = 60.0
 """Seconds; to write the kernels of a process takes less than one."""
 
-__all__ = ["Array", "Launch", "constants", "kernel", "start", "ti"]
+__all__ = [
+    "Array",
+    "Bytes",
+    "Floats",
+    "Ints",
+    "Launch",
+    "Longs",
+    "Shorts",
+    "Words",
+    "constants",
+    "kernel",
+    "start",
+    "ti",
+]
 
 
 _stranded = threading.Event()
@@ -182,6 +195,11 @@ def _spread(started: list[int], workers: int | None) -> None:
     if 1 < len(processors) == (workers or os.cpu_count()):
         for thread, processor in zip(started[-len(processors) :], processors, strict=False):
             os.sched_setaffinity(thread, {processor})
+
+
+Bytes, Shorts, Words = (ti.types.ndarray(kind, 1) for kind in (ti.u8, ti.u16, ti.u64))
+Ints, Longs, Floats = (ti.types.ndarray(kind, 1) for kind in (ti.i32, ti.i64, ti.f32))
+"""Annotations of a kernel's arrays of numbers."""
 
 
 class Array:

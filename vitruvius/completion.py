@@ -15,13 +15,13 @@ from typing import Literal
 import tyro
 
 from agent.algorithms.table import PRESETS
-from agent.banks import BANKS
+from agent.banks import BANKS, PAPER_HOUSE
 from agent.learning.config import TARGET_MODES
 from agent.runs.released import released
 from logic.grammar import shipped
 from vitruvius.options import Option, options_in, options_of
 
-HOUSES = [*BANKS, "paper-house"]
+HOUSES = [*BANKS, PAPER_HOUSE]
 
 NAMES = {
     "grammar": shipped,

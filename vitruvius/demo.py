@@ -18,7 +18,7 @@ from agent.banks import bank_hash, geometry_hash
 from agent.evaluation.plots import learning_curve
 from agent.evaluation.protocol import measure
 from agent.evaluation.result import HUMAN_RATIO, Result
-from agent.evaluation.scores import Bank, ScoreFile, modes_of
+from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
 from agent.evaluation.statistics import paired_difference
 from agent.evaluation.tables import SCORE_NOTE, score_table
 from agent.learning.environments import playable
@@ -148,7 +148,7 @@ def demo(out: Path = Path("runs/demo"), seed: int = 0) -> int:
     film = out / "episode-object.gif"
     found = _measured(goal, FORESIGHT, foresight, playable(homes_held_out, goal), film, seed, EPISODES)
     for part, folder, name in ((main, "training", "stars"), (found, "foresight", "homes")):
-        bank = Bank(bank_hash(part.houses), f"{name}-held-out.jsonl", len(part.houses))
+        bank = ScoredBank(bank_hash(part.houses), f"{name}-held-out.jsonl", len(part.houses))
         measured = ScoreFile(bank, seed, modes_of([part.result]), episodes=part.result.episodes)
         write_whole(out / folder / "evaluation.json", measured.json())
     write_whole(out / "learning-curve.png", learning_curve(history, main.result))

@@ -29,7 +29,7 @@ class ScoreError(VitruviusError):
     exit_code = 5
 
 
-class Bank(msgspec.Struct):
+class ScoredBank(msgspec.Struct):
     """The houses, and ``agent.banks.bank_hash`` of them."""
 
     hash: str
@@ -70,7 +70,7 @@ class ModeScores(msgspec.Struct):
 class ScoreFile(msgspec.Struct):
     """A file of scores. Fields with a default are written, and not needed to read it."""
 
-    bank: Bank
+    bank: ScoredBank
     seed: int
     targets: dict[str, ModeScores]
     backend: str = "continuous"

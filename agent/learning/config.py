@@ -143,6 +143,10 @@ class QLearningConfig(TrainConfig):
         *(*TrainConfig.fractions, "gamma", "final_lr_fraction", "exploration_fraction"),
     )
 
+    def epsilon_at(self, fraction: float) -> float:
+        """Share of random actions when so much of the run is done."""
+        return linear(self.epsilon, self.final_epsilon, fraction / max(self.exploration_fraction, 1e-9))
+
     def __post_init__(self) -> None:
         """Refuse what no run can have, before anything is made."""
         super().__post_init__()
@@ -150,6 +154,11 @@ class QLearningConfig(TrainConfig):
             raise RequestError(f"half_lives are at most {MOST_HALF_LIVES}, not {len(self.half_lives)}")
         if not all(0 < half_life < inf for half_life in self.half_lives):
             raise RequestError(f"half_lives must be above 0 and finite, not {self.half_lives}")
+
+
+def linear(start: float, end: float, progress: float) -> float:
+    """The value on the line from start to end at progress 0 to 1, and the end beyond."""
+    return start + (end - start) * min(max(progress, 0.0), 1.0)
 
 
 def differences(one: TrainConfig, other: TrainConfig) -> Iterator[str]:

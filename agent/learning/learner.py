@@ -11,7 +11,7 @@ from torch import Tensor
 
 from agent.banks import bank_hash
 from agent.learning import ranks
-from agent.learning.config import TrainConfig, differences
+from agent.learning.config import TrainConfig, differences, linear
 from agent.learning.environments import layer_of
 from agent.learning.stopwatch import Stopwatch
 from agent.policies.policies import Explorer, QPolicy
@@ -115,6 +115,8 @@ class Learner(ABC):
         generator = torch.Generator().manual_seed(seed)
         return QPolicy(network, layer_of(config, envs, generator), generator)
 
+    optimizer: torch.optim.Optimizer
+
     def __init__(self, config: TrainConfig, envs: HouseVectorEnv, report: int) -> None:
         """Begin a run; ``envs`` has this rank's share of the environments, and NEXT_STEP autoreset.
 
@@ -166,6 +168,25 @@ class Learner(ABC):
         self.s, self.blocked = observation.clone(), info["blocked"].clone()
         self.ended = terminated | truncated
         return r, terminated, truncated
+
+    def set_learning_rate(self, rate: float) -> None:
+        """From now on."""
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate
+
+    def anneal(self, final: float) -> None:
+        """Set the learning rate, which falls on a line to the fraction ``final`` of it."""
+        self.set_learning_rate(self.config.learning_rate * linear(1.0, final, self.fraction))
+
+    def descend(self, loss: Tensor, max_grad_norm: float | None = None) -> Tensor:
+        """A step of the optimiser down the gradient, which is clipped to a norm; the loss without it."""
+        self.optimizer.zero_grad()
+        loss.backward()
+        ranks.all_reduce_gradients(self.network)
+        if max_grad_norm is not None:
+            torch.nn.utils.clip_grad_norm_(self.network.parameters(), max_grad_norm)
+        self.optimizer.step()
+        return loss.detach()
 
     @abstractmethod
     def iterate(self) -> Progress:
@@ -239,8 +260,3 @@ class Learner(ABC):
     @abstractmethod
     def restore_own(self, state: dict[str, Any]) -> None:
         """Take up what ``own_state`` gave."""
-
-
-def linear(start: float, end: float, progress: float) -> float:
-    """The value on the line from start to end at progress 0 to 1, and the end beyond."""
-    return start + (end - start) * min(max(progress, 0.0), 1.0)

@@ -11,17 +11,18 @@ import torch
 from torch import Tensor
 
 from agent.avoidance import air, clearance
-from agent.planner.belief import COUNT
-from agent.planner.body import Body
+from agent.planner.arrays import PlannerArrays
+from agent.planner.body import BodyModel
 from agent.planner.config import TUNED, PlannerConfig
-from agent.planner.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
-from agent.planner.offers import CHOICE, OFFER
+from agent.planner.mapping.occupancy import FLAGS, LATEST, NEAR, OCCUPIED, SOLID, TILE, number_type
+from agent.planner.mapping.visibility import FINE, fan
 from agent.planner.paths import FAR
-from agent.planner.reachability import SIDE, UNKNOWN, WORDS
 from agent.planner.state import AT, NONE, SIZE, TARGET
 from agent.planner.step import step_kernel, take_kernel
-from agent.planner.viewpoints import views
-from agent.planner.visibility import FINE, fan
+from agent.planner.viewpoints.belief import COUNT
+from agent.planner.viewpoints.choice import views
+from agent.planner.viewpoints.offers import CHOICE, OFFER
+from agent.planner.viewpoints.reachability import SIDE, UNKNOWN, WORDS
 from logic.errors import RequestError
 from sim.config import Config
 from sim.runtime import Array, Launch, start, ti
@@ -31,22 +32,10 @@ __all__ = ["TUNED", "Planner", "PlannerConfig"]
 UNSEEN, FREE, TAKEN = range(3)
 """What ``Planner.occupancy`` says of a cell."""
 
-STATE = (
-    *(
-        "cells",
-        "distance",
-        "queue",
-        "dirty",
-        "reached",
-        "tiles",
-        "odds",
-        "candidates",
-        "gains",
-        "evidence",
-        "last",
-    ),
-    *("states", "advice"),
-)
+GIVEN = {"prior", "offers", "offered"}
+"""The arrays of ``PlannerArrays`` that others write, or that are read after a step alone."""
+
+STATE = (*(name for name in PlannerArrays._fields if name not in GIVEN), "states", "advice")
 """The arrays that the next steps depend on."""
 
 
@@ -62,8 +51,8 @@ class Planner:
     """(E,) int64, the action that leads to the goal. The same memory after every step."""
 
     offers: Tensor
-    """(E, K, ``OFFER``) float32, the viewpoints of the last choice, as ``agent.planner.offers`` lists their
-    numbers. The same memory after every step."""
+    """(E, K, ``OFFER``) float32, the viewpoints of the last choice: their numbers are listed in
+    ``viewpoints.offers``. The same memory after every step."""
 
     offered: Tensor
     """(E, ``CHOICE``) float32, of the last step: how many were offered, 0 where none was chosen; and whether
@@ -132,7 +121,7 @@ class Planner:
             "advice": Array(ti.i64, count),
         }
         self.arrays = given | tables | memory | kept | {"picks": Array(ti.i64, count)}
-        self.body = body = Body(
+        self.body = body = BodyModel(
             rays=rays,
             columns=world.columns,
             step=step,

@@ -1,6 +1,6 @@
 """What a planner advises: the turn to the heading from which a step brings the goal nearest."""
 
-from agent.planner.occupancy import Occupancy
+from agent.planner.mapping.occupancy import Occupancy
 from agent.planner.paths import FAR, Paths
 from sim.actions import FORWARD, LEFT, RIGHT
 from sim.runtime import ti
@@ -59,7 +59,7 @@ class Advice:
             if (nearest > -1.0) & (gains[k] == nearest):
                 way = self.occupancy.ahead((heading + k) & 7)
                 qx, qy = px + span * way[0], py + span * way[1]
-                turns = ti.min(k, 8 - k) + self.paths.bends(memory, base, qx, qy, (heading + k) & 7)
+                turns = ti.min(k, 8 - k) + self.paths.turns(memory, base, qx, qy, (heading + k) & 7)
                 if turns < fewest:
                     turn, fewest = k, turns
         return turn

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 
 from agent.planner import Planner
-from agent.planner.arrays import Bytes, Floats, Memory, Shorts, Wholes, Words
-from agent.planner.belief import Belief
-from agent.planner.body import Body
-from agent.planner.candidates import Candidates
+from agent.planner.arrays import PlannerArrays
+from agent.planner.body import BodyModel
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import FLAGS, Occupancy, number_type
-from agent.planner.reachability import SIDE, UNKNOWN
+from agent.planner.mapping.occupancy import FLAGS, Occupancy
 from agent.planner.state import SIZE, loaded
-from agent.planner.viewpoints import TRIED
-from sim.runtime import Array, Launch, start, ti
+from agent.planner.viewpoints.belief import Belief
+from agent.planner.viewpoints.candidates import Candidates
+from agent.planner.viewpoints.choice import TRIED
+from agent.planner.viewpoints.reachability import SIDE, UNKNOWN
+from sim.runtime import Array, Bytes, Ints, Launch, kernel, start, ti
 
 
 class BeliefMap:
@@ -40,35 +40,28 @@ class BeliefMap:
 
 
 @cache
-def _kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
+def _kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
     """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
     occupancy = Occupancy(config, body.step, body.touching, body.errs)
     belief = Belief(config, occupancy, body.prior)
     parts = Candidates(config, occupancy, belief)
-    Numbers = ti.types.ndarray(number_type(config), 1)
 
-    @ti.kernel
-    def belief_map(
-        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
-        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes, last: Floats, prior: Shorts,
-        offers: Floats, offered: Floats, states: Wholes, counts: Bytes,
-    ):  # fmt: skip
-        memory = ti.static(
-            Memory(
-                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior,
-                offers, offered,
-            )
-        )  # fmt: skip
+    @kernel
+    def belief_map(memory: PlannerArrays, states: Ints, counts: Bytes):
         for e in range(states.shape[0] // ti.static(SIZE)):
             base, state = e * occupancy.area, loaded(states, e)
             room, shares = belief.start_room(memory, base), belief.shares(state.found_here, state.found)
             for tile, block in ti.ndrange(parts.field.number, SIDE * SIDE):
                 node = parts.field.node(tile, block)
                 x, y, i = occupancy.across(node), occupancy.down(node), parts.first(base) + parts.at(node)
-                count, kept = 0, ti.cast(odds[parts.field.of_tile(base, tile) + block], ti.i32)
+                count, kept = 0, ti.cast(memory.odds[parts.field.of_tile(base, tile) + block], ti.i32)
                 # What was not kept is computed at each choice, and only floor that was seen is told without.
-                known = (kept != UNKNOWN) | (cells[base + node] >> FLAGS != 0)
-                if known and candidates[i] & TRIED == 0 and occupancy.hides(memory, base, x, y, state.since):
+                known = (kept != UNKNOWN) | (memory.cells[base + node] >> FLAGS != 0)
+                if (
+                    known
+                    and memory.candidates[i] & TRIED == 0
+                    and occupancy.hides(memory, base, x, y, state.since)
+                ):
                     count = ti.select(kept != UNKNOWN, kept, belief.odds(memory, base, x, y))
                 share = ti.select(belief.within(room, x, y), shares[0], shares[1])
                 counts[i] = ti.cast(ti.ceil(share * ti.cast(count, ti.f32)), ti.u8)

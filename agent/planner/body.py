@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 
-class Body(NamedTuple):
+class BodyModel(NamedTuple):
     """The body that a planner leads."""
 
     rays: int

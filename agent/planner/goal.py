@@ -1,10 +1,10 @@
 """The goal: the target that was seen, or else the next best view; and the paths to it."""
 
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import Occupancy
+from agent.planner.mapping.occupancy import Occupancy
 from agent.planner.paths import FAR, Paths
 from agent.planner.state import NONE, SEARCH, TARGET
-from agent.planner.viewpoints import Viewpoints
+from agent.planner.viewpoints.choice import Viewpoints
 from sim.runtime import ti
 
 

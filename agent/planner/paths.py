@@ -5,7 +5,7 @@ near to what was seen and not known to be solid counts as free: the body finds o
 """
 
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import Occupancy
+from agent.planner.mapping.occupancy import Occupancy
 from sim.runtime import ti
 
 FAR = (1 << 16) - 1
@@ -93,7 +93,7 @@ class Paths:
         return tail
 
     @ti.func
-    def bends(self, memory: ti.template(), base, px, py, heading):
+    def turns(self, memory: ti.template(), base, px, py, heading):
         """Turns, of 45 degrees each, on a path from a pose in half cells to the goal that goes straight on as
         long as that leads nearer, and then turns as little as it must.
         """

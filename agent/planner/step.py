@@ -4,22 +4,22 @@ from functools import cache
 from typing import Any
 
 from agent.planner.advice import Advice
-from agent.planner.arrays import Bytes, Floats, Longs, Memory, Shorts, Tables, Wholes, Words
-from agent.planner.belief import Belief
-from agent.planner.body import Body
-from agent.planner.candidates import Candidates
+from agent.planner.arrays import PlannerArrays, PlannerTables
+from agent.planner.body import BodyModel
 from agent.planner.config import PlannerConfig
 from agent.planner.goal import Goal
-from agent.planner.occupancy import Occupancy, number_type
+from agent.planner.mapping.occupancy import Occupancy
+from agent.planner.mapping.scan import DOOR, TARGET, WALL, Scan
+from agent.planner.mapping.target import TargetEstimate
+from agent.planner.mapping.visibility import Visibility
 from agent.planner.paths import Paths
-from agent.planner.scan import DOOR, TARGET, WALL, Scan
 from agent.planner.state import SEARCH, first_state, loaded, store
-from agent.planner.target import Target
-from agent.planner.viewpoints import Viewpoints
-from agent.planner.visibility import Visibility
-from sim.runtime import ti
+from agent.planner.viewpoints.belief import Belief
+from agent.planner.viewpoints.candidates import Candidates
+from agent.planner.viewpoints.choice import Viewpoints
+from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 
-Sight = ti.types.struct(
+Sighting = ti.types.struct(
     due=ti.i32,  # whether the rays were swept
     hits=ti.i32,  # cells found to be occupied that were not known to be
     forward=ti.i32,  # whether the rays leave the body room to go forward
@@ -36,13 +36,13 @@ Sight = ti.types.struct(
 class Step:
     """The parts of a step, for a configuration and a body; environment ``e``'s cells begin at ``base``."""
 
-    def __init__(self, config: PlannerConfig, body: Body) -> None:
+    def __init__(self, config: PlannerConfig, body: BodyModel) -> None:
         """Make the parts."""
         self.config, self.body = config, body
         self.scan = Scan(body)
         self.occupancy = Occupancy(config, body.step, body.touching, body.errs)
         self.visibility = Visibility(config, self.occupancy, body.rays, body.reach, self.scan.tolerance)
-        self.target = Target(config, body.target)
+        self.target = TargetEstimate(config, body.target)
         self.belief = Belief(config, self.occupancy, body.prior)
         candidates = Candidates(config, self.occupancy, self.belief)
         self.viewpoints = Viewpoints(config, self.occupancy, candidates, body.offers)
@@ -92,7 +92,7 @@ class Step:
         px, py, heading, time, known = state.x, state.y, state.heading, state.time, state.known
         eye = ti.Vector([0.5 * ti.cast(px, ti.f32), 0.5 * ti.cast(py, ti.f32)])
         offset, new = state.target - eye, self.occupancy.see_body(memory, base, px, py, time)
-        sight = Sight(0)
+        sight = Sighting(0)
         sight.due = self.visibility.due(time, state.new, known, state.straight)
         sight.forward, sight.low, sight.high = 1, ti.Vector([1e9, 1e9]), ti.Vector([-1e9, -1e9])
         before, last_kind, last_far, last_reached = ti.Vector([0.0, 0.0]), -1, 0, 0
@@ -184,27 +184,21 @@ class Step:
 
 
 @cache
-def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
+def step_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
     """The kernel for a running Taichi. Arguments are named for the planner's arrays."""
     parts = Step(config, body)
-    Numbers = ti.types.ndarray(number_type(config), 1)
 
-    @ti.kernel
+    @kernel
     def step(
-        observation: Floats, action: Longs, blocked: Bytes, begun: Bytes,
-        directions: Floats, clear: Floats, starts: Wholes, skips: Wholes, fan: Wholes, views: Wholes,
-        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
-        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
-        last: Floats, prior: Shorts, offers: Floats, offered: Floats,
-        states: Wholes, advice: Longs,
-    ):  # fmt: skip
-        memory = ti.static(
-            Memory(
-                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior,
-                offers, offered,
-            )
-        )  # fmt: skip
-        tables = ti.static(Tables(directions, clear, starts, skips, fan, views))
+        observation: Floats,
+        action: Longs,
+        blocked: Bytes,
+        begun: Bytes,
+        tables: PlannerTables,
+        memory: PlannerArrays,
+        states: Ints,
+        advice: Longs,
+    ):
         ti.loop_config(block_dim=8)  # few environments to a thread: their steps take very different times
         for e in range(blocked.shape[0]):
             base, state = e * parts.occupancy.area, loaded(states, e)
@@ -222,25 +216,12 @@ def step_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
 
 
 @cache
-def take_kernel(program: Any, config: PlannerConfig, body: Body) -> Any:
+def take_kernel(program: Any, config: PlannerConfig, body: BodyModel) -> Any:
     """The kernel that takes another viewpoint than the planner chose, in the step in which it chose."""
     parts = Step(config, body)
-    Numbers = ti.types.ndarray(number_type(config), 1)
 
-    @ti.kernel
-    def take(
-        picks: Longs,
-        cells: Shorts, distance: Shorts, queue: Numbers, dirty: Bytes, reached: Wholes, tiles: Words,
-        odds: Bytes, candidates: Bytes, gains: Shorts, evidence: Bytes,
-        last: Floats, prior: Shorts, offers: Floats, offered: Floats,
-        states: Wholes, advice: Longs,
-    ):  # fmt: skip
-        memory = ti.static(
-            Memory(
-                cells, distance, queue, dirty, reached, tiles, odds, candidates, gains, evidence, last, prior,
-                offers, offered,
-            )
-        )  # fmt: skip
+    @kernel
+    def take(picks: Longs, memory: PlannerArrays, states: Ints, advice: Longs):
         ti.loop_config(block_dim=8)
         for e in range(picks.shape[0]):
             pick = ti.cast(picks[e], ti.i32)

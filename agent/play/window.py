@@ -114,7 +114,7 @@ def size_of(display: tuple[int, int], panels: int) -> int:
     return max(1, min(SIZE, (width - GAP * (panels - 1)) // panels, height - HEAD - FRAME))
 
 
-class Trace:
+class PlayedEpisode:
     """An episode that has been played, shown up to a step."""
 
     def __init__(self, panel: Panel, name: str, scenes: Sequence[Picture]) -> None:
@@ -170,7 +170,7 @@ class Keys:
         return FORWARD if self.going else None
 
 
-class Window:
+class GameWindow:
     """Shows games one after the other, and plays them by the keyboard."""
 
     def __init__(self, title: str = "Vitruvius") -> None:
@@ -195,7 +195,7 @@ class Window:
         the episode in so many seconds.
         """
         house, size = game.scene.house, self._size(2 if race else 1)
-        ghost = Trace(Panel(house, view, size), *race) if race else None
+        ghost = PlayedEpisode(Panel(house, view, size), *race) if race else None
         panels = [Panel(house, view, size), *([ghost.panel] if ghost else [])]
         across = sum(panel.size[0] for panel in panels) + GAP * (len(panels) - 1)
         self.surface = pygame.display.set_mode((across, panels[0].size[1] + HEAD))
@@ -237,7 +237,7 @@ class Window:
         if played.index >= len(houses):
             raise ResultsError(f"{where}: played in house {played.index}, here are {len(houses)}")
         game, scenes = replayed(played, houses[played.index], where)
-        trace = Trace(Panel(scenes[0].house, played.view, self._size(1)), played.player, scenes)
+        trace = PlayedEpisode(Panel(scenes[0].house, played.view, self._size(1)), played.player, scenes)
         self.surface = pygame.display.set_mode((trace.panel.size[0], trace.panel.size[1] + HEAD))
         speed, now = game.scene.config.steps / played.seconds, 0.0
         while trace.step < len(scenes) - 1:

@@ -16,7 +16,7 @@ MIDDLE = slice(18, 21)
 """The rays that make an exploring body of the original go forward where they see the target."""
 
 
-class Choice(NamedTuple):
+class ActionChoice(NamedTuple):
     """Why a policy acted as it did last, (E, A) each."""
 
     values: Tensor
@@ -93,7 +93,7 @@ class Tracker:
 class QPolicy:
     """The network's best allowed action, or sometimes a random allowed one."""
 
-    choice: Choice
+    choice: ActionChoice
     """Of the last call."""
 
     def __init__(
@@ -125,7 +125,7 @@ class QPolicy:
         q = self.network(observation, self.remembered)
         chosen, random = exploration(q.shape[:1], self.generator, self.epsilon, self.forward, draws=2)
         preference = epsilon_greedy(q, chosen, home(random, observation) if self.homing else random)
-        self.choice = Choice(q, preference, self.avoidance(observation, blocked))
+        self.choice = ActionChoice(q, preference, self.avoidance(observation, blocked))
         actions = subsume(preference, self.choice.allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         same = torch.zeros_like(blocked)
@@ -138,7 +138,7 @@ class Explorer:
     that which a chooser takes. Nothing is learnt but what its ``tracker`` foresees, or its chooser has.
     """
 
-    choice: Choice
+    choice: ActionChoice
     """Of the last call: its values are 1 for what is advised, as it has none of actions."""
 
     def __init__(
@@ -164,7 +164,7 @@ class Explorer:
         """Actions (E,) int64 for observations (E, R, C); ``blocked`` (E,) bool: the last move was."""
         advice = self.tracker.look(observation, blocked).advice
         advised = one_hot(advice, ACTIONS).float()
-        self.choice = Choice(advised, advised, self.avoidance(observation, blocked))
+        self.choice = ActionChoice(advised, advised, self.avoidance(observation, blocked))
         actions = subsume(advised, self.choice.allowed)
         self.interventions += int((actions != advice).sum())
         self.tracker.actions = actions

@@ -11,7 +11,7 @@ from agent.evaluation import scores
 from agent.evaluation.baselines import REFERENCES
 from agent.evaluation.learnt_in import warnings
 from agent.evaluation.result import HUMAN, HUMAN_RATIO
-from agent.evaluation.scores import Bank, ModeScores, PolicyScores
+from agent.evaluation.scores import ModeScores, PolicyScores, ScoredBank
 from agent.evaluation.statistics import Estimate, interquartile_mean
 from agent.evaluation.tables import LABELS, SCORE_NOTE, capital, human_name
 from agent.report.page import Cell, Section, details, inline, table
@@ -51,7 +51,7 @@ def lead(files: Sequence[Path]) -> str:
     return ""
 
 
-def _naming(path: Path, bank: Bank) -> Callable[[str], str]:
+def _naming(path: Path, bank: ScoredBank) -> Callable[[str], str]:
     """What the types of a bank are called, by its first house's looks, where it is here."""
     beside = [folder / bank.file for folder in (path.parent, path.parent.parent)] if bank.file else []
     file = next((each for each in beside if each.is_file()), None)

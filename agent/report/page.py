@@ -24,6 +24,9 @@ class ReportError(VitruviusError):
 
 FOLDER = Path(__file__).parent
 
+SCRIPTS = ("page", "plans", "picture", "episodes")
+"""Files of the page's script, in their order."""
+
 
 @dataclass(frozen=True)
 class Section:
@@ -50,7 +53,8 @@ def page(title: str, lead: str, sections: Sequence[Section]) -> bytes:
 
     Its policy lets a browser fetch nothing, and run no script but its own.
     """
-    style, script = (FOLDER.joinpath(name).read_text() for name in ("page.css", "page.js"))
+    style = FOLDER.joinpath("page.css").read_text()
+    script = "\n".join(FOLDER.joinpath("script", f"{name}.js").read_text() for name in SCRIPTS)
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return (
         Template(FOLDER.joinpath("page.html").read_text())

@@ -38,7 +38,7 @@ class NoExporter(VitruviusError):
     exit_code = 69
 
 
-class Step(nn.Module):
+class ExportedStep(nn.Module):
     """A network and its memory as the one function that is exported."""
 
     def __init__(self, network: Any) -> None:
@@ -72,7 +72,7 @@ def export(network: Any, path: str | Path) -> None:
     """
     if not hasattr(network, "memory"):
         raise RequestError("only a Q-network over moves can be exported: this needs a planner's whole map")
-    step = Step(network).eval()
+    step = ExportedStep(network).eval()
     batch = torch.export.Dim("batch")
     try:
         with _quiet():

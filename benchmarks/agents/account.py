@@ -35,7 +35,7 @@ MOST = 0.9
 
 
 @dataclass(frozen=True)
-class Account:
+class StepAccount:
     """What a policy's steps went to, one episode in each of H houses."""
 
     steps: np.ndarray
@@ -51,18 +51,18 @@ class Account:
     blocked: np.ndarray
     """(H, P) int64 those of the steps that were moves that walls or furniture blocked."""
 
-    def of(self, houses: np.ndarray) -> "Account":
+    def of(self, houses: np.ndarray) -> "StepAccount":
         """Of some of the houses (H,) bool."""
-        return Account(*(each[houses] for each in (self.steps, self.sighted, self.turning, self.blocked)))
+        return StepAccount(*(each[houses] for each in (self.steps, self.sighted, self.turning, self.blocked)))
 
 
-def follow(envs: HouseVectorEnv, policy: Policy, seed: int) -> Account:
+def follow(envs: HouseVectorEnv, policy: Policy, seed: int) -> StepAccount:
     """Play the protocol's episodes, environment i in house i, and account for each step.
 
     The bank must have a house for each environment, and episodes that end by time alone, all at once.
     """
     observation = reset(envs, seed)
-    search, every = Search(envs), np.arange(envs.num_envs)
+    search, every = RoomSearch(envs), np.arange(envs.num_envs)
     counts = np.zeros((4, envs.num_envs, len(PHASES)), np.int64)
     phase = origin = np.zeros(envs.num_envs, int)  # ``origin``: in which the known target was first met
     known = np.zeros(envs.num_envs, bool)
@@ -78,10 +78,10 @@ def follow(envs: HouseVectorEnv, policy: Policy, seed: int) -> Account:
         if now.actions is not None:
             counts[0, every, phase] += 1
             counts[2, every, phase] += now.actions.numpy() != FORWARD
-    return Account(*counts)
+    return StepAccount(*counts)
 
 
-class Search:
+class RoomSearch:
     """Which rooms each of the environments has looked at, in its episode and since its last pick-up."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:

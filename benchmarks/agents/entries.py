@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from benchmarks.agents.records import Entry, External
+from benchmarks.agents.records import External, TrainingEntry
 
 BUDGET = 15 * 60
 RATES = {"pqn": 46_000, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
@@ -10,9 +10,9 @@ RATES = {"pqn": 46_000, "dqn": 12_000, "paper": 1_800, "pqn-recurrent": 20_000}
 began on; steps a second. Counted in steps, it does not depend on the machine."""
 
 
-def _entry(name: str, preset: str, shows: str, beside: str = "", **changes: Any) -> Entry:
+def _entry(name: str, preset: str, shows: str, beside: str = "", **changes: Any) -> TrainingEntry:
     """An entry with its preset's budget, and changes of the preset."""
-    return Entry(name, preset, BUDGET * RATES[preset], shows, beside, changes)
+    return TrainingEntry(name, preset, BUDGET * RATES[preset], shows, beside, changes)
 
 
 ENTRIES = (

@@ -7,7 +7,7 @@ from benchmarks.common.measure import study
 
 
 @dataclass(frozen=True)
-class Learner:
+class LearnerStudy:
     """Steps a second of each part of a training step, by number of environments."""
 
     out: Path = Path("runs/bench")

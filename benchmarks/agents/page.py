@@ -8,7 +8,7 @@ import numpy as np
 
 from agent.evaluation.result import HUMAN_RATIO, SUCCESS_STEPS, Result
 from agent.evaluation.tables import LABELS, WHERE
-from benchmarks.agents.records import Difference, Entry, Study, by_seed, difference
+from benchmarks.agents.records import Difference, Study, TrainingEntry, by_seed, difference
 from benchmarks.common.pages import table_rows
 
 UNMEASURED = "-"
@@ -41,7 +41,7 @@ def agents_page(study: Study) -> str:
     )
 
 
-def _entry(study: Study, entry: Entry) -> list[str]:
+def _entry(study: Study, entry: TrainingEntry) -> list[str]:
     """What an entry is, and the ratio of each of its runs."""
     result, seeds = study.results[entry.targets], study.seeds(entry.name)
     each = ", ".join(f"{value:.2f}" for value in by_seed(result, entry.name)) if seeds else UNMEASURED
@@ -98,7 +98,7 @@ def _by_rooms(study: Study) -> str:
     return f"| agent or baseline | {head} |\n|---|{'---|' * len(counts)}\n{table_rows(rows)}"
 
 
-def _parts(study: Study, base: Entry) -> str:
+def _parts(study: Study, base: TrainingEntry) -> str:
     """A preset and its changes, in one table."""
     result = study.results[base.targets]
     rows = [[f"**{base.name}**", "", *_conduct(result, base.name), "", ""]]
@@ -111,7 +111,7 @@ def _parts(study: Study, base: Entry) -> str:
     return f"{title}\n\n{head}\n|{'---|' * 7}\n{table_rows(rows)}"
 
 
-def _options(entry: Entry) -> str:
+def _options(entry: TrainingEntry) -> str:
     preset = () if entry.preset == entry.beside else ("--preset", entry.preset)
     return f"`{' '.join((*preset, *entry.options))}`"
 
@@ -128,12 +128,12 @@ def _signed(found: Difference) -> str:
     return f"{f'**{value}**' if found.clear else value} [{low}, {high}]"
 
 
-def _lasts(study: Study, entry: Entry) -> list[dict[str, Any]]:
+def _lasts(study: Study, entry: TrainingEntry) -> list[dict[str, Any]]:
     """The last reports of an entry's finished runs."""
     return [run.last for run in study.runs if run.entry == entry.name and run.finished and run.last]
 
 
-def _time(study: Study, entry: Entry) -> list[str]:
+def _time(study: Study, entry: TrainingEntry) -> list[str]:
     """Steps a second of a whole run and of its parts alone, and the parts' shares of the time: medians."""
     lasts = _lasts(study, entry)
     whole = median(last["steps"] / last["seconds"] for last in lasts)

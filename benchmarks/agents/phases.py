@@ -23,7 +23,7 @@ from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs
 from agent.policies.policies import Policy
 from agent.runs import checkpoint
-from benchmarks.agents.account import PHASES, Account, follow
+from benchmarks.agents.account import PHASES, StepAccount, follow
 from benchmarks.agents.kept import code, fingerprint
 from logic.house.files import write_whole
 
@@ -71,14 +71,14 @@ class Phases:
                 content = io.BytesIO()
                 np.savez(content, **vars(follow(envs, make(), self.seed)))
                 write_whole(path, content.getvalue())
-            accounts[name] = Account(**np.load(path))
+            accounts[name] = StepAccount(**np.load(path))
         rooms = np.array([len(house.secondary) for house in houses])
         page = "\n\n".join(sheet.markdown() for sheet in sheets(accounts, rooms))
         write_whole(self.out / "phases.md", f"{page}\n".encode())
         print(page)
 
 
-def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Table]:
+def sheets(accounts: dict[str, StepAccount], rooms: np.ndarray) -> Iterator[Table]:
     """The tables, for houses with these numbers of ``rooms`` (H,)."""
     where = f"{len(rooms)} houses"
     yield Table(
@@ -107,13 +107,13 @@ def sheets(accounts: dict[str, Account], rooms: np.ndarray) -> Iterator[Table]:
         )
 
 
-def percents(account: Account) -> tuple[str, ...]:
+def percents(account: StepAccount) -> tuple[str, ...]:
     """The share of steps of each phase, of turns and of blocked moves."""
     beside = [each.sum() / account.steps.sum() for each in (account.turning, account.blocked)]
     return *shares(account.steps.sum(axis=0)), *(f"{share:.1%}" for share in beside)
 
 
-def costs(account: Account) -> tuple[str, ...]:
+def costs(account: StepAccount) -> tuple[str, ...]:
     """How many steps of each phase, and of all, were made for a target."""
     steps = account.steps.sum(axis=0)
     return tuple(f"{count / max(account.sighted.sum(), 1):.1f}" for count in (*steps, steps.sum()))

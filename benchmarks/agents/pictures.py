@@ -11,7 +11,7 @@ from agent.evaluation.plots import COLOURS, plain, png
 from agent.evaluation.result import HUMAN, HUMAN_RATIO, Result
 from agent.evaluation.statistics import Estimate
 from agent.evaluation.tables import WHERE
-from benchmarks.agents.records import Entry, Study, by_seed, difference
+from benchmarks.agents.records import Study, TrainingEntry, by_seed, difference
 
 AGENTS = ("#1f5ea8", "#c0392b", "#4c9be8", "#7b5ea7", "#2d2d2d", "#8a6d3b")
 """Of agents, in the order of the study."""
@@ -115,7 +115,7 @@ def _rooms(study: Study) -> Figure:
     return figure
 
 
-def _parts(study: Study, bases: list[Entry]) -> Figure:
+def _parts(study: Study, bases: list[TrainingEntry]) -> Figure:
     """A panel for each agent: what each change does to its ratio."""
     rows = [study.changes(base.name) for base in bases]
     heights = [len(changes) + 1 for changes in rows]

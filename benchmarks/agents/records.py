@@ -15,7 +15,7 @@ from agent.learning.config import TrainConfig
 
 
 @dataclass(frozen=True)
-class Entry:
+class TrainingEntry:
     """What is trained, by several seeds."""
 
     name: str
@@ -85,7 +85,7 @@ class Study:
     versions: str
     learnt_in: str
     measured_in: str
-    entries: tuple[Entry, ...]
+    entries: tuple[TrainingEntry, ...]
     runs: tuple[Outcome, ...]
     """In the order of the entries' seeds."""
     results: dict[str, Result]
@@ -95,7 +95,7 @@ class Study:
     absent: tuple[Outcome, ...] = ()
     """Runs of external agents that were begun and have no score."""
 
-    def entry(self, name: str) -> Entry:
+    def entry(self, name: str) -> TrainingEntry:
         """The entry of this name. Raises ``KeyError``."""
         return {entry.name: entry for entry in self.entries}[name]
 
@@ -103,15 +103,15 @@ class Study:
         """Seeds of an entry's finished runs, in the order of its scores."""
         return [run.seed for run in self.runs if run.entry == name and run.finished]
 
-    def measured(self) -> list[Entry]:
+    def measured(self) -> list[TrainingEntry]:
         """Entries with a finished run."""
         return [entry for entry in self.entries if self.seeds(entry.name)]
 
-    def presets(self) -> list[Entry]:
+    def presets(self) -> list[TrainingEntry]:
         """Those of them that are no change of another."""
         return [entry for entry in self.measured() if not entry.beside]
 
-    def changes(self, name: str) -> list[Entry]:
+    def changes(self, name: str) -> list[TrainingEntry]:
         """Those of them that are changes of an entry and have a seed in common with it."""
         return [
             e for e in self.measured() if e.beside == name and set(self.seeds(e.name)) & set(self.seeds(name))
@@ -145,7 +145,7 @@ def options(values: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(chain.from_iterable(words))
 
 
-def difference(study: Study, changed: Entry) -> Difference:
+def difference(study: Study, changed: TrainingEntry) -> Difference:
     """A change beside what it is a change of, over the seeds that both have finished."""
     result = study.results[changed.targets]
     ours, theirs = (study.seeds(name) for name in (changed.name, changed.beside))

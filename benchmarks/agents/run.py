@@ -18,7 +18,7 @@ from agent.report.folder import describe, write_report
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
-from benchmarks.agents.records import Entry, Study
+from benchmarks.agents.records import Study, TrainingEntry
 from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, given
 from benchmarks.common.houses import TRAINING, training_houses
 from benchmarks.common.pages import ROOT, machine, revision, versions, write
@@ -83,7 +83,7 @@ class Agents:
 
     def study(
         self,
-        entries: Sequence[Entry],
+        entries: Sequence[TrainingEntry],
         runs: Sequence[EntryRun],
         others: Sequence[ExternalRun],
         places: dict[str, Path],

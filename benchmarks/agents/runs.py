@@ -16,7 +16,7 @@ from agent.learning.config import TrainConfig, differences
 from agent.runs import checkpoint
 from agent.runs.runs import Folder
 from benchmarks.agents.entries import EXTERNALS
-from benchmarks.agents.records import Entry, External, Outcome, options
+from benchmarks.agents.records import External, Outcome, TrainingEntry, options
 from benchmarks.common.pages import ROOT
 from benchmarks.common.processes import CLI, Job, failure, why
 from logic.errors import RequestError, VitruviusError
@@ -32,7 +32,7 @@ class StudyFailed(VitruviusError):
 class EntryRun:
     """An entry with a seed: a training run in its folder."""
 
-    entry: Entry
+    entry: TrainingEntry
     seed: int
     out: Path
 

@@ -32,7 +32,7 @@ HEAD = """\
 
 
 @dataclass(frozen=True)
-class Series:
+class TrainingSeries:
     """A preset, trained by a number of processes with some seeds."""
 
     preset: str
@@ -54,7 +54,7 @@ class Series:
         lasts = [json.loads(folder.metrics.read_text().splitlines()[-1]) for folder in self.folders]
         return [last[part] if part else last["steps"] / last["seconds"] for last in lasts]
 
-    def row(self, one: "Series", ratio: str) -> list[str]:
+    def row(self, one: "TrainingSeries", ratio: str) -> list[str]:
         """Medians over the runs, the whole with its range; beside them the same preset by one process."""
         parts = (f"{median(self.rates(part)):,.0f}" for part in PARTS)
         rates = self.rates()
@@ -106,12 +106,12 @@ class Throughput:
         write({"throughput.md": page.encode()}, self.out)
         print(page)
 
-    def series(self, preset: str, processes: int) -> Series:
+    def series(self, preset: str, processes: int) -> TrainingSeries:
         """A row of the table."""
         folders = (Folder(self.out / f"{preset}-by-{processes}-{seed}") for seed in self.seeds)
-        return Series(preset, processes, tuple(folders))
+        return TrainingSeries(preset, processes, tuple(folders))
 
-    def train(self, series: Series, number: int, houses: Path) -> None:
+    def train(self, series: TrainingSeries, number: int, houses: Path) -> None:
         """Train one of its runs, or go on with it; nothing where it is done."""
         folder, steps = series.folders[number], round(self.share * BUDGET * RATES[series.preset])
         seed, name = self.seeds[number], series.name
@@ -130,7 +130,7 @@ class Throughput:
         finally:
             os.sched_setaffinity(0, cores)
 
-    def measured(self, preset: str, table: list[Series]) -> list[tuple[str, str]]:
+    def measured(self, preset: str, table: list[TrainingSeries]) -> list[tuple[str, str]]:
         """The ratio to the oracle of each row of a preset where its targets lie, with its interval."""
         mode, out = PRESETS[preset].targets, self.out / f"evaluation-{preset}"
         rows = [series for series in table if series.preset == preset]

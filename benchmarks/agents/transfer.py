@@ -37,7 +37,7 @@ BESIDE = ("explorer", "searcher")
 
 
 @dataclass(frozen=True)
-class Bank:
+class HouseKind:
     """A kind of house: what it is called, its request, and what simulates it."""
 
     title: str
@@ -53,11 +53,11 @@ class Bank:
 
 
 BANKS = {
-    "family": Bank("`family`, 2 to 6 rooms, as learnt"),
-    "paper": Bank("`paper`, 2 to 6 rooms", grammar="paper"),
-    "on-a-grid": Bank("`family`, edges on a grid of 0.3 m", cell=0.3),
-    "by-cells": Bank("the same, moved and seen cell by cell", cell=0.3, backend="grid"),
-    "twelve": Bank("`family`, 12 rooms", rooms=(12,), count=32),
+    "family": HouseKind("`family`, 2 to 6 rooms, as learnt"),
+    "paper": HouseKind("`paper`, 2 to 6 rooms", grammar="paper"),
+    "on-a-grid": HouseKind("`family`, edges on a grid of 0.3 m", cell=0.3),
+    "by-cells": HouseKind("the same, moved and seen cell by cell", cell=0.3, backend="grid"),
+    "twelve": HouseKind("`family`, 12 rooms", rooms=(12,), count=32),
 }
 
 
@@ -132,7 +132,7 @@ class Transfer:
         if not path.exists():
             backend = BANKS[name].backend if name in BANKS else "continuous"
             result = next(measure(agents, houses, (mode,), backend=backend))
-            bank = scores.Bank(bank_hash(houses))
+            bank = scores.ScoredBank(bank_hash(houses))
             write_whole(path, scores.ScoreFile(bank, 0, scores.modes_of([result]), backend).json())
         return scores.load(path).targets[mode]
 

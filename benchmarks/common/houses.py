@@ -10,6 +10,9 @@ from benchmarks.common.processes import say
 from logic import House, generate, load, save
 from logic.errors import VitruviusError
 
+INFERENCES = 10**9
+"""Of stage 2 for a house: more than any takes."""
+
 ROOMS, COUNT = (2, 3, 4, 5, 6), 205
 TRAINING = "c2ea75684f2e20a7a5e345a28735399b0c29d98f65e694bcd754ae49f1b160fc"
 """The houses to learn in: COUNT of `family` with each number of rooms, seeds 102 to 106; their hash."""

@@ -6,19 +6,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common.pages import machine
-from benchmarks.common.series import AXES, axis_of, is_rate, law, name_of, series_of
+from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
 
 
 def plot(report: dict[str, Any]) -> bytes:
     """A PNG on logarithmic axes: medians, quartiles and the fitted law of each benchmark, a panel a kind."""
     from matplotlib.figure import Figure
 
-    rate, series = is_rate(report), series_of(report)
-    panels = {
-        name_of(entry): (entry["extra_info"].get("panel", ""), axis)
-        for entry in report["benchmarks"]
-        if (axis := axis_of(entry))
-    }
+    rate, series, panels = is_rate(report), series_of(report), panels_of(report)
     titles = list(dict.fromkeys(panels[name] for name in series))
     columns = min(3, len(titles))
     rows = -(-len(titles) // columns)

@@ -33,10 +33,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Record the measurements of this run."""
-    config.pluginmanager.register(Recorder(config))
+    config.pluginmanager.register(ReportRecorder(config))
 
 
-class Recorder:
+class ReportRecorder:
     """What is measured so far, and how long it took."""
 
     def __init__(self, config: pytest.Config) -> None:

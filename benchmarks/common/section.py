@@ -10,7 +10,7 @@ import numpy as np
 from agent.report.page import ReportError, Section, inline, table
 from agent.report.plots import Axis, Series, line_plot
 from benchmarks.common.pages import machine
-from benchmarks.common.series import AXES, axis_of, is_rate, law, name_of, series_of
+from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
 
 COLOURS = 10
 """Of lines: classes of a report's style."""
@@ -29,12 +29,7 @@ def timings(files: Sequence[Path], folder: Path) -> Section:
 
 def _study(report: dict[str, Any]) -> str:
     """A plot for each kind of benchmark, and the fitted laws."""
-    rate, series = is_rate(report), series_of(report)
-    panels = {
-        name_of(entry): (entry["extra_info"].get("panel", ""), axis)
-        for entry in report["benchmarks"]
-        if (axis := axis_of(entry))
-    }
+    rate, series, panels = is_rate(report), series_of(report), panels_of(report)
     slots = {name: place % COLOURS for place, name in enumerate(series)}
     info = report["machine_info"]
     words = f"{machine(info)}, Python {info['python_version']}, {report['datetime'][:10]}."

@@ -48,6 +48,15 @@ def series_of(report: dict[str, Any]) -> dict[str, np.ndarray]:
     return {name: np.array(sorted(points)) for name, points in rows.items()}
 
 
+def panels_of(report: dict[str, Any]) -> dict[str, tuple[str, str]]:
+    """By each benchmark's name the title of the panel that it is drawn in, and the key of its axis."""
+    return {
+        name_of(entry): (entry["extra_info"].get("panel", ""), axis)
+        for entry in report["benchmarks"]
+        if (axis := axis_of(entry))
+    }
+
+
 def is_rate(report: dict[str, Any]) -> bool:
     """Whether a study measures steps a second rather than seconds."""
     return any("steps_per_second" in entry["extra_info"] for entry in report["benchmarks"])

@@ -7,12 +7,14 @@ from io import BytesIO
 from pathlib import Path
 from statistics import median, quantiles
 from time import process_time
+from typing import Any
 
 import msgspec
 import numpy as np
 from clingo import Symbol
 
 from agent.report.folder import write_report
+from benchmarks.common.houses import INFERENCES
 from benchmarks.common.pages import machine, table_rows, versions, write
 from benchmarks.common.processes import say
 from benchmarks.generator.published import PAGE, beside_published, spread
@@ -29,7 +31,6 @@ from logic.house.house import House
 from logic.layout.program import Nogood
 from logic.request.request import Request
 
-LIMIT = 10**9
 WARM = 20
 """Houses made before any is timed: the first searches of a program take longer."""
 WINDOW = 1.4
@@ -58,7 +59,7 @@ class CountingMaker(SharedWallsMaker):
         inferences: int,
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
-    ) -> tuple[dict, list[Symbol], int]:
+    ) -> tuple[dict[str, Any], list[Symbol], int]:
         """See ``SharedWallsMaker.bare``."""
         began, known = process_time(), len(nogoods)
         plan, self.layout, left = super().bare(request, rng, inferences, nogoods, unfurnishable)
@@ -152,11 +153,11 @@ class Homes:
         """Houses of one size; house ``i`` has seed 0 and index ``i``."""
         size, request = Measured(rooms), Request(rooms)
         for index in range(WARM):
-            builder.house(request, 1, index, LIMIT)
+            builder.house(request, 1, index, INFERENCES)
         builder.maker = counting = CountingMaker(builder)
         for index in range(self.houses):
             began = process_time()
-            size.houses.append(builder.house(request, 0, index, LIMIT))
+            size.houses.append(builder.house(request, 0, index, INFERENCES))
             size.seconds.append(process_time() - began)
             size.topologies.add(counting.topology)
         size.bare, size.plans, size.refuted = counting.seconds, counting.plans, counting.refuted
@@ -169,10 +170,10 @@ def larger_rows(grammar: str, houses: int) -> Iterator[list[str]]:
     builder, times = Builder(find(grammar)), dict[int, float]()
     for rooms in LARGER[grammar]:
         request, seconds, violations = Request(rooms), list[float](), 0
-        builder.house(request, 1, 0, LIMIT)
+        builder.house(request, 1, 0, INFERENCES)
         for index in range(houses):
             began = process_time()
-            house = builder.house(request, 0, index, LIMIT)
+            house = builder.house(request, 0, index, INFERENCES)
             seconds.append(process_time() - began)
             violations += bool(check(house))
         times[rooms] = median(seconds)

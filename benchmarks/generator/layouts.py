@@ -47,7 +47,7 @@ def share(counts: Iterable[int], values: int) -> float:
 
 
 @dataclass(frozen=True)
-class Part:
+class LayoutPart:
     """One part of the layouts of a program: shares of the greatest entropy by three laws, and a distance."""
 
     values: int
@@ -77,7 +77,7 @@ class Spread:
     """What as many samples of an exactly uniform sampler show."""
     accepted: float
     """The share of rejection's tries that the rules accept."""
-    parts: dict[str, Part] = field(default_factory=dict)
+    parts: dict[str, LayoutPart] = field(default_factory=dict)
 
 
 def spread(grammar: str, subject: int | str, samples: int, tries: int, seconds: float) -> Spread:
@@ -139,7 +139,7 @@ def by_rejection(program: Program, rng: np.random.Generator, tries: int) -> Coun
 
 def _part(
     name: str, sampled: Counter[Layout], conditioned: Counter[Layout], listed: Counter[Layout] | None
-) -> Part | None:
+) -> LayoutPart | None:
     """A part of these layouts; None where they do not have it, or all have the same."""
     ours, theirs = _values(name, sampled), _values(name, conditioned)
     every = _values(name, listed) if listed else None
@@ -150,7 +150,7 @@ def _part(
     q = np.array([theirs[value] for value in values]) / theirs.total()
     both = (p + q) / 2
     deviation = np.sqrt(both * (1 - both) * (1 / ours.total() + 1 / theirs.total()))
-    return Part(
+    return LayoutPart(
         values=len(values),
         sampled=share(ours.values(), len(values)),
         conditioned=share(theirs.values(), len(values)),

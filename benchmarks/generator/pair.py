@@ -40,7 +40,7 @@ class Pair:
             raise RequestError(f"--beside {beside}: no checkout of Vitruvius is there")
         if self.houses < 2 or self.rounds < 1 or not self.rooms or min(self.rooms) < 1:
             raise RequestError("--houses needs 2 or more; --rounds and each of --rooms 1 or more")
-        makers = [Maker(beside, self.grammar), Maker(HERE, self.grammar)]
+        makers = [CheckoutProcess(beside, self.grammar), CheckoutProcess(HERE, self.grammar)]
         print("| rooms | mean, ms: beside | here | ratio | p95/median: beside | here |")
         print("|---|---|---|---|---|---|")
         for rooms in self.rooms:
@@ -60,7 +60,7 @@ class Pair:
             maker.end()
 
 
-class Maker:
+class CheckoutProcess:
     """A process that makes houses by one checkout."""
 
     def __init__(self, checkout: Path, grammar: str) -> None:

@@ -17,6 +17,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import block_diag, coo_array, csr_array
 
+from benchmarks.common.houses import INFERENCES
 from logic import House, generate
 from logic.generation.builder import Builder
 from logic.generation.star import StarMaker
@@ -28,7 +29,6 @@ from logic.request.request import Request
 GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
 ROOMS = [int(number) for number in os.environ.get("VITRUVIUS_ROOMS", "1 2 4 8 16 32 64 128").split()]
 ROUNDS = int(os.environ.get("VITRUVIUS_ROUNDS", "20"))
-INFERENCES = 10**9
 LIMIT = 20.0
 """Seconds (wall clock) for a plan by rejection; what takes longer is censored."""
 REJECTIONS = {

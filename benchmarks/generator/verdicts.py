@@ -10,6 +10,7 @@ import numpy as np
 from clingo import Function, Number, Symbol
 from scipy.optimize import linprog
 
+from benchmarks.common.houses import INFERENCES
 from logic.generation.builder import Builder
 from logic.generation.furnish import Frame
 from logic.generation.shared_walls import SharedWallsMaker, given_room
@@ -21,7 +22,6 @@ from logic.layout.terms import parts
 from logic.placement import prolog
 from logic.request.request import Request
 
-INFERENCES = 10**9
 WIDE = [Number(mm) for mm in (1, 99_999, 1, 99_999)]
 
 Row = tuple[Sequence[tuple[int, float]], float, str]

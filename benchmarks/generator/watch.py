@@ -24,7 +24,7 @@ LONGEST = 120.0
 
 
 @dataclass(frozen=True)
-class Watch:
+class WatchStudy:
     """Save a rule file of a copied grammar again and again, and ask for the sheet as the page does.
 
     What the browser takes to show the plans comes on top: some hundredths of a second.

@@ -19,7 +19,7 @@ from logic.spelling import unknown
 
 
 @dataclass(frozen=True)
-class Paper:
+class PaperStudy:
     """Measure what the paper claims, and write the page."""
 
     parts: tyro.conf.Positional[tuple[str, ...]] = ()

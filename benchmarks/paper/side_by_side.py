@@ -152,7 +152,7 @@ class Actors:
         return {name: np.stack(rows) for name, rows in zip(names, zip(*steps, strict=True), strict=True)}
 
 
-class Memory:
+class Replays:
     """The last steps of each run. After the steps of an episode comes a row that is not ``valid``: the state
     that it ended in.
     """
@@ -204,7 +204,7 @@ class Runs:
             fused=True,
         )
         self.actors = Actors(configs, self.layers, envs, config.seed)
-        self.memory = Memory(len(configs), config.buffer_size, envs.config.rays, envs.config.channels)
+        self.memory = Replays(len(configs), config.buffer_size, envs.config.rays, envs.config.channels)
         self.rng = np.random.default_rng([config.seed, 1])
         # Seeds of environments lie apart, so that runs share none.
         seeds = [1000 * one.seed + env for one in configs for env in range(config.num_envs)]

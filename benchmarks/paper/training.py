@@ -41,7 +41,7 @@ SATURATED = 1e-3
 
 
 @dataclass(frozen=True)
-class Entry:
+class PaperEntry:
     """A kind of run: what is not as in the preset, and its seeds."""
 
     name: str
@@ -53,7 +53,7 @@ class Entry:
 class Group:
     """Runs that one process makes side by side."""
 
-    entries: tuple[Entry, ...]
+    entries: tuple[PaperEntry, ...]
     episodes: int = cast(int, PRESET.episodes)
     houses: str | dict[str, Any] = PAPER_HOUSE
 
@@ -68,9 +68,9 @@ AS_IT_IS, TORCH, NO_HOMING, FREE = "preset `paper`", "torch's first weights", "n
 OPTIONS = {TORCH: {"initialisation": "torch"}, NO_HOMING: {"homing": False}, FREE: {"avoidance": "none"}}
 
 
-def _entries(**seeds: tuple[int, ...]) -> tuple[Entry, ...]:
+def _entries(**seeds: tuple[int, ...]) -> tuple[PaperEntry, ...]:
     names = {"as_it_is": AS_IT_IS, "torch": TORCH, "no_homing": NO_HOMING, "free": FREE}
-    return tuple(Entry(names[key], some, OPTIONS.get(names[key], {})) for key, some in seeds.items())
+    return tuple(PaperEntry(names[key], some, OPTIONS.get(names[key], {})) for key, some in seeds.items())
 
 
 GROUPS = {
@@ -78,9 +78,13 @@ GROUPS = {
     "short": Group(
         _entries(as_it_is=(4, 5, 6, 7, 8, 9), torch=(2, 3, 4, 5), no_homing=(2, 3, 4, 5), free=(2, 3)), 50
     ),
-    "eight": Group((Entry("8 environments", (0, 1, 2, 3), {"num_envs": 8}),), 48),
+    "eight": Group((PaperEntry("8 environments", (0, 1, 2, 3), {"num_envs": 8}),), 48),
     "houses": Group(
-        (Entry("32 houses of `family`, targets anywhere in the main room", (0, 1, 2), {"targets": "main"}),),
+        (
+            PaperEntry(
+                "32 houses of `family`, targets anywhere in the main room", (0, 1, 2), {"targets": "main"}
+            ),
+        ),
         50,
         {"rooms": 4, "grammar": "family", "seed": 100, "count": 32},
     ),
@@ -160,7 +164,7 @@ def tests(group: Group, weights: dict[int, Layers]) -> dict[str, Any]:
     }
 
 
-class Run(NamedTuple):
+class PaperRun(NamedTuple):
     """One run of the data."""
 
     entry: str
@@ -179,10 +183,10 @@ class Run(NamedTuple):
         return float(np.mean(self.end[f"{TASKS[0]}, {epsilon}"]))
 
 
-def runs_of(data: dict[str, Any]) -> list[Run]:
+def runs_of(data: dict[str, Any]) -> list[PaperRun]:
     """All runs, by entry and seed."""
     found = [
-        Run(
+        PaperRun(
             made["entry"],
             made["seed"],
             group["targets"][run],
@@ -200,7 +204,7 @@ def runs_of(data: dict[str, Any]) -> list[Run]:
 def section(data: dict[str, Any]) -> str:
     """What all runs do at the end, and what came out of the claim."""
     runs, human = runs_of(data), HUMAN["main"].targets
-    by_entry: dict[str, list[Run]] = {}
+    by_entry: dict[str, list[PaperRun]] = {}
     for run in runs:
         by_entry.setdefault(run.entry, []).append(run)
     kinds = [

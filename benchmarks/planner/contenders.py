@@ -22,7 +22,7 @@ from agent.runs import checkpoint
 from agent.runs.released import located
 from benchmarks.planner import prior
 from benchmarks.planner.prior import Informed
-from benchmarks.planner.seer import seer
+from benchmarks.planner.truth import truth
 from logic.errors import RequestError
 from logic.spelling import unknown
 from sim import HouseVectorEnv
@@ -65,7 +65,7 @@ def contender(name: str) -> Contender:
     if name in PRIORS:
         return Contender(lambda envs: informed(envs, PRIORS[name]), _key(name, inspect.getsource(prior)))
     if name == TRUTH:
-        return Contender(seer, _key(name, inspect.getsource(inspect.getmodule(seer) or seer)))
+        return Contender(truth, _key(name, inspect.getsource(inspect.getmodule(truth) or truth)))
     if name in BASELINES:
         return Contender(lambda envs: BASELINES[name](envs, 0), _key(name))
     if ":" in name:

@@ -15,7 +15,7 @@ import torch
 
 from agent.evaluation.episodes import reset
 from agent.learning.environments import shield
-from agent.planner import Planner
+from agent.planner import STATE, Planner
 from agent.planner.paths import FAR
 from agent.planner.state import AT, NONE, SEARCH, SIZE
 from agent.policies.episodes import moments
@@ -23,11 +23,8 @@ from agent.policies.policies import Explorer, Policy, Tracker
 from sim import HouseVectorEnv
 from sim.world.kernels import BLOCKED
 
-MEMORY = (
-    *("cells", "distance", "queue", "dirty", "reached", "tiles", "odds", "candidates", "gains"),
-    *("evidence", "last", "states"),
-)
-"""The arrays of planners that their next steps depend on."""
+MEMORY = tuple(name for name in STATE if name != "advice")
+"""The arrays of planners that their next steps depend on, wherever they went before."""
 
 LONG_AGO = 1 << 20
 """Steps since a search for paths, after which there is another one."""

@@ -144,7 +144,7 @@ class Explorers:
                 world = "default" if agent in SOURCES else self.world
                 envs = make_envs(self.bank, self.episodes * len(self.bank), mode, preset=world)
                 what = PRIORS.get(agent)
-                tracker = prior.Informed(envs, what) if what else Clock(envs.config, config_of(agent))
+                tracker = prior.Informed(envs, what) if what else TimedTracker(envs.config, config_of(agent))
                 policy = BASELINES[agent](envs, 0) if agent in SOURCES else explorer(envs, tracker)
                 if isinstance(tracker, prior.Informed) and what == prior.WALLS:
                     episode(envs, policy, self.steps, len(self.bank))
@@ -156,7 +156,7 @@ class Explorers:
                 say(f"{mode}, {agent}: {targets.sum() / len(self.bank):.2f} targets an episode")
 
 
-class Clock(Tracker):
+class TimedTracker(Tracker):
     """Keeps planners, and the seconds of processor time that they took."""
 
     seconds: tuple[float, ...] = ()
@@ -208,8 +208,8 @@ def config_of(agent: str) -> PlannerConfig:
 
 def _modules(package: ModuleType) -> list[ModuleType]:
     """A package's modules and itself."""
-    names = [each.name for each in pkgutil.iter_modules(package.__path__)]
-    return [package, *(importlib.import_module(f"{package.__name__}.{name}") for name in names)]
+    names = [each.name for each in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]
+    return [package, *map(importlib.import_module, names)]
 
 
 def explorer(envs: HouseVectorEnv, tracker: Tracker) -> Policy:

@@ -31,7 +31,7 @@ from agent.policies.policies import Policy
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
 from benchmarks.planner.decisions import Decisions, Tracked, decisions
-from benchmarks.planner.explorers import SEED
+from benchmarks.planner.explorers import ORACLE, SEED
 from logic import House, generate, load, save
 from logic.errors import RequestError
 from logic.house.files import write_whole
@@ -39,8 +39,8 @@ from sim import HouseVectorEnv
 from sim.config import DEFAULT
 from sim.tasks.tasks import task
 
-ORACLE, EARLY = "oracle", 500
-"""What others are shares of; the first steps, which are shown apart."""
+EARLY = 500
+"""The first steps, which are shown apart."""
 
 SHARE = "Share of the oracle's targets"
 """What the score is, where it is not SPL."""

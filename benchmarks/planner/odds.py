@@ -8,7 +8,7 @@ counts it, over that among places that had been seen before. Errors are over hou
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -19,11 +19,10 @@ from scipy.spatial import KDTree
 from agent.evaluation.tables import Table
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED, Planner
-from agent.planner.arrays import Bytes, Shorts, Wholes
-from agent.planner.belief import Belief
 from agent.planner.config import CERTAIN
 from agent.planner.frame import metres
-from agent.planner.occupancy import NEAR, SOLID, Occupancy
+from agent.planner.mapping.occupancy import NEAR, SOLID, Occupancy
+from agent.planner.viewpoints.belief import Belief
 from agent.policies.episodes import moments
 from agent.policies.policies import Explorer
 from benchmarks.common.houses import ROOMS
@@ -32,7 +31,7 @@ from logic.errors import RequestError
 from sim import HouseVectorEnv
 from sim.baselines.coverage import PITCH, Coverage
 from sim.config import DEFAULT
-from sim.runtime import Array, Launch, ti
+from sim.runtime import Array, Bytes, Ints, Launch, Shorts, kernel, ti
 
 SIDE = 1 << TUNED.map_bits
 
@@ -75,13 +74,13 @@ class Odds:
         print(f"\nfloor_odds = {table(free.sum(axis=0), asked.sum(axis=0))}")
 
 
-class Cells(NamedTuple):
-    """The part of ``agent.planner.arrays.Memory`` that is asked for here."""
+class MapCells(NamedTuple):
+    """The part of ``agent.planner.arrays.PlannerArrays`` that is asked for here."""
 
-    cells: Any
+    cells: Shorts
 
 
-class Places:
+class MapPlaces:
     """The candidates on maps, by what surrounds them."""
 
     def __init__(self, planner: Planner) -> None:
@@ -91,9 +90,8 @@ class Places:
         # In a table of its own places the belief looks up which one it would take.
         belief = Belief(replace(planner.config, floor_odds=tuple(range(ENTRIES))), occupancy)
 
-        @ti.kernel
-        def ask(cells: Shorts, asked: Bytes, since: Wholes, entries: Wholes):
-            memory = ti.static(Cells(cells))
+        @kernel
+        def ask(memory: MapCells, asked: Bytes, since: Ints, entries: Ints):
             for k in range(asked.shape[0]):
                 e, x, y = k // (half * half), 2 * (k % half), 2 * (k // half % half)
                 entries[k] = -1
@@ -134,7 +132,7 @@ class Places:
         return np.floor(self.planner.pose(environment)[:2]).astype(int)
 
 
-class Truth:
+class TargetSpots:
     """Where targets may lie in houses that explorers are in, and what they have seen of that."""
 
     def __init__(self, envs: HouseVectorEnv, starts: np.ndarray, cell: float) -> None:
@@ -169,7 +167,7 @@ def collect(houses: list[House], steps: int) -> tuple[np.ndarray, np.ndarray]:
     policy = Explorer(shield(envs), envs.config)
     policy.begin(number)
     planner = policy.tracker.planner
-    places, truth = Places(planner), Truth(envs, info["pose"], planner.cell)
+    places, truth = MapPlaces(planner), TargetSpots(envs, info["pose"], planner.cell)
     free, asked = np.zeros((2, number, ENTRIES + 1), int)
     for now in moments(envs, policy, torch.as_tensor(observation), steps):
         if now.step:

@@ -10,7 +10,7 @@ from agent.learning.environments import make_envs
 from agent.planner import Planner
 from agent.planner.config import CERTAIN
 from agent.policies.policies import Tracker
-from benchmarks.planner.odds import BESIDE, SIDE, Truth
+from benchmarks.planner.odds import BESIDE, SIDE, TargetSpots
 from sim import HouseVectorEnv
 
 FLOOR, ROOMS, WALLS = PRIORS = "floor", "rooms", "walls"
@@ -47,7 +47,7 @@ class Informed(Tracker):
         """
         ground = np.zeros((len(houses), SIDE // 2, SIDE // 2), np.uint8)
         for envs, count in self.counts:
-            truth = Truth(envs, poses, self.planner.cell)
+            truth = TargetSpots(envs, poses, self.planner.cell)
             for e, house in enumerate(map(int, houses)):
                 away, _ = truth.trees[house].query(truth.where(e, NODES), distance_upper_bound=BESIDE)
                 ground[e][(away < BESIDE).reshape(SIDE // 2, -1)] = count

@@ -19,7 +19,7 @@ FLAGS = ["-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC", "-lm"]
 LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "seam", "margin", "widest")
 
 
-class Config(ctypes.Structure):
+class LoopConfig(ctypes.Structure):
     """Lengths in metres, as ``step.c`` reads them, and the steps of an episode."""
 
     _fields_ = [*((name, ctypes.c_float) for name in LENGTHS), ("steps", ctypes.c_int)]
@@ -62,7 +62,7 @@ class Loop:
         self.library, config, backend = ctypes.CDLL(str(library)), envs.config, envs.backend
         assert isinstance(backend, Continuous), "the step in C is the continuous backend's"
         rays = backend.rays
-        self.config = Config(
+        self.config = LoopConfig(
             config.body[0], config.step, config.eye[0], config.range, config.target,
             CELL, SKIN, SEAM, MARGIN, rays.widest, config.steps,
         )  # fmt: skip

@@ -37,7 +37,7 @@ Tile = tuple[int, int]
 """East and south from the north-west corner of the grid."""
 
 
-class Piece(WorldObj):
+class PieceTile(WorldObj):
     """A tile of a piece of furniture: one of MiniGrid's boxes that nobody opens or carries away."""
 
     def __init__(self, colour: str) -> None:
@@ -123,7 +123,7 @@ class MiniGridHouseEnv(MiniGridEnv):
         if kind == FREE:
             return None
         if kind == FILLED:
-            return Piece(PIECE_COLOURS[colour])
+            return PieceTile(PIECE_COLOURS[colour])
         if kind == SOLID:
             return Wall()
         return Door("yellow", is_open=kind == DOOR and self.doors_open, is_locked=kind == ENTRANCE)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.actions import HEADINGS
+from sim.actions import HEADINGS, LEFT
 from sim.config import Config
 from sim.runtime import constants, ti
 
@@ -27,6 +27,14 @@ def slides_into(box, p, q, half):
     return ti.cast(near & across, ti.i32)
 
 
+def eighths(pose: np.ndarray) -> np.ndarray:
+    """The headings of poses (E, 3), in eighths of a turn (E,) float64. ``ValueError`` for what are none."""
+    turns = pose[:, 2] / (np.pi / 4)
+    if not np.isfinite(pose).all() or np.abs(turns - np.round(turns)).max() > 1e-3:
+        raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
+    return np.round(turns)
+
+
 @ti.data_oriented
 class Body:
     """Where a body is at a pose: an ``origin`` (x, y), metres, and a ``cell`` (i, j, heading), int32."""
@@ -41,6 +49,11 @@ class Body:
         """The cell that is one step forward."""
         forward = self.headings[cell[2]]
         return ti.Vector([cell[0] + forward[0], cell[1] + forward[1], cell[2]])
+
+    @ti.func
+    def turned(self, cell, action):
+        """The cell after a turn."""
+        return ti.Vector([cell[0], cell[1], (cell[2] + ti.select(action == LEFT, 1, 7)) & 7])
 
     @ti.func
     def position(self, origin, cell):

@@ -18,8 +18,6 @@ from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import Array, ti
 
-Pushes = ti.types.ndarray(ti.u8, 1)
-
 
 def doorways(shapes: Sequence[Geometry]) -> np.ndarray:
     """The doors of houses as kernels read them, (1 + 4 H D,) float32, with the greatest number D of doors of

@@ -9,6 +9,7 @@ one minimum does for two comparisons, and loops over rays have no branch: they b
 import numpy as np
 
 from sim.backends.backend import NAMED, TARGET
+from sim.backends.body import Body
 from sim.config import Config
 from sim.runtime import constants, ti
 
@@ -111,7 +112,7 @@ class Rays:
         )
 
     @ti.func
-    def meet_square(
+    def meet_target(
         self,
         nearest: ti.template(),
         kinds: ti.template(),
@@ -120,23 +121,18 @@ class Rays:
         over_y: ti.template(),
         slope_y: ti.template(),
         eye,
-        centre,
-        half,
-        kind,
+        target,
     ):
-        """Shorten the rays that hit a square on the sides that face the eye. From inside none does: a target
-        is there only where somebody put it there.
+        """Shorten the rays that hit the target on the sides that face the eye. From inside none does: it is
+        there only where somebody put it there.
         """
-        low, high = centre - half, centre + half
+        half, kind = ti.static(self.config.target / 2), ti.u32(self.last)
+        low, high = target - half, target + half
         outside = (low > eye).any() or (high < eye).any()
         reach = ti.select(outside, 0.5 * (high - low) + ti.static(SEAM), -1.0)
         ahead, aside = ti.select(low > eye, low, high) - eye, 0.5 * (low + high) - eye
         self.meet(nearest, kinds, over_x, slope_x, ahead[0], aside[1], reach[1], kind, True)
         self.meet(nearest, kinds, over_y, slope_y, ahead[1], aside[0], reach[0], kind, True)
-
-    @ti.func
-    def name_target(self, kinds: ti.template()):
-        """Give the target its own number again."""
         if ti.static(self.last != TARGET):
             for r in range(ti.static(self.lanes)):
                 kinds[r] = ti.select(kinds[r] == ti.static(self.last), ti.u32(TARGET), kinds[r])
@@ -145,3 +141,12 @@ class Rays:
     def metres(self, nearest):
         """Distances as floats."""
         return ti.bit_cast(nearest, ti.f32)
+
+
+@ti.data_oriented
+class RayBody:
+    """A body and its rays: what a backend is made with."""
+
+    def __init__(self, config: Config, lanes: int) -> None:
+        """See ``Backend``."""
+        self.config, self.body, self.rays = config, Body(config), Rays(config, lanes)

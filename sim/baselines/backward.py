@@ -12,10 +12,9 @@ walked at since, the search begins again.
 from functools import cache
 from typing import Any, NamedTuple
 
-from sim.backends.doors import Pushes
-from sim.runtime import kernel, ti
+from sim.runtime import Bytes, Floats, Ints, Longs, Shorts, kernel, ti
 from sim.tasks.survey import DIAGONAL, STRAIGHT
-from sim.world.episodes import Episodes, Indices, Numbers, WorldArrays, loaded, store
+from sim.world.episodes import Episodes, WorldArrays, loaded, store
 
 FAR = 1 << 15
 """More actions than any path takes."""
@@ -30,49 +29,46 @@ how many poses wait."""
 DOORWAY = 1 << 10
 """Bit of a place beside those of its survey: a step from there may meet a door."""
 
-Moves, Steps = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.i16, 1)
+Steps = ti.types.ndarray(ti.i16, 1)
 Notes = ti.types.ndarray(ti.types.vector(7, ti.i32), 1)
 Goals = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
-
-
-Answer = ti.types.ndarray(ti.i64, 1)
 
 
 class SearchArrays(NamedTuple):
     """What searches keep."""
 
-    moves: Moves
+    moves: Shorts
     """Of each place: its survey, and ``DOORWAY``."""
     distance: Steps
     """Of each pose."""
-    queue: Indices
+    queue: Ints
     notes: Notes
     goals: Goals
     """The target of each, metres."""
-    first: Indices
+    first: Ints
     """The environment of the first."""
-    pushed: Pushes
+    pushed: Bytes
     """How far the doors were opened when a search began."""
-    waiting: Indices
+    waiting: Ints
     """The poses that wait."""
-    found_at: Indices
+    found_at: Ints
     """The distance at which each of these is found."""
 
 
 class Doorways(NamedTuple):
     """The doors of a world, open or not."""
 
-    doorways: Numbers
+    doorways: Floats
 
 
 @cache
 def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
     """What is compiled for a configuration. Arguments are named for the arrays of a world and of searches."""
-    search = Search(episodes)
+    search = PathSearch(episodes)
 
     @kernel
     def learn(
-        moves: Moves, distance: Steps, notes: Notes, goals: Goals,
+        moves: Shorts, distance: Steps, notes: Notes, goals: Goals,
         s: ti.i32, i: ti.i32, j: ti.i32, survey: ti.types.ndarray(ti.u16, 2),
     ):  # fmt: skip
         """Take in a survey, with a border where no body can be, and forget what the search found."""
@@ -92,7 +88,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
                 distance[8 * place + heading] = ti.cast(ti.select(stands, UNKNOWN, NOWHERE), ti.i16)
 
     @kernel
-    def mark(moves: Moves, notes: Notes, doors: Doorways, s: ti.i32, house: ti.i32, x: ti.f32, y: ti.f32):
+    def mark(moves: Shorts, notes: Notes, doors: Doorways, s: ti.i32, house: ti.i32, x: ti.f32, y: ti.f32):
         """Mark the places of a lattice through (x, y) metres from which a step may meet a door."""
         note = notes[s]
         base = s * (moves.shape[0] // notes.shape[0])
@@ -103,7 +99,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
                 moves[place] = moves[place] | ti.u16(DOORWAY)
 
     @kernel
-    def act(world: WorldArrays, searches: SearchArrays, answer: Answer):
+    def act(world: WorldArrays, searches: SearchArrays, answer: Longs):
         """The first action of a shortest path; ``NOWHERE`` if there is none."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
@@ -111,7 +107,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             answer[s] = search.choose(world, searches, s, e, loaded(world, e))
 
     @kernel
-    def follow(world: WorldArrays, searches: SearchArrays, answer: Answer):
+    def follow(world: WorldArrays, searches: SearchArrays, answer: Longs):
         """The same, and go there; ``UNKNOWN`` where the action before this one picked the target up."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
@@ -132,7 +128,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
             answer[s] = action
 
     @kernel
-    def play(world: WorldArrays, searches: SearchArrays, answer: Answer):
+    def play(world: WorldArrays, searches: SearchArrays, answer: Longs):
         """Play episodes to their ends; how many targets were picked up."""
         ti.loop_config(block_dim=1)
         for s in range(ti.min(searches.notes.shape[0], world.reals.shape[0] - searches.first[0])):
@@ -149,7 +145,7 @@ def kernels(program: Any, episodes: Episodes) -> dict[str, Any]:
 
 
 @ti.data_oriented
-class Search:
+class PathSearch:
     """One search, as functions of its arrays. A place is its number in the lattice with its border, by
     columns; a pose is eight times that and its heading.
     """

@@ -12,8 +12,8 @@ import numpy as np
 from sim.backends.rays import Rays
 from sim.environment.vector import HouseVectorEnv
 from sim.geometry import Geometry
-from sim.runtime import Array, Launch, kernel, start, ti
-from sim.world.episodes import HOUSE, Episodes, Indices, Numbers, WorldArrays, loaded
+from sim.runtime import Array, Floats, Ints, Launch, Words, kernel, start, ti
+from sim.world.episodes import HOUSE, Episodes, WorldArrays, loaded
 from sim.world.world import World
 
 FAR_OFF = 1e6
@@ -24,8 +24,6 @@ WORD = 64
 
 PITCH = 0.29
 """Metres between the spots of ``Coverage``, about: a whole number of steps."""
-
-Words = ti.types.ndarray(ti.u64, 1)
 
 
 @ti.func
@@ -210,9 +208,7 @@ def _kernels(program: Any, episodes: Episodes) -> Any:
     sight = LineOfSight(episodes)
 
     @kernel
-    def look(
-        world: WorldArrays, spots: Numbers, starts: Indices, origins: Numbers, seen: Words, counts: Indices
-    ):
+    def look(world: WorldArrays, spots: Floats, starts: Ints, origins: Floats, seen: Words, counts: Ints):
         """Note what each environment sees from where it is, and how much it has seen."""
         for e in range(world.reals.shape[0]):
             state, words = loaded(world, e), seen.shape[0] // world.reals.shape[0]

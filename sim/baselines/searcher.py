@@ -26,7 +26,7 @@ from sim.baselines.view_planner import (
     ViewPlanner,
 )
 from sim.environment.vector import HouseVectorEnv
-from sim.runtime import Array, Launch, kernel, start, ti
+from sim.runtime import Array, Launch, Longs, kernel, start, ti
 from sim.tasks.survey import survey
 from sim.world.episodes import Episodes, WorldArrays, loaded
 from sim.world.world import World
@@ -40,8 +40,6 @@ AT_ONCE = 32
 
 EPISODE, FOUND, KNOWN, DONE, LENGTH = range(5)
 """Of an environment: which target of which episode it looks for, if it has seen it; its plan."""
-
-Answer = ti.types.ndarray(ti.i64, 1)
 
 
 class Searcher:
@@ -151,7 +149,7 @@ def _kernels(program: Any, episodes: Episodes, pitch: int) -> dict[str, Any]:
                                 search.shown[(8 * view + heading) * words + k // ti.static(WORD)] |= bit(k)
 
     @kernel
-    def act(world: WorldArrays, search: SearcherArrays, answer: Answer):
+    def act(world: WorldArrays, search: SearcherArrays, answer: Longs):
         """Look, strike out what is seen, plan again where a plan is at its end, and say the next action."""
         count = world.reals.shape[0]
         slots = ti.min(ti.static(AT_ONCE), count)

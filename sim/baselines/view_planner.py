@@ -7,9 +7,8 @@ from there would show. Its cost is the length of a shortest path there, and a fe
 from typing import NamedTuple
 
 from sim.backends.backend import TARGET
-from sim.baselines.coverage import WORD, LineOfSight, Words, bit
-from sim.runtime import ti
-from sim.world.episodes import Indices, Numbers
+from sim.baselines.coverage import WORD, LineOfSight, bit
+from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 
 REPLAN = 48
 """Steps until it plans again: what it saw on its path may have made another one better."""
@@ -22,7 +21,6 @@ SPOT, SPOTS, SAMPLE, SAMPLED, VIEW, PLACE, COLUMNS, LINES = range(8)
 """Of a house: its first spot and their number, its samples, its first view; its lattice's first place,
 columns and rows."""
 
-Counts, Bytes = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.u8, 1)
 Notes = ti.types.ndarray(ti.types.vector(5, ti.i32), 1)
 Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 
@@ -30,14 +28,14 @@ Points = ti.types.ndarray(ti.types.vector(2, ti.f32), 1)
 class SearcherArrays(NamedTuple):
     """What searchers know of the houses, and keep. Those that plan at once have a slot each."""
 
-    spots: Numbers
+    spots: Floats
     """Of each house (m, 2): where a target may lie, in steps."""
-    samples: Indices
+    samples: Ints
     """Of each house: the spots by which looks are judged."""
     rows: Rows
-    origins: Numbers
+    origins: Floats
     """Of each house's lattice, metres."""
-    moves: Counts
+    moves: Shorts
     """Of each place: its survey."""
     shown: Words
     """Of each view: the samples that it shows."""
@@ -45,11 +43,11 @@ class SearcherArrays(NamedTuple):
     """Of each environment: the spots where its target may still be."""
     sampled: Words
     """Of each slot: the samples that are left."""
-    weights: Numbers
+    weights: Floats
     """Of each environment and word of samples: how likely each is."""
-    distance: Counts
+    distance: Shorts
     """Of each slot and pose: actions to it and one, 0 where it was not found."""
-    queue: Indices
+    queue: Ints
     notes: Notes
     last: Points
     """Of each environment: its target, metres."""

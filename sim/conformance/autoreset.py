@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from sim.conformance.trial import (
     FAR,
     ConformanceError,
-    Step,
+    StepResult,
     Trial,
     brief,
     difference,
@@ -129,7 +129,7 @@ def _disabled(trial: Trial) -> None:
 
     count = trial.first_end()
 
-    def others(now: Step) -> dict[str, Any]:
+    def others(now: StepResult) -> dict[str, Any]:
         flags = [array[1:] for array in (now.reward, now.terminated, now.truncated)]
         return fingerprint([trial.each(now.observation)[1:], *flags])
 
@@ -156,7 +156,7 @@ def _changed(trial: Trial, where: np.ndarray, before: Any, after: Any) -> bool:
     return any(difference(*pairs[index]) for index in np.flatnonzero(where))
 
 
-def _final(trial: Trial, now: Step) -> list[Any]:
+def _final(trial: Trial, now: StepResult) -> list[Any]:
     """By environment, the last observations: out of an array of objects, or of a dense batch."""
     final = now.info["final_obs"]
     return list(final) if isinstance(final, np.ndarray) else trial.each(final)

@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from sim.conformance.autoreset import autoreset, refusals
-from sim.conformance.trial import FAR, Step, Trial, brief, difference, fingerprint, hold, leaves, shared
+from sim.conformance.trial import FAR, StepResult, Trial, brief, difference, fingerprint, hold, leaves, shared
 
 CALLS = 10
 """Successive calls that are checked for shared memory."""
@@ -104,7 +104,7 @@ def _infos(trial: Trial) -> None:
 
 
 def _same_twice(trial: Trial, *parts: str) -> None:
-    def prints(now: Step) -> dict[str, Any]:
+    def prints(now: StepResult) -> dict[str, Any]:
         return fingerprint({part: vars(now)[part] for part in parts})
 
     first = [prints(now) for now in trial.play(trial.steps)]

@@ -19,7 +19,7 @@ class ConformanceError(AssertionError):
 
 
 @dataclass(frozen=True)
-class Step:
+class StepResult:
     """What ``step`` returns; a ``reset`` is one without rewards and ends."""
 
     observation: Any
@@ -90,7 +90,7 @@ class Trial:
         single = self.envs.single_observation_space
         return fingerprint(concatenate(single, [observation], create_empty_array(single, n=1)))
 
-    def reset(self, seed: Any = None, mask: np.ndarray | None = None) -> Step:
+    def reset(self, seed: Any = None, mask: np.ndarray | None = None) -> StepResult:
         """Reset; ``mask`` (N,) bool says which environments alone."""
         self.where = f"reset(seed={seed}" + ("" if mask is None else f", reset_mask={mask}") + ")"
         self._reset, self._count = self.where, 0
@@ -100,10 +100,10 @@ class Trial:
             self.fail(f"returned {brief(given)}: expected a tuple of observations and infos")
         size = self.envs.num_envs
         return self._formed(
-            Step(given[0], np.zeros(size), np.zeros(size, bool), np.zeros(size, bool), given[1])
+            StepResult(given[0], np.zeros(size), np.zeros(size, bool), np.zeros(size, bool), given[1])
         )
 
-    def step(self, actions: Any) -> Step:
+    def step(self, actions: Any) -> StepResult:
         """Step; the actions must come out of it as they went in."""
         self._count += 1
         self.where = f"step {self._count} after {self._reset}"
@@ -115,9 +115,9 @@ class Trial:
             self.fail(
                 f"returned {brief(given)}: expected observations, rewards, terminations, truncations, infos"
             )
-        return self._formed(Step(*given))
+        return self._formed(StepResult(*given))
 
-    def play(self, count: int, seed: Any = None) -> Iterator[Step]:
+    def play(self, count: int, seed: Any = None) -> Iterator[StepResult]:
         """A reset and ``count`` steps of random actions; where autoreset is disabled, resets by mask too."""
         yield self.reset(self.seed if seed is None else seed)
         for k in range(count):
@@ -136,7 +136,7 @@ class Trial:
             self.fail(f"no episode ended in {self.steps} steps, so no end was checked: try more steps")
         return self._first_end
 
-    def at(self, count: int) -> Step:
+    def at(self, count: int) -> StepResult:
         """Play again up to a step that is not later than the first end."""
         play = self.play(count)
         for _ in range(count):
@@ -158,7 +158,7 @@ class Trial:
         elif not space.contains(value):
             self.fail(f"{name} is not in its space {space}: {value}")
 
-    def _formed(self, now: Step) -> Step:
+    def _formed(self, now: StepResult) -> StepResult:
         self.fits("observation", now.observation, self.envs.observation_space)
         self._flat("reward", now.reward, np.floating)
         if not np.isfinite(now.reward).all():

@@ -23,20 +23,21 @@ from sim.environment.arguments import (
     single_spaces,
     whole,
 )
+from sim.environment.kept import KEPT, remade, require_state
 from sim.environment.options import read_options, read_seeds, require_mapping
 from sim.environment.outputs import Outputs
-from sim.environment.window import Window
+from sim.environment.pictures import Pictures, scene_of
+from sim.environment.window import ScreenWindow
 from sim.geometry import Geometry
 from sim.runtime import start
 from sim.tasks.tasks import Targets
-from sim.world.episodes import HOUSE, MOST_CELLS
 from sim.world.kernels import DISABLED, NEXT_STEP, SAME_STEP, TERMINATED, TRUNCATED
 from sim.world.world import TABLES, World
 
 if TYPE_CHECKING:
     import torch
 
-    from sim.film import Camera, Scene
+    from sim.film import Scene
 
 MODES = {
     AutoresetMode.NEXT_STEP: NEXT_STEP,
@@ -45,12 +46,8 @@ MODES = {
 }
 
 
-SPACES = "observation_space", "action_space", "single_observation_space", "single_action_space"
 MOST_TARGETS = 1 << 16
 """Of an episode, that ``targets`` says at once."""
-
-KEPT = (*SPACES, "_np_random", "_np_random_seed", "spec")
-"""What a pickled environment has beside its arguments and its state: spaces sample at random, too."""
 
 
 class HouseVectorEnv(VectorEnv):
@@ -175,8 +172,8 @@ class HouseVectorEnv(VectorEnv):
         self._outputs = Outputs(self.world)
         self._seed, self._ready = seed, False
         self._tensors: tuple[Any, tuple[Any, ...]] | None = None
-        self._cameras: list[Camera] | None = None
-        self._window = Window(METADATA_OF_MANY["render_fps"]) if render_mode == "human" else None
+        window = ScreenWindow(METADATA_OF_MANY["render_fps"]) if render_mode == "human" else None
+        self._pictures = Pictures(self, window)
 
     @property
     def houses(self) -> list[House]:
@@ -201,7 +198,8 @@ class HouseVectorEnv(VectorEnv):
         """
         self._require_open()
         self.world.load(house_list(houses), targets)
-        self._ready, self._cameras = False, None
+        self._ready = False
+        self._pictures.forget()
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -224,7 +222,7 @@ class HouseVectorEnv(VectorEnv):
         flags[:, asked.mask] = False
         self.world.arrays["flags"].fill(flags.view(np.uint8).ravel())
         self._ready = True
-        self._show()
+        self._pictures.show()
         return self._outputs.observation(), self._outputs.info(flags)
 
     def _take_seeds(self, seeds: Sequence[int | None], mask: np.ndarray) -> None:
@@ -256,7 +254,7 @@ class HouseVectorEnv(VectorEnv):
         reward, info = self.world.arrays["reward"].numpy(), self._outputs.info(flags)
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             info |= self._outputs.finals(flags[TERMINATED] | flags[TRUNCATED], info)
-        self._show()
+        self._pictures.show()
         return observation, reward, flags[TERMINATED], flags[TRUNCATED], info
 
     def step_torch(
@@ -325,17 +323,7 @@ class HouseVectorEnv(VectorEnv):
 
     @state.setter
     def state(self, state: dict[str, np.ndarray]) -> None:
-        kinds = {name: (array.dtype.str, array.shape) for name, array in self.state.items()}
-        given = {name: np.asarray(array) for name, array in dict(state).items()}
-        if {name: (array.dtype.str, array.shape) for name, array in given.items()} != kinds:
-            raise ValueError(f"a state of other kinds or shapes: here they are {kinds}")
-        houses, cells = state["wholes"][:, HOUSE], state["wholes"][:, :HOUSE]
-        if strange := houses[(houses < 0) | (houses >= len(self.houses))].tolist():
-            raise ValueError(
-                f"a state of another bank: a body is in house {strange[0]} of {len(self.houses)}"
-            )
-        if not ((cells >= 0) & (cells < MOST_CELLS)).all():
-            raise ValueError("a state of no house: a body is in no cell, or has no heading")
+        require_state(dict(state), self.state, len(self.houses))
         self.world.state = state
         for name in ("flags", "observation"):
             array = self.world.arrays[name]
@@ -353,48 +341,18 @@ class HouseVectorEnv(VectorEnv):
             return None
         if not self._ready:
             raise ResetNeeded("call reset() before render()")
-        if self._window:
-            self._window.show(self._pictures())
+        if self._pictures.window:
+            self._pictures.show()
             return None
-        return tuple(self._pictures())
+        return tuple(self._pictures.taken())
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window, if there is one."""
-        if self._window:
-            self._window.close()
-
-    def _show(self) -> None:
-        if self._window:
-            self._window.show(self._pictures())
-
-    def _pictures(self) -> list[np.ndarray]:
-        if self._cameras is None:
-            from sim.film import Camera, largest
-
-            frame = largest(self.houses)
-            self._cameras = [Camera(self, index, frame=frame) for index in range(self.num_envs)]
-        return [np.asarray(camera.shoot()) for camera in self._cameras]
+        self._pictures.close()
 
     def scene(self, index: int) -> "Scene":
         """What there is to see of one environment, for ``sim.film``."""
-        from logic.house.looks import looks_of
-        from sim.film import Scene
-        from sim.tasks.words import in_words
-
-        info, config = self._outputs.info(), self.config
-        seen, state = self._outputs.observation()[index], self.world.environment(index)
-        house = self.houses[info["house"][index]]
-        return Scene(
-            house=house,
-            config=config,
-            pose=info["pose"][index],
-            target=info["target"][index],
-            distance=seen[:, config.column("distance")] * config.range,
-            is_target=seen[:, -1] > 0,
-            step=state["time"],
-            found=state["found"] - 1,
-            task=in_words(self.world.task, looks_of(house).name),
-        )
+        return scene_of(self._outputs, index)
 
     def _require_open(self) -> None:
         if self.closed:
@@ -405,7 +363,7 @@ class HouseVectorEnv(VectorEnv):
         arguments = self._arguments | {"houses": self.houses, "targets": self.world.task}
         state = self.state if self._ready else None
         kept = {name: self.__dict__[name] for name in KEPT if name in self.__dict__}
-        return _remade, (type(self), arguments, kept, state, self.closed)
+        return remade, (type(self), arguments, kept, state, self.closed)
 
     def _check(self, actions: Any) -> None:
         """Raise an error if these actions, an array or a tensor, cannot be done now."""
@@ -437,20 +395,3 @@ def _range(actions: Any) -> tuple[int, int]:
 
     least, greatest = torch.stack(actions.aminmax()).tolist()
     return least, greatest
-
-
-def _remade(
-    kind: type[HouseVectorEnv],
-    arguments: dict[str, Any],
-    kept: dict[str, Any],
-    state: dict[str, np.ndarray] | None,
-    closed: bool,
-) -> HouseVectorEnv:
-    """The environments that were pickled."""
-    envs = kind(**arguments)
-    envs.__dict__.update(kept)
-    if state is not None:
-        envs.state = state
-    if closed:
-        envs.close()
-    return envs

@@ -9,7 +9,7 @@ from gymnasium.error import DependencyNotInstalled
 from sim.film import mosaic
 
 
-class Window:
+class ScreenWindow:
     """It opens with the first picture and ends with ``close``. Closed by its user, it stays away."""
 
     def __init__(self, fps: float) -> None:

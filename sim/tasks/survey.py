@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.actions import FORWARD, HEADINGS
 from sim.backends.backend import Backend, Bank, Lattice
-from sim.runtime import Array, Launch, kernel, start, ti
+from sim.runtime import Array, Floats, Ints, Launch, Shorts, kernel, start, ti
 
 STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
 """Bits of a survey: the body can be at this place with a heading along an axis, on a diagonal."""
@@ -16,8 +16,7 @@ STRAIGHT, DIAGONAL = 1 << 8, 1 << 9
 HOUSE, FIRST_I, FIRST_J, COLUMNS, LINES, AT = range(6)
 """Of a lattice: its house, its first place (i, j), its places east and south, and where its survey begins."""
 
-Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
-Bits, Rows = ti.types.ndarray(ti.u16, 1), ti.types.ndarray(ti.types.vector(6, ti.i32), 1)
+Rows = ti.types.ndarray(ti.types.vector(6, ti.i32), 1)
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
     anywhere = STRAIGHT | DIAGONAL
 
     @kernel
-    def look(numbers: Numbers, indices: Indices, origins: Numbers, rows: Rows, tasks: Indices, moves: Bits):
+    def look(numbers: Floats, indices: Ints, origins: Floats, rows: Rows, tasks: Ints, moves: Shorts):
         for task in range(tasks.shape[0] // 2):
             k, column = tasks[2 * task], tasks[2 * task + 1]
             row = rows[k]
@@ -85,7 +84,7 @@ def _kernels(program: Any, backend: Backend) -> tuple[Any, Any]:
                 moves[at + line] = ti.cast(found, ti.u16)
 
     @kernel
-    def join(rows: Rows, moves: Bits, part: Indices, stack: Indices):
+    def join(rows: Rows, moves: Shorts, part: Ints, stack: Ints):
         for k in range(rows.shape[0]):
             number, columns, count, at = 0, rows[k][COLUMNS], rows[k][LINES], rows[k][AT]
             for seed in range(columns * count):

@@ -12,9 +12,9 @@ import numpy as np
 from sim.actions import FORWARD
 from sim.backends.backend import DOOR, NAMED, PIECE, TARGET, WALL, Backend
 from sim.backends.body import SKIN
-from sim.backends.doors import Doors, Pushes
+from sim.backends.doors import Doors
 from sim.config import Config
-from sim.runtime import ti
+from sim.runtime import Bytes, Floats, Ints, ti
 from sim.world.philox import below, philox, uniform
 
 TRIES = 32
@@ -38,8 +38,6 @@ HEADER = 7
 targets, and the heading of its starts, -1 for any. A start is steps east and south in 16 bits each, a target
 the same as two float32."""
 
-Numbers = ti.types.ndarray(ti.f32, 1)
-Indices = ti.types.ndarray(ti.i32, 1)
 Reals = ti.types.ndarray(ti.types.vector(4, ti.f32), 1)
 Wholes = ti.types.ndarray(ti.types.vector(WHOLES, ti.i32), 1)
 
@@ -54,11 +52,11 @@ class States(NamedTuple):
 class WorldArrays(NamedTuple):
     """What a step reads of the houses, and the states of the environments: see ``World``."""
 
-    numbers: Numbers
-    indices: Indices
-    places: Indices
-    doorways: Numbers
-    pushes: Pushes
+    numbers: Floats
+    indices: Ints
+    places: Ints
+    doorways: Floats
+    pushes: Bytes
     reals: Reals
     wholes: Wholes
 

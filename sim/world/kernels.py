@@ -11,12 +11,10 @@ import numpy as np
 
 from sim.backends.backend import Backend
 from sim.config import Config
-from sim.runtime import kernel, ti
+from sim.runtime import Bytes, Floats, Ints, Longs, kernel, ti
 from sim.world.episodes import (
     OVER,
     Episodes,
-    Indices,
-    Numbers,
     Reals,
     States,
     Wholes,
@@ -57,7 +55,6 @@ def kernels(
     episodes = Episodes(config, backend, ends_on_pick_up, lanes)
     rays, all_rays = config.rays, not by_ray
     Observation = ti.types.ndarray(ti.u64 if config.channels == 2 else ti.f32, 1)
-    Bytes, Longs = ti.types.ndarray(ti.u8, 1), ti.types.ndarray(ti.i64, 1)
     Options = ti.types.ndarray(ti.types.vector(4, ti.i32), 1)
 
     @ti.func
@@ -96,11 +93,11 @@ def kernels(
         action: Longs,
         observation: Observation,
         final: Observation,
-        reward: ti.types.ndarray(ti.f32, 1),
+        reward: Floats,
         flags: Bytes,
         last_reals: Reals,
         last_wholes: Wholes,
-        prefetched: Indices,
+        prefetched: Ints,
     ):
         """One step of every environment, with ``action`` (E,); an episode that begins samples its house.
 
@@ -145,7 +142,7 @@ def kernels(
                 episodes.look(world, e, loaded(world, e), r, 1, observation)
 
     @kernel
-    def describe(states: States, pose: Numbers, target: Numbers, house: Indices):
+    def describe(states: States, pose: Floats, target: Floats, house: Ints):
         """Write the eyes' poses (E, 3), metres and radians in [0, 2 pi), the targets' centres (E, 2), metres,
         and the houses (E,).
         """
@@ -158,7 +155,7 @@ def kernels(
             house[e] = state.house
 
     @kernel
-    def peek(world: WorldArrays, targets: Numbers):
+    def peek(world: WorldArrays, targets: Floats):
         """Write each environment's target and the next ones, (E, count, 2), metres."""
         for e in range(world.reals.shape[0]):
             state, count = loaded(world, e), targets.shape[0] // (2 * world.reals.shape[0])
@@ -168,7 +165,7 @@ def kernels(
                 state = episodes.sample_target(world, state, ti.static(episodes.apart))
 
     @kernel
-    def stand(numbers: Numbers, indices: Indices, origins: Numbers, cells: Indices, free: Indices):
+    def stand(numbers: Floats, indices: Ints, origins: Floats, cells: Ints, free: Ints):
         """Whether bodies can be at cells (n, 4) (house, i, j, heading) of origins (n, 2)."""
         for k in range(free.shape[0]):
             origin = ti.Vector([origins[2 * k], origins[2 * k + 1]])

@@ -10,15 +10,15 @@ import torch
 
 from agent.learning.environments import make_envs, shield
 from agent.planner import TUNED
-from agent.planner.belief import BLOCKED, WALL
 from agent.planner.config import CERTAIN
-from agent.planner.occupancy import FLAGS, OCCUPIED
+from agent.planner.mapping.occupancy import FLAGS, OCCUPIED
 from agent.planner.state import NONE, SEARCH
+from agent.planner.viewpoints.belief import BLOCKED, WALL
 from agent.policies.policies import Explorer
 from agent.runs.released import CheckpointError
 from benchmarks.planner import explorers
 from benchmarks.planner.explorers import Explorers, cuts, difference, sheets, variant
-from benchmarks.planner.odds import BESIDE, ENTRIES, Places, Truth, collect, odds, sheet, table
+from benchmarks.planner.odds import BESIDE, ENTRIES, MapPlaces, TargetSpots, collect, odds, sheet, table
 from benchmarks.planner.playing import HEAD, WARM_UP, Playing
 from benchmarks.planner.prior import ELSEWHERE, Informed
 from benchmarks.planner.tasks import Tasks
@@ -227,14 +227,14 @@ def test_walls_are_known_and_nothing_counts_as_seen() -> None:
 # Odds.
 
 
-def explored(steps: int) -> tuple[Any, Explorer, Truth]:
+def explored(steps: int) -> tuple[Any, Explorer, TargetSpots]:
     """Explorers after some steps, and the truth about them."""
     torch.set_num_threads(1)
     envs = make_envs(HOUSES, len(HOUSES), "mixed")
     observation, info = envs.reset(seed=0, options={"house": np.arange(len(HOUSES))})
     explorer = Explorer(shield(envs), envs.config)
     explorer.begin(len(HOUSES))
-    truth = Truth(envs, info["pose"], explorer.tracker.planner.cell)
+    truth = TargetSpots(envs, info["pose"], explorer.tracker.planner.cell)
     seen, blocked = torch.as_tensor(observation), torch.zeros(len(HOUSES), dtype=torch.bool)
     for _ in range(steps):
         seen, reward, _, _, info = envs.step_torch(explorer(seen, blocked))
@@ -247,7 +247,7 @@ def explored(steps: int) -> tuple[Any, Explorer, Truth]:
 def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_house() -> None:
     envs, explorer, truth = explored(60)
     planner, pose = explorer.tracker.planner, envs.world.describe()[0]
-    entries = Places(planner).ask()
+    entries = MapPlaces(planner).ask()
     cells = planner.arrays["cells"].view().reshape(len(HOUSES), 256, 256)
     never = 0
     for e in range(len(HOUSES)):

@@ -20,7 +20,7 @@ from vitruvius.commands.common import print_answer
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from agent.evaluation.scores import Bank
+    from agent.evaluation.scores import ScoredBank
     from agent.runs.checkpoint import Checkpoint
 
 
@@ -98,7 +98,7 @@ class Evaluate:
         from agent.evaluation.learnt_in import learnt_in, warnings, with_others
         from agent.evaluation.plots import ratio_plot
         from agent.evaluation.protocol import measure, tasks_of
-        from agent.evaluation.scores import Bank, ScoreFile, external, joined, load, modes_of
+        from agent.evaluation.scores import ScoredBank, ScoreFile, external, joined, load, modes_of
         from agent.evaluation.tables import NOTE, tables
         from agent.play.results import load as load_games
         from agent.progress import progress
@@ -115,7 +115,7 @@ class Evaluate:
             agents.setdefault(name, [checkpoint.load(name)])
         houses = banks.named(self.houses)
         modes = self.targets or tasks_of(agents)
-        bank = Bank(banks.bank_hash(houses), str(self.houses), len(houses))
+        bank = ScoredBank(banks.bank_hash(houses), str(self.houses), len(houses))
         if self.out:
             require_report(self.out, self.replace)
         if self.out and not self.replace:
@@ -165,7 +165,7 @@ class Evaluate:
             say(f"{self.out}: report.html, evaluation.md, evaluation.png, evaluation.json")
         return 0
 
-    def _require_same(self, file: Path, bank: "Bank", modes: Sequence[str]) -> None:
+    def _require_same(self, file: Path, bank: "ScoredBank", modes: Sequence[str]) -> None:
         """Raise ``RequestError`` where a file holds another evaluation: to repeat one is no loss."""
         from agent.evaluation.scores import ScoreError, load
         from logic.house.replacing import require_free

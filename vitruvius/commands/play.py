@@ -18,7 +18,7 @@ from logic.terminal import say
 from vitruvius.options import Streamed
 
 if TYPE_CHECKING:
-    from agent.play.window import Window
+    from agent.play.window import GameWindow
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Play:
         finally:
             window.close()
 
-    def _play(self, window: "Window", houses: list[House]) -> int:
+    def _play(self, window: "GameWindow", houses: list[House]) -> int:
         from datetime import UTC, datetime
         from importlib.metadata import version
 
@@ -139,11 +139,11 @@ DISPLAYS = {"x11": "DISPLAY", "wayland": "WAYLAND_DISPLAY"}
 """SDL's drivers on Linux, and the variables that say where their displays are."""
 
 
-def opened() -> "Window":
+def opened() -> "GameWindow":
     """The window. Raises ``MissingProgram`` where there is no display."""
     import pygame
 
-    from agent.play.window import Window
+    from agent.play.window import GameWindow
 
     if sys.platform == "linux" and not os.environ.get("SDL_VIDEODRIVER"):
         # Left to itself SDL takes a driver that draws where nobody sees it, and the game waits for ever.
@@ -152,7 +152,7 @@ def opened() -> "Window":
             raise _no_display(f"neither {' nor '.join(DISPLAYS.values())} is set")
         os.environ["SDL_VIDEODRIVER"] = ",".join(drivers)
     try:
-        return Window()
+        return GameWindow()
     except pygame.error as error:
         raise _no_display(str(error)) from None
 

@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from agent.algorithms.table import PRESETS
-from agent.banks import BANKS, benchmark_path
+from agent.banks import BANKS, PAPER_HOUSE, benchmark_path
 from agent.runs.released import located, released
 from logic import HouseFileError, load
 from logic.grammar import shipped
@@ -41,9 +41,6 @@ MOST_BYTES = 1 << 28
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """How such a file begins."""
-
-PAPER_HOUSE = "paper-house"
-"""``sim.environment.arguments.PAPER_HOUSE``, without Taichi."""
 
 
 def recognised(name: str) -> list[Kind]:

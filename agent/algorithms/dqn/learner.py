@@ -14,7 +14,6 @@ a_tm1`` lead to ``s_t``.
 """
 
 from copy import deepcopy
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import torch
@@ -22,16 +21,13 @@ from torch import Tensor, nn
 
 from agent.algorithms.dqn.config import DQNConfig
 from agent.avoidance import subsume
-from agent.learning.learner import Learner, Progress, Tally, linear
 from agent.learning.replay import ReplayBuffer
+from agent.learning.replay_learner import ReplayLearner
 from agent.learning.simulator import simulator
 from agent.policies.network import QNetwork, seeded
 from agent.policies.policies import epsilon_greedy, exploration
 from sim import HouseVectorEnv
 from sim.actions import ACTIONS
-
-REPORT = 128
-"""Steps of every environment between two reports."""
 
 
 def n_step_returns(
@@ -76,7 +72,7 @@ def huber_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor, valid: Tensor) -> T
     return (loss * valid).sum() / valid.sum().clamp(min=1)
 
 
-class Batch(NamedTuple):
+class ReplayBatch(NamedTuple):
     """Steps to learn from. ``m`` is the memory (B, M, 6) beside an observation ``s`` (B, R, C)."""
 
     s_tm1: Tensor
@@ -90,12 +86,12 @@ class Batch(NamedTuple):
     valid: Tensor
 
 
-def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, gamma: float) -> Batch:
+def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, gamma: float) -> ReplayBatch:
     """The steps in these rows (B,) of these environments (B,), with their returns over n steps."""
     window, along = rows + torch.arange(n)[:, None], envs.expand(n, -1)
     ends = (replay.read(name, window, along) for name in ("r", "terminated", "truncated"))
     g, ahead, discount_t = n_step_returns(*ends, gamma=gamma)
-    return Batch(
+    return ReplayBatch(
         s_tm1=replay.read("s", rows, envs).float(),
         m_tm1=replay.read("m", rows, envs).float(),
         a_tm1=replay.read("a", rows, envs),
@@ -108,10 +104,11 @@ def n_step_batch(replay: ReplayBuffer, rows: Tensor, envs: Tensor, *, n: int, ga
     )
 
 
-class DQN(Learner):
+class DQN(ReplayLearner):
     """A run of deep Q-learning: two networks and a replay buffer."""
 
     config: DQNConfig
+    last = ("s", "m", "blocked", "ended", "updates")
 
     @staticmethod
     def network_of(config: DQNConfig) -> QNetwork:
@@ -122,12 +119,11 @@ class DQN(Learner):
 
     def __init__(self, config: DQNConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
-        super().__init__(config, envs, report=REPORT)
+        super().__init__(config, envs)
+        self.least_rows = config.n_step + 1
         self.target = deepcopy(self.network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
-        self.updates, self.tally = 0, Tally()
         count = config.num_envs
-        self.reset_envs()
         self.m = self.network.memory.empty(count)
         flags = self.blocked
         # Half precision is 2 mm at the end of the range, takes no longer to read and half the room.
@@ -146,25 +142,13 @@ class DQN(Learner):
     @property
     def epsilon(self) -> float:
         """Share of random actions now."""
-        c = self.config
-        return linear(c.epsilon, c.final_epsilon, self.fraction / max(c.exploration_fraction, 1e-9))
+        return self.config.epsilon_at(self.fraction)
 
-    @property
-    def ready(self) -> bool:
-        """Whether the buffer holds enough to learn from."""
-        least = max(self.config.learning_starts // self.config.num_envs, self.config.n_step + 1)
-        return self.replay.written >= min(least, self.replay.rows)
-
-    def iterate(self) -> Progress:
-        """Step all environments and learn, up to the next report."""
-        start, losses, self.tally = perf_counter(), [], Tally()
-        for _ in range(REPORT):
-            self.act()
-            if self.ready and self.replay.written % self.config.train_frequency == 0:
-                losses.append(self.train_step(self.sample()))
-        self.clock.all += perf_counter() - start
-        loss = float(torch.stack(losses).mean()) if losses else 0.0
-        return self.report(self.tally, loss=loss, epsilon=self.epsilon)
+    def step(self) -> list[Tensor]:
+        """Step all environments once, and learn at every ``train_frequency``-th step; the losses."""
+        self.act()
+        due = self.ready and self.replay.written % self.config.train_frequency == 0
+        return [self.train_step(self.sample())] if due else []
 
     @torch.no_grad()
     def act(self) -> None:
@@ -189,13 +173,13 @@ class DQN(Learner):
         # The step after an end begins the next episode: its memory is empty.
         self.m = self.network.memory(self.m, s, blocked, a, begun)
 
-    def sample(self) -> Batch:
+    def sample(self) -> ReplayBatch:
         """Random steps from the replay buffer."""
         config = self.config
         rows, envs = self.replay.sample(config.batch_size, config.n_step, self.generator)
         return n_step_batch(self.replay, rows, envs, n=config.n_step, gamma=config.gamma)
 
-    def train_step(self, batch: Batch) -> Tensor:
+    def train_step(self, batch: ReplayBatch) -> Tensor:
         """Learn from a batch; the loss."""
         config = self.config
         with torch.no_grad():
@@ -203,36 +187,18 @@ class DQN(Learner):
             q_t_online = self.network(batch.s_t, batch.m_t)
             target = double_q_targets(batch.g, batch.discount_t, q_t_target, q_t_online, batch.allowed_t)
         loss = huber_loss(self.network(batch.s_tm1, batch.m_tm1), batch.a_tm1, target, batch.valid)
-        for group in self.optimizer.param_groups:
-            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
-        self.optimizer.zero_grad()
-        loss.backward()
-        if config.max_grad_norm is not None:
-            nn.utils.clip_grad_norm_(self.network.parameters(), config.max_grad_norm)
-        self.optimizer.step()
+        self.anneal(config.final_lr_fraction)
+        loss = self.descend(loss, config.max_grad_norm)
         self.updates += 1
         if self.updates % config.target_network_frequency == 0:
             self.target.load_state_dict(self.network.state_dict())
-        return loss.detach()
+        return loss
 
     def own_state(self) -> dict[str, Any]:
-        """The target network, the optimiser, the replay buffer, and where the environments are."""
-        return {
-            "target": self.target.state_dict(),
-            "optimizer": self.optimizer.state_dict(),
-            "replay": self.replay.state(),
-            "last": {name: getattr(self, name) for name in LAST},
-        }
+        """The target network too."""
+        return super().own_state() | {"target": self.target.state_dict()}
 
     def restore_own(self, state: dict[str, Any]) -> None:
         """Take up what ``own_state`` gave."""
+        super().restore_own(state)
         self.target.load_state_dict(state["target"])
-        self.optimizer.load_state_dict(state["optimizer"])
-        self.replay.restore(state["replay"])
-        for name in LAST:
-            value = state["last"][name]
-            setattr(self, name, value.clone() if isinstance(value, Tensor) else value)
-
-
-LAST = ("s", "m", "blocked", "ended", "updates")
-"""What the next step depends on beside networks and buffer."""

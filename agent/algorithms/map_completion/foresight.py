@@ -12,8 +12,8 @@ from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, P
 from agent.algorithms.map_completion.windows import LOOKED, Windows, seen
 from agent.learning.simulator import simulator
 from agent.planner import TUNED, Planner, PlannerConfig
-from agent.planner.belief import BLOCKED, PATH, WALL
 from agent.planner.config import CERTAIN
+from agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
 from agent.policies.policies import Tracker
 from logic.errors import RequestError
 from sim import HouseVectorEnv

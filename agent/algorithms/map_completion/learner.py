@@ -18,7 +18,7 @@ from agent.algorithms.map_completion.sight import cast_rays
 from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.algorithms.map_completion.windows import Windows, seen
 from agent.learning.environments import shield
-from agent.learning.learner import Learner, Progress, Tally, linear
+from agent.learning.learner import Learner, Progress, Tally
 from agent.learning.simulator import simulator
 from agent.policies.network import seeded
 from agent.policies.policies import Explorer
@@ -37,7 +37,7 @@ SIGHT, TARGETS, KINDS = 1.0, 0.2, 0.1
 """What sight, the place of the target, and the kinds of ground count in the loss beside floor."""
 
 
-class Batch(NamedTuple):
+class WindowBatch(NamedTuple):
     """What the network learns from: of n windows, what it reads and what is so."""
 
     windows: Tensor
@@ -142,32 +142,27 @@ class MapCompletion(Learner):
     def learn(self) -> float:
         """Learn from a window of each map, in the config's epochs; the mean loss."""
         config = self.config
-        for group in self.optimizer.param_groups:
-            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
+        self.anneal(config.final_lr_fraction)
         batch, losses = self.batch(), []
         for _ in range(config.update_epochs):
             order = torch.randperm(self.envs.num_envs, generator=self.generator)
             for part in order.split(config.batch_size):
-                losses.append(self.update(turned(Batch(*(each[part] for each in batch)), self.random)))
+                losses.append(self.update(turned(WindowBatch(*(each[part] for each in batch)), self.random)))
         return float(torch.stack(losses).mean())
 
-    def batch(self) -> Batch:
+    def batch(self) -> WindowBatch:
         """A window of each map."""
         everyone = np.arange(self.envs.num_envs)
         windows, corners = self.windows.read(everyone)
         given = windows, self.marks.read(everyone, corners), -corners.astype(np.float32)
         truth = self.truth.read(everyone, corners)
         sight = cast_rays(windows, truth.solid, self.random)
-        return Batch(*map(torch.from_numpy, (*given, truth.floor, truth.target, truth.kinds, *sight)))
+        return WindowBatch(*map(torch.from_numpy, (*given, truth.floor, truth.target, truth.kinds, *sight)))
 
-    def update(self, batch: Batch) -> Tensor:
+    def update(self, batch: WindowBatch) -> Tensor:
         """Learn from a batch; the loss."""
         loss = completion_loss(self.network(batch.windows, batch.marks, batch.starts), batch)
-        self.optimizer.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.max_grad_norm)
-        self.optimizer.step()
-        return loss.detach()
+        return self.descend(loss, self.config.max_grad_norm)
 
     def own_state(self) -> dict[str, Any]:
         """The optimiser, the maps, and where the explorers are."""
@@ -198,7 +193,7 @@ LAST = ("s", "blocked", "ended")
 """What the next step starts from."""
 
 
-def completion_loss(prediction: Prediction, batch: Batch) -> Tensor:
+def completion_loss(prediction: Prediction, batch: WindowBatch) -> Tensor:
     """The cross-entropy of a prediction for a batch: of floor and of the kind of ground, above all where it
     was not seen but is near to what was; of the next target's block; and of whether a ray that reaches a
     block passes it.
@@ -225,7 +220,7 @@ def mean(values: Tensor, weight: Tensor) -> Tensor:
     return (values * weight).sum() / weight.sum().clamp(min=1e-6)
 
 
-def turned(batch: Batch, random: np.random.Generator) -> Batch:
+def turned(batch: WindowBatch, random: np.random.Generator) -> WindowBatch:
     """The same houses, turned by quarters and mirrored at random."""
     quarters, mirrored = int(random.integers(4)), random.random() < 0.5
     last = batch.windows.shape[-1] - 1
@@ -239,4 +234,4 @@ def turned(batch: Batch, random: np.random.Generator) -> Batch:
         return (field.flip(-1) if mirrored else field).contiguous()
 
     fields = {name: turn(field) for name, field in batch._asdict().items() if name != "starts"}
-    return Batch(starts=starts, **fields)
+    return WindowBatch(starts=starts, **fields)

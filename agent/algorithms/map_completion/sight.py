@@ -14,7 +14,7 @@ REACH = TUNED.view_reach // 2
 """Blocks that a ray passes at most, as many as in the planner's views. A block is two cells wide."""
 
 
-class Sight(NamedTuple):
+class SightLines(NamedTuple):
     """How far rays went over the unseen ground of n windows."""
 
     rays: np.ndarray
@@ -24,7 +24,7 @@ class Sight(NamedTuple):
     """(n, W, W) float32: the share of these that passed it; 0 where no ray came."""
 
 
-def cast_rays(windows: np.ndarray, solid: np.ndarray, random: np.random.Generator) -> Sight:
+def cast_rays(windows: np.ndarray, solid: np.ndarray, random: np.random.Generator) -> SightLines:
     """Cast rays in windows (n, W, W) uint8, as ``Windows.read`` gives them: from random blocks that were seen
     to be free, in random directions, to the first block that is ``solid`` (n, W, W) uint8.
 
@@ -54,4 +54,4 @@ def cast_rays(windows: np.ndarray, solid: np.ndarray, random: np.random.Generato
         y, x, south, east, first = (each[goes] for each in (y, x, south, east, first))
     rays, lost = (np.bincount(np.concatenate(each), minlength=windows.size) for each in (came, ended))
     rays, lost = rays.reshape(windows.shape), lost.reshape(windows.shape)
-    return Sight(rays.astype(np.float32), ((rays - lost) / np.maximum(rays, 1)).astype(np.float32))
+    return SightLines(rays.astype(np.float32), ((rays - lost) / np.maximum(rays, 1)).astype(np.float32))

@@ -11,11 +11,10 @@ import numpy as np
 
 from agent.algorithms.map_completion.network import WINDOW
 from agent.planner import Planner
-from agent.planner.arrays import Bytes, Shorts, Wholes
-from agent.planner.belief import PATH
-from agent.planner.candidates import NOT_COMPUTED
-from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, TILE
-from sim.runtime import Array, Launch, start, ti
+from agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, TILE
+from agent.planner.viewpoints.belief import PATH
+from agent.planner.viewpoints.candidates import NOT_COMPUTED
+from sim.runtime import Array, Bytes, Ints, Launch, Shorts, start, ti
 
 OCCUPIED_CELLS = 7
 """Bits of a window's block: how many of its four cells are occupied."""
@@ -92,7 +91,7 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
         return y, x
 
     @ti.kernel
-    def read(cells: Shorts, asked: Wholes, corners: Wholes, since: Wholes, windows: Bytes):
+    def read(cells: Shorts, asked: Ints, corners: Ints, since: Ints, windows: Bytes):
         for n in range(asked.shape[0]):
             e = asked[n]
             if e >= 0:
@@ -112,7 +111,7 @@ def _kernels(program: Any, bits: int, pitch: int) -> tuple[Any, Any]:
     @ti.kernel
     def write(
         cells: Shorts, dirty: Bytes, gains: Shorts, prior: Shorts,
-        asked: Wholes, corners: Wholes, given: Shorts,
+        asked: Ints, corners: Ints, given: Shorts,
     ):  # fmt: skip
         for n in range(asked.shape[0]):
             e = asked[n]

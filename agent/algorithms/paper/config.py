@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from agent.banks import PAPER_HOUSE
 from agent.learning.config import TrainConfig
 from logic.errors import RequestError
 
@@ -51,7 +52,7 @@ class PaperConfig(TrainConfig):
     forward where a middle ray sees the target. Otherwise it is measured as all other agents are."""
 
     algorithm: ClassVar[str] = "paper"
-    learnt_in: ClassVar[str | None] = "paper-house"
+    learnt_in: ClassVar[str | None] = PAPER_HOUSE
     positive: ClassVar[tuple[str, ...]] = (
         *(*TrainConfig.positive, "episodes", "adam_epsilon", "buffer_size", "learning_starts"),
         *("batch_size", "num_minibatches"),

@@ -16,7 +16,6 @@ Different: states are kept in half precision, and Adam's epsilon is added as tor
 Axes: E environments, B samples, R rays, C channels, A actions; ``s_tm1, a_tm1`` lead to ``r_t`` and ``s_t``.
 """
 
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import torch
@@ -26,17 +25,14 @@ from agent.algorithms.paper.config import PaperConfig
 from agent.algorithms.paper.network import PaperNetwork
 from agent.avoidance import subsume
 from agent.learning.environments import layer_of
-from agent.learning.learner import Learner, Progress, Tally
 from agent.learning.replay import ReplayBuffer
+from agent.learning.replay_learner import ReplayLearner
 from agent.policies.policies import QPolicy, epsilon_greedy, exploration, home
 from sim import HouseVectorEnv
 from sim.actions import ACTIONS
 
-REPORT = 128
-"""Steps of every environment between two reports."""
 
-
-class Batch(NamedTuple):
+class EpisodeBatch(NamedTuple):
     """Steps to learn from, (B, ...) each."""
 
     s_tm1: Tensor
@@ -61,10 +57,12 @@ def squared_loss(q_tm1: Tensor, a_tm1: Tensor, target: Tensor) -> Tensor:
     return error.square().mean() / ACTIONS
 
 
-class Paper(Learner):
+class Paper(ReplayLearner):
     """A run of the paper's agent."""
 
     config: PaperConfig
+    last = ("s", "blocked", "ended", "began", "updates", "episodes")
+    least_rows = 2
 
     @staticmethod
     def network_of(config: PaperConfig) -> PaperNetwork:
@@ -82,13 +80,11 @@ class Paper(Learner):
 
     def __init__(self, config: PaperConfig, envs: HouseVectorEnv) -> None:
         """Begin a run; ``envs`` has the environments and the world of ``config``, and NEXT_STEP autoreset."""
-        super().__init__(config, envs, report=REPORT)
+        super().__init__(config, envs)
         self.optimizer = torch.optim.Adam(
             self.network.parameters(), lr=config.learning_rate, eps=config.adam_epsilon, fused=True
         )
-        self.updates, self.episodes, self.tally = 0, 0, Tally()
-        count = config.num_envs
-        self.reset_envs()
+        self.episodes, count = 0, config.num_envs
         self.began = torch.zeros(count, dtype=torch.int64)
         self.replay = ReplayBuffer(
             config.buffer_size // count,
@@ -111,21 +107,6 @@ class Paper(Learner):
         limit = self.config.episodes
         return min(1.0, max(super().fraction, self.episodes / limit if limit else 0.0))
 
-    @property
-    def ready(self) -> bool:
-        """Whether the buffer holds enough to learn from."""
-        least = max(self.config.learning_starts // self.config.num_envs, 2)
-        return self.replay.written >= min(least, self.replay.rows)
-
-    def iterate(self) -> Progress:
-        """Step all environments, and learn after each episode, up to the next report."""
-        start, losses, self.tally = perf_counter(), [], Tally()
-        for _ in range(REPORT):
-            losses += self.step()
-        self.clock.all += perf_counter() - start
-        loss = float(torch.stack(losses).mean()) if losses else 0.0
-        return self.report(self.tally, loss=loss, epsilon=self.epsilon)
-
     def step(self) -> list[Tensor]:
         """Step all environments once, and replay for each episode that ended before; the losses."""
         ended, losses = self.ended, []
@@ -136,7 +117,7 @@ class Paper(Learner):
             if self.ready:
                 batch = self.batch(*self.sample(env, began))
                 parts = zip(*(field.chunk(self.config.num_minibatches) for field in batch), strict=True)
-                losses += [self.train_step(Batch(*part)) for part in parts]
+                losses += [self.train_step(EpisodeBatch(*part)) for part in parts]
         return losses
 
     @torch.no_grad()
@@ -167,10 +148,10 @@ class Paper(Learner):
         rows[: len(rewarded)], envs[: len(rewarded)] = rewarded, env
         return rows, envs
 
-    def batch(self, rows: Tensor, envs: Tensor) -> Batch:
+    def batch(self, rows: Tensor, envs: Tensor) -> EpisodeBatch:
         """The steps in these rows (B,) of these environments (B,)."""
         replay = self.replay
-        return Batch(
+        return EpisodeBatch(
             s_tm1=replay.read("s", rows, envs).float(),
             a_tm1=replay.read("a", rows, envs),
             r_t=replay.read("r", rows, envs),
@@ -178,35 +159,11 @@ class Paper(Learner):
             s_t=replay.read("s", rows + 1, envs).float(),
         )
 
-    def train_step(self, batch: Batch) -> Tensor:
+    def train_step(self, batch: EpisodeBatch) -> Tensor:
         """Learn from a batch; the loss."""
         q_tm1, q_t = self.network(torch.cat([batch.s_tm1, batch.s_t])).chunk(2)  # both at once: it is faster
         target = q_targets(batch.r_t, batch.ended_t, q_t.detach())
         loss = squared_loss(q_tm1, batch.a_tm1, target)
-        for group in self.optimizer.param_groups:
-            group["lr"] = self.config.learning_rate / (1 + self.config.lr_decay * self.updates)
-        self.optimizer.zero_grad()
-        loss.backward()
-        self.optimizer.step()
+        self.set_learning_rate(self.config.learning_rate / (1 + self.config.lr_decay * self.updates))
         self.updates += 1
-        return loss.detach()
-
-    def own_state(self) -> dict[str, Any]:
-        """The optimiser, the replay buffer, and where the environments are."""
-        return {
-            "optimizer": self.optimizer.state_dict(),
-            "replay": self.replay.state(),
-            "last": {name: getattr(self, name) for name in LAST},
-        }
-
-    def restore_own(self, state: dict[str, Any]) -> None:
-        """Take up what ``own_state`` gave."""
-        self.optimizer.load_state_dict(state["optimizer"])
-        self.replay.restore(state["replay"])
-        for name in LAST:
-            value = state["last"][name]
-            setattr(self, name, value.clone() if isinstance(value, Tensor) else value)
-
-
-LAST = ("s", "blocked", "ended", "began", "updates", "episodes")
-"""What the next step depends on beside network and buffer."""
+        return self.descend(loss)

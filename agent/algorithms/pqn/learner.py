@@ -19,7 +19,7 @@ from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.pqn.recurrent import RecurrentQNetwork
 from agent.algorithms.pqn.rollout import Rollout
 from agent.learning import ranks
-from agent.learning.learner import Learner, Progress, Tally, linear
+from agent.learning.learner import Learner, Progress, Tally
 from agent.learning.simulator import simulator
 from agent.policies.network import QNetwork, seeded
 from sim import HouseVectorEnv
@@ -57,7 +57,7 @@ def q_loss(q_tm1: Tensor, a_tm1: Tensor, g_tm1: Tensor, valid: Tensor, count: Te
     return 0.5 * (error.square() * valid).sum() / (valid.sum() if count is None else count).clamp(min=1)
 
 
-class Batch(NamedTuple):
+class RolloutBatch(NamedTuple):
     """Steps to learn from, (B, ...) each."""
 
     s_tm1: Tensor
@@ -91,8 +91,7 @@ class PQN(Learner):
     @property
     def epsilon(self) -> float:
         """Share of random actions now."""
-        c = self.config
-        return linear(c.epsilon, c.final_epsilon, self.fraction / max(c.exploration_fraction, 1e-9))
+        return self.config.epsilon_at(self.fraction)
 
     def iterate(self) -> Progress:
         """Act for a rollout and learn from it."""
@@ -127,29 +126,28 @@ class PQN(Learner):
     def train_epochs(self, g: Tensor) -> float:
         """Train the network towards the rollout's returns (T, E); the mean loss."""
         config = self.config
-        for group in self.optimizer.param_groups:
-            group["lr"] = config.learning_rate * linear(1.0, config.final_lr_fraction, self.fraction)
+        self.anneal(config.final_lr_fraction)
         losses = []
         for _ in range(config.update_epochs):
             losses += [self.train_step(batch) for batch in self.minibatches(g)]
         return float(torch.stack(losses).mean())
 
-    def minibatches(self, g: Tensor) -> Iterator[Batch]:
+    def minibatches(self, g: Tensor) -> Iterator[RolloutBatch]:
         """The rollout's steps in a random order, shared out among minibatches."""
         if self.config.network == "recurrent":
             yield from self.sequences(g)
             return
         rollout = self.rollout
         states = (kept[:-1].flatten(0, 1) for kept in (rollout.s, rollout.memory))
-        steps = Batch(*states, *(kept.flatten() for kept in (rollout.a, g, rollout.valid)))
+        steps = RolloutBatch(*states, *(kept.flatten() for kept in (rollout.a, g, rollout.valid)))
         for part in self.permutation(g.numel()).chunk(self.config.num_minibatches):
-            yield Batch(*(field.index_select(0, part) for field in steps))
+            yield RolloutBatch(*(field.index_select(0, part) for field in steps))
 
     def permutation(self, count: int) -> Tensor:
         """The numbers below ``count`` in a random order."""
         return torch.randperm(count, generator=self.generator, device=self.generator.device)
 
-    def sequences(self, g: Tensor) -> Iterator[Batch]:
+    def sequences(self, g: Tensor) -> Iterator[RolloutBatch]:
         """The same for a recurrent network: each part has whole rollouts of some environments. Their memories
         are computed again from the first ones, so that gradients reach back through all steps.
         """
@@ -161,21 +159,15 @@ class PQN(Learner):
                 rollout.memory[0, envs], s, rollout.blocked[:-1, envs], a, ended[:, envs]
             )
             fields = (s, memory, a, g[:, envs], rollout.valid[:, envs])
-            yield Batch(*(field.flatten(0, 1) for field in fields))
+            yield RolloutBatch(*(field.flatten(0, 1) for field in fields))
 
-    def train_step(self, batch: Batch) -> Tensor:
+    def train_step(self, batch: RolloutBatch) -> Tensor:
         """Learn from a batch; the loss. The batches of all ranks count as one."""
         count = batch.valid.sum()
         ranks.all_reduce(count)
         q = self.network(batch.s_tm1, batch.m_tm1)
         loss = q_loss(q, batch.a_tm1, batch.g_tm1, batch.valid, count)
-        self.optimizer.zero_grad()
-        loss.backward()
-        ranks.all_reduce_gradients(self.network)
-        if self.config.max_grad_norm is not None:
-            torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.config.max_grad_norm)
-        self.optimizer.step()
-        return loss.detach() * ranks.size()
+        return self.descend(loss, self.config.max_grad_norm) * ranks.size()
 
     def own_state(self) -> dict[str, Any]:
         """The optimiser, and the state that the last rollout ended in."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from agent.avoidance import Layer, subsume
+from agent.avoidance import Layer, best_value, subsume
 from agent.learning.stopwatch import Stopwatch
 from agent.policies.network import QNetwork
 from agent.policies.policies import epsilon_greedy, exploration
@@ -101,7 +101,7 @@ class Rollout:
         values.append(self._values(-1, network, avoidance))
         # The rest for all steps at once.
         q, allowed = (torch.stack(column) for column in zip(*values, strict=True))
-        self.v.copy_(_of(q, subsume(q, allowed)))
+        self.v.copy_(best_value(q, allowed))
         wanted = torch.stack(explored)
         self.overruled = int((_of(wanted, self.a) < wanted.amax(-1)).sum())
         self.valid[0] = ~first

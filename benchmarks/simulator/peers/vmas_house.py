@@ -24,7 +24,7 @@ from vmas.simulator.sensors import Lidar
 EPISODE = 500
 
 
-class House(BaseScenario):
+class VmasHouse(BaseScenario):
     """One robot with a lidar, four rooms, a goal."""
 
     def make_world(self, batch_dim, device, **_):
@@ -116,7 +116,7 @@ CASES = (
         "Forces, drag and elastic collisions of a round robot that turns freely; exact rays, distances "
         "alone; one scene for all environments; episodes end at a goal or after 500 steps",
         SIZES,
-        build(House()),
+        build(VmasHouse()),
     ),
     Case(
         "its own scenario navigation: four robots with lidars of 40 beams, collisions, reward, reset",

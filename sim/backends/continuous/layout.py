@@ -23,9 +23,6 @@ from sim.runtime import ti
 CELL = 1.0
 """Metres: the side of a cell. Smaller ones make shorter lists, and more of them."""
 
-MARGIN = 1e-3
-"""Metres by which lists are more generous than they need to be: more than rounding can take away."""
-
 HEADER = 9
 FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS, FIRST_CELL, COLUMNS, ROWS, FIRST_LINE = range(HEADER)
 
@@ -41,8 +38,6 @@ LONGEST = 2**16 - 1
 LINE, AHEAD = 16, 64
 """Words of a cache line, and of a block's beginning that is prefetched; the last block, too, has as many
 behind it."""
-
-Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
 
 
 @ti.func

@@ -20,15 +20,13 @@ from sim.backends.continuous.layout import (
     HEADER,
     LISTS,
     LONGEST,
-    MARGIN,
     ROOMS,
     ROWS,
-    Indices,
-    Numbers,
     end_of,
 )
+from sim.backends.rays import MARGIN
 from sim.config import Config
-from sim.runtime import Array, Launch, constants, start, ti
+from sim.runtime import Array, Floats, Ints, Launch, constants, start, ti
 
 
 def listed_arrays(
@@ -189,7 +187,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         return ti.Vector([numbers[k], numbers[k + 1] - numbers[k + 2], numbers[k + 1] + numbers[k + 2]])
 
     @ti.kernel
-    def find(numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices):
+    def find(numbers: Floats, houses: Ints, owner: Ints, visible: Ints, counts: Ints):
         for c in range(owner.shape[0]):
             words = visible.shape[0] // owner.shape[0]
             at, cell = square(numbers, houses, owner, c)
@@ -212,9 +210,7 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         indices[first + (k >> 1)] |= number << ((k & 1) << 4)
 
     @ti.kernel
-    def fill(
-        numbers: Numbers, houses: Indices, owner: Indices, visible: Indices, counts: Indices, indices: Indices
-    ):
+    def fill(numbers: Floats, houses: Ints, owner: Ints, visible: Ints, counts: Ints, indices: Ints):
         for c in range(owner.shape[0]):
             words = visible.shape[0] // owner.shape[0]
             at, cell = square(numbers, houses, owner, c)

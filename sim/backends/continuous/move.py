@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from sim.actions import FORWARD, LEFT
+from sim.actions import FORWARD
 from sim.backends.backend import Bank, Lattice
-from sim.backends.body import SKIN, Body, slides_into
+from sim.backends.body import SKIN, Body, eighths, slides_into
 from sim.backends.continuous.layout import (
     BOXES,
     FIRST_BOX,
@@ -23,12 +23,10 @@ from sim.runtime import ti
 
 @ti.data_oriented
 class Motion:
-    """A body among boxes."""
+    """A body among boxes, by the configuration's rule of collision."""
 
-    def __init__(self, config: Config, body: Body) -> None:
-        """Move a body by the configuration's rule of collision."""
-        self.config, self.body = config, body
-        self.turns_in_place = config.body[0] == config.body[1]
+    config: Config
+    body: Body
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
         """A house's own lattice lies half a step off its corner, so that no body is flush by construction."""
@@ -42,12 +40,8 @@ class Motion:
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Put origins through the given poses; a heading must be a multiple of 45 degrees."""
-        eighths = pose[:, 2] / (np.pi / 4)
-        heading = np.round(eighths)
-        if not np.isfinite(pose).all() or np.abs(eighths - heading).max() > 1e-3:
-            raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
         cell = np.zeros((len(pose), 3), np.int32)
-        cell[:, 2] = heading.astype(np.int64) % 8
+        cell[:, 2] = eighths(pose).astype(np.int64) % 8
         shift = np.where(cell[:, 2] % 2, self.config.eye[1] - self.config.eye[0], 0.0)
         return np.ascontiguousarray(pose[:, :2] - shift[:, None], np.float32), cell
 
@@ -64,9 +58,9 @@ class Motion:
             new = self.body.ahead(cell)
             blocked = self.blocked(numbers, indices, house, origin, cell, new)
         else:
-            new[2] = (cell[2] + ti.select(action == LEFT, 1, 7)) & 7
+            new = self.body.turned(cell, action)
             # A square that is the same at all headings turns in place.
-            if ti.static(not self.turns_in_place):
+            if ti.static(self.config.body[0] != self.config.body[1]):
                 blocked = self.blocked(numbers, indices, house, origin, new, new)
         return new, blocked
 

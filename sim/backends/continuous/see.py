@@ -1,19 +1,13 @@
 """What rays hit in the continuous backend: the nearest of the lines that are listed for the eye's cell."""
 
-from sim.backends.body import Body
 from sim.backends.continuous.layout import AHEAD, FIRST_LINE, HEADER, LINE, cell_of, end_of, listed
-from sim.backends.rays import Rays
-from sim.config import Config
+from sim.backends.rays import RayBody
 from sim.runtime import ti
 
 
 @ti.data_oriented
-class Sight:
+class Sight(RayBody):
     """Rays among lines."""
-
-    def __init__(self, config: Config, body: Body, lanes: int) -> None:
-        """Cast ``lanes`` rays at a time from the body's eye."""
-        self.config, self.body, self.rays = config, body, Rays(config, lanes)
 
     @ti.func
     def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
@@ -39,12 +33,8 @@ class Sight:
             self.rays.meet(
                 nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
             )
-        half = ti.static(self.config.target / 2)
-        if self.rays.may_see(target - eye, half, self.body.headings[cell[2]]):
-            self.rays.meet_square(
-                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(self.rays.last)
-            )
-            self.rays.name_target(kinds)
+        if self.rays.may_see(target - eye, ti.static(self.config.target / 2), self.body.headings[cell[2]]):
+            self.rays.meet_target(nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target)
         return self.rays.metres(nearest), kinds
 
     @ti.func

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from logic import House
 from sim.backends.backend import Bank
-from sim.backends.body import Body
 from sim.backends.grid.cells import cell_side, off_grid
 from sim.backends.grid.move import Motion
 from sim.backends.grid.pack import pack
@@ -18,12 +17,6 @@ from sim.runtime import ti
 @ti.data_oriented
 class Grid(Motion, Sight):
     """A body that fills a cell: see ``sim.backends.backend.Backend``."""
-
-    def __init__(self, config: Config, lanes: int) -> None:
-        """See ``Backend``."""
-        self.config, self.body = config, Body(config)
-        Motion.__init__(self, config, self.body)
-        Sight.__init__(self, config, self.body, lanes)
 
     @staticmethod
     def fit(config: Config, houses: Sequence[House]) -> Config:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from sim.actions import FORWARD, LEFT
+from sim.actions import FORWARD
 from sim.backends.backend import Bank, Lattice
-from sim.backends.body import Body
+from sim.backends.body import Body, eighths
 from sim.backends.grid.cells import STANDS, middle
 from sim.backends.grid.pack import COLUMNS, FIRST_CELL, HEADER, ROWS
 from sim.config import Config
@@ -27,11 +27,10 @@ def looked_up(indices: ti.template(), house, cell):
 
 @ti.data_oriented
 class Motion:
-    """A body from cell to cell."""
+    """A body that is a cell wide, from cell to cell."""
 
-    def __init__(self, config: Config, body: Body) -> None:
-        """Move a body that is a cell wide."""
-        self.config, self.body = config, body
+    config: Config
+    body: Body
 
     def lattice(self, shape: Geometry, origin: np.ndarray | None = None) -> Lattice:
         """The middles of a house's cells."""
@@ -42,10 +41,7 @@ class Motion:
 
     def place(self, bank: Bank, house: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The cells of the given poses; ``ValueError`` for one that is not in the middle of a cell."""
-        eighths = pose[:, 2] / (np.pi / 4)
-        heading = np.round(eighths)
-        if not np.isfinite(pose).all() or np.abs(eighths - heading).max() > 1e-3:
-            raise ValueError("a pose is (x, y, heading): finite, heading a multiple of pi/4 radians")
+        heading = eighths(pose)
         origin = np.stack([self.lattice(bank.geometries[number]).origin for number in house])
         steps = (pose[:, :2] - origin) / self.config.step
         off = np.abs(steps - np.round(steps)).max(axis=1) * self.config.step
@@ -70,5 +66,5 @@ class Motion:
             new = self.body.ahead(cell)
             blocked = 1 - (looked_up(indices, house, cell) >> cell[2] & 1)
         else:
-            new[2] = (cell[2] + ti.select(action == LEFT, 1, 7)) & 7
+            new = self.body.turned(cell, action)
         return new, blocked

@@ -22,15 +22,13 @@ from sim.backends.kinds import codes
 from sim.backends.rays import SEAM, Rays, directions
 from sim.config import Config
 from sim.geometry import geometry
-from sim.runtime import Array, Launch, start, ti
+from sim.runtime import Array, Floats, Ints, Launch, start, ti
 
 HEADER = 3
 FIRST_CELL, COLUMNS, ROWS = range(HEADER)
 
 ROW = 10
 """The bit of a cell where the number of its row begins, behind those of its moves."""
-
-Numbers, Indices = ti.types.ndarray(ti.f32, 1), ti.types.ndarray(ti.i32, 1)
 
 
 def pack(houses: Sequence[House], config: Config) -> Bank:
@@ -97,13 +95,13 @@ def _kernel(program: Any, config: Config) -> Any:
 
     @ti.kernel
     def cast(
-        numbers: Numbers,
-        jobs: Indices,
-        origins: Numbers,
-        lines: Numbers,
-        houses: Indices,
-        upright: Indices,
-        level: Indices,
+        numbers: Floats,
+        jobs: Ints,
+        origins: Floats,
+        lines: Floats,
+        houses: Ints,
+        upright: Ints,
+        level: Ints,
     ):
         for job in range(jobs.shape[0] // 3):
             house, column, row = jobs[3 * job], jobs[3 * job + 1], jobs[3 * job + 2]

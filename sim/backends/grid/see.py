@@ -1,20 +1,14 @@
 """What rays hit in the grid backend: looked up for the eye's cell, and the target before it."""
 
-from sim.backends.body import Body
 from sim.backends.grid.move import looked_up
 from sim.backends.grid.pack import ROW
-from sim.backends.rays import Rays
-from sim.config import Config
+from sim.backends.rays import RayBody
 from sim.runtime import ti
 
 
 @ti.data_oriented
-class Sight:
+class Sight(RayBody):
     """Rays in tables."""
-
-    def __init__(self, config: Config, body: Body, lanes: int) -> None:
-        """Cast ``lanes`` rays at a time from the body's eye."""
-        self.config, self.body, self.rays = config, body, Rays(config, lanes)
 
     @ti.func
     def see(self, numbers: ti.template(), indices: ti.template(), house, origin, cell, target, ray):
@@ -29,16 +23,12 @@ class Sight:
             kinds_at = at + numbers.shape[0] // 2
             for r in range(ti.static(self.rays.lanes)):
                 kinds[r] = ti.cast(numbers[kinds_at + r], ti.u32)
-        half = ti.static(self.config.target / 2)
-        if self.rays.may_see(target - eye, half, self.body.headings[cell[2]]):
+        if self.rays.may_see(target - eye, ti.static(self.config.target / 2), self.body.headings[cell[2]]):
             over_x, slope_x = self.rays.floats(0.0), self.rays.floats(0.0)
             over_y, slope_y = self.rays.floats(0.0), self.rays.floats(0.0)
             self.rays.across(first, 0, over_x, slope_x)
             self.rays.across(first, 1, over_y, slope_y)
-            self.rays.meet_square(
-                nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target, half, ti.u32(self.rays.last)
-            )
-            self.rays.name_target(kinds)
+            self.rays.meet_target(nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target)
         return self.rays.metres(nearest), kinds
 
     @ti.func

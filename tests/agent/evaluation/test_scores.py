@@ -8,7 +8,16 @@ import pytest
 
 from agent.banks import bank_hash
 from agent.evaluation.result import Result
-from agent.evaluation.scores import Bank, ScoreError, ScoreFile, external, joined, load, modes_of, result_of
+from agent.evaluation.scores import (
+    ScoredBank,
+    ScoreError,
+    ScoreFile,
+    external,
+    joined,
+    load,
+    modes_of,
+    result_of,
+)
 from tests.agent.evaluation.cases import result, scores
 from tests.sample_houses import random_house
 
@@ -18,7 +27,7 @@ RESULT = result(scores([5, 7], [30, np.inf]), scores([6, 8]), mode="main", other
 
 def written(path: Path, one: Result = RESULT) -> Path:
     """A file of this result, measured in ``HOUSES``."""
-    path.write_bytes(ScoreFile(Bank(bank_hash(HOUSES)), 0, modes_of([one])).json())
+    path.write_bytes(ScoreFile(ScoredBank(bank_hash(HOUSES)), 0, modes_of([one])).json())
     return path
 
 

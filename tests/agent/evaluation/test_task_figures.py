@@ -9,7 +9,7 @@ import pytest
 from agent.banks import bank_hash, benchmark
 from agent.evaluation.baselines import PRIVILEGED
 from agent.evaluation.protocol import measure
-from agent.evaluation.scores import Bank, ScoreFile, modes_of, result_of
+from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of, result_of
 from agent.evaluation.tables import score_table, tables
 from agent.learning.environments import playable
 from agent.learning.simulator import undisturbed, with_sensor
@@ -55,7 +55,7 @@ def test_tables_call_a_piece_what_people_call_it_in_these_houses():
     [found] = measure({}, houses, [mode], baselines=("script", "oracle"), world="default")
     titles = [table.title for table in tables(found)]
     assert all("worktop" in title.lower() and "desk" not in title for title in titles), titles
-    bank = Bank(bank_hash(houses), "", len(houses))
+    bank = ScoredBank(bank_hash(houses), "", len(houses))
     scored = ScoreFile(bank, 0, modes_of([found]), "continuous", "default", 1)
     assert list(_ratios(scored, houses)) == ["script, find a worktop"]
 

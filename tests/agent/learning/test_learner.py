@@ -12,7 +12,8 @@ from agent.algorithms.build import algorithm_of, network_of
 from agent.algorithms.pqn.config import PQNConfig
 from agent.algorithms.pqn.learner import PQN
 from agent.algorithms.table import ALGORITHMS, PRESETS
-from agent.learning.learner import Diverged, Learner, Progress, linear
+from agent.learning.config import linear
+from agent.learning.learner import Diverged, Learner, Progress
 from agent.policies.network import QNetwork
 from sim import HouseVectorEnv
 from tests.sample_houses import random_house

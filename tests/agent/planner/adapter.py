@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from agent.planner import Planner as Tested
-from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
+from agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED, SOLID
 from agent.planner.state import AT
 from sim.config import Config
 

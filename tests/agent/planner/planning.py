@@ -292,7 +292,7 @@ def look_ahead(body: Body, x: int, y: int) -> int:
     return body.step if x % 2 or y % 2 else max(2, body.step)
 
 
-def bends(memory: Any, x: int, y: int, heading: int) -> int:
+def turns_on(memory: Any, x: int, y: int, heading: int) -> int:
     """Turns on a shortest path of up to 40 nodes that goes straight on while it can, and then turns least."""
     near = [
         (memory.distance[j, i], n, (i, j))
@@ -327,7 +327,7 @@ def turn(body: Body, memory: Any, gain: np.ndarray) -> int:
     for k in np.flatnonzero((gain == gain.max()) & (gain.max() > -1)):
         heading = (memory.heading + int(k)) % 8
         to = memory.x + span * WAYS[heading][0], memory.y + span * WAYS[heading][1]
-        best.append((min(k, 8 - k) + bends(memory, *to, heading), k))
+        best.append((min(k, 8 - k) + turns_on(memory, *to, heading), k))
     return int(min(best)[1]) if best else 1
 
 

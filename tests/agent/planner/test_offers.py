@@ -6,7 +6,7 @@ import torch
 
 from agent.learning.environments import shield
 from agent.planner import Planner as Offering
-from agent.planner.offers import OF
+from agent.planner.viewpoints.offers import OF
 from agent.policies.policies import Explorer
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import Planner

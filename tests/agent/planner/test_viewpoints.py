@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agent.planner.belief import BLOCKED, PATH, WALL
+from agent.planner.viewpoints.belief import BLOCKED, PATH, WALL
 from tests.agent.planner import planning
 from tests.agent.planner.adapter import UNKNOWN, Planner
 from tests.agent.planner.conftest import E, Walk, ask

@@ -13,7 +13,7 @@ from agent.banks import benchmark, geometry_hash, named
 from agent.play.beside import people_tables
 from agent.play.game import Game, agents_scenes, replayed
 from agent.play.results import PlayedGame, ResultsError, append, load
-from agent.play.window import TURN_EVERY, Panel, Window
+from agent.play.window import TURN_EVERY, GameWindow, Panel
 from agent.runs import checkpoint
 from logic import MissingProgram, save
 from sim import Oracle
@@ -25,16 +25,16 @@ STEP = 0.01
 
 
 @pytest.fixture
-def window(monkeypatch: pytest.MonkeyPatch) -> Iterator[Window]:
+def window(monkeypatch: pytest.MonkeyPatch) -> Iterator[GameWindow]:
     """A window without a screen."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    window = Window()
+    window = GameWindow()
     yield window
     window.close()
 
 
 def press(
-    window: Window, keys: dict[float, tuple[int, int]], frame: float = STEP, ended: float = 30.0
+    window: GameWindow, keys: dict[float, tuple[int, int]], frame: float = STEP, ended: float = 30.0
 ) -> None:
     """At these seconds keys go down (``pygame.KEYDOWN``) or up, as the system's queue of events has them.
 
@@ -79,7 +79,7 @@ def drive(index: int, actions: str) -> Game:
     return game
 
 
-def test_keys_drive_the_body_one_step_for_each_hundredth_of_a_second(window: Window) -> None:
+def test_keys_drive_the_body_one_step_for_each_hundredth_of_a_second(window: GameWindow) -> None:
     game = Game(HOUSES[0], "main", 0)
     down, up = pygame.KEYDOWN, pygame.KEYUP
     keys = {
@@ -96,7 +96,7 @@ def test_keys_drive_the_body_one_step_for_each_hundredth_of_a_second(window: Win
     assert set(game.actions) == {"L", "F"}
 
 
-def test_a_key_of_turning_that_is_held_turns_again(window: Window) -> None:
+def test_a_key_of_turning_that_is_held_turns_again(window: GameWindow) -> None:
     game = Game(HOUSES[0], "main", 0)
     keys = {0.1: (pygame.KEYDOWN, pygame.K_d), 0.1 + 3.5 * TURN_EVERY: (pygame.KEYUP, pygame.K_d)}
     press(window, keys, ended=1.5)
@@ -104,14 +104,14 @@ def test_a_key_of_turning_that_is_held_turns_again(window: Window) -> None:
     assert game.actions == ["R"] * 4
 
 
-def test_the_clock_starts_at_the_first_key_and_an_escape_ends_the_game(window: Window) -> None:
+def test_the_clock_starts_at_the_first_key_and_an_escape_ends_the_game(window: GameWindow) -> None:
     game = Game(HOUSES[0], "main", 0)
     press(window, {20.0: (pygame.KEYDOWN, pygame.K_UP)}, frame=0.1, ended=21.0)
     assert not window.play(game, 15.0, "plan")
     assert 80 <= len(game.actions) <= 120
 
 
-def test_steps_are_as_fast_whatever_the_frames_are(window: Window) -> None:
+def test_steps_are_as_fast_whatever_the_frames_are(window: GameWindow) -> None:
     lengths = []
     for frame in (0.05, 0.2):
         game = Game(HOUSES[0], "main", 0)
@@ -121,7 +121,7 @@ def test_steps_are_as_fast_whatever_the_frames_are(window: Window) -> None:
     assert lengths == [1500, 1500]
 
 
-def test_fog_lies_where_no_ray_has_been_and_is_lifted_where_one_goes(window: Window) -> None:
+def test_fog_lies_where_no_ray_has_been_and_is_lifted_where_one_goes(window: GameWindow) -> None:
     game = Game(HOUSES[1], "main", 1)
     panel = Panel(HOUSES[1], "seen")
     assert panel.fog
@@ -140,7 +140,7 @@ def test_fog_lies_where_no_ray_has_been_and_is_lifted_where_one_goes(window: Win
 @pytest.mark.parametrize("display", [(1280, 720), (1280, 800), (1366, 768), (1920, 1080), (1024, 600)])
 @pytest.mark.parametrize("racing", [False, True])
 def test_a_window_fits_its_display_alone_and_in_a_race(
-    window: Window, display: tuple[int, int], racing: bool, monkeypatch: pytest.MonkeyPatch
+    window: GameWindow, display: tuple[int, int], racing: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pygame.display, "get_desktop_sizes", lambda: [display])
     pygame.event.post(pygame.event.Event(pygame.QUIT))
@@ -208,13 +208,13 @@ def test_the_command_plays_records_and_shows_again(
 ) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     save(HOUSES, tmp_path / "houses.jsonl")
-    made = Window.__init__
+    made = GameWindow.__init__
 
-    def with_keys(window: Window) -> None:
+    def with_keys(window: GameWindow) -> None:
         made(window)
         press(window, {0.1: (pygame.KEYDOWN, pygame.K_UP)}, frame=0.05, ended=16.0)
 
-    monkeypatch.setattr(Window, "__init__", with_keys)
+    monkeypatch.setattr(GameWindow, "__init__", with_keys)
     out = tmp_path / "games.jsonl"
     play = ["play", str(tmp_path / "houses.jsonl")]
     with pytest.raises(SystemExit) as end:

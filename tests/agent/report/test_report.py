@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from agent.banks import bank_hash, benchmark
-from agent.evaluation.scores import Bank, ScoreFile, modes_of
+from agent.evaluation.scores import ScoredBank, ScoreFile, modes_of
 from agent.recording import trace
 from agent.recording.trace import Trace, TraceError
 from agent.report import plans
@@ -50,7 +50,7 @@ def metrics(folder: Path, *lines: str) -> None:
 def measured(folder: Path, houses: Sequence[House] = ()) -> None:
     """Scores in two houses: these, or houses that nobody has."""
     one = result(scores([5, 8]), others={"explorer": scores([6, 10])})
-    bank = Bank(bank_hash(houses) if houses else "abc", "b.jsonl", 2)
+    bank = ScoredBank(bank_hash(houses) if houses else "abc", "b.jsonl", 2)
     (folder / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())
 
 
@@ -207,7 +207,7 @@ def test_what_cannot_be_reported_is_said_in_one_line(tmp_path, make, error, says
 
 def test_of_scores_in_a_bank_of_the_benchmark_its_houses_are_shown(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(plans, "MOST", 20)
-    bank = Bank(bank_hash(benchmark()), "test-v1", 256)
+    bank = ScoredBank(bank_hash(benchmark()), "test-v1", 256)
     one = result(scores([5] * 256), oracle=[10] * 256, rooms=[2] * 256, shortest=[9] * 256)
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, modes_of([one])).json())
     outline = Outline(report(tmp_path, SECTIONS).decode())
@@ -225,14 +225,14 @@ def test_the_first_sentence_says_how_well_the_best_agent_did(tmp_path) -> None:
     mode = '{"task": "object", "piece": "coffeeTable"}'
     one = result(scores([1, 0], first=[30, np.inf]), oracle=(1, 1), mode=mode)
     found = modes_of([replace(one, ends_on_pick_up=True)])
-    (tmp_path / "evaluation.json").write_bytes(ScoreFile(Bank("abc", "b.jsonl", 2), 0, found).json())
+    (tmp_path / "evaluation.json").write_bytes(ScoreFile(ScoredBank("abc", "b.jsonl", 2), 0, found).json())
     page = report(tmp_path, SECTIONS).decode()
     assert "In 2 houses, agent finds a coffee table in 50% of its episodes; the oracle" in page
     assert "<h3>Find a coffee table</h3>" in page
     assert "coffeeTable" not in page
     # In houses of a grammar that calls its worktop so.
     desk = modes_of([replace(one, mode='{"task": "object", "piece": "desk"}', ends_on_pick_up=True)])
-    bank = Bank(bank_hash(benchmark()), "test-v1", 2)
+    bank = ScoredBank(bank_hash(benchmark()), "test-v1", 2)
     (tmp_path / "evaluation.json").write_bytes(ScoreFile(bank, 0, desk).json())
     assert "<h3>Find a worktop</h3>" in measured_section([tmp_path / "evaluation.json"], tmp_path).html
 

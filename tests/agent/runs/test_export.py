@@ -14,7 +14,7 @@ from agent.algorithms.table import PRESETS
 from agent.policies.network import QNetwork, seeded
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
-from agent.runs.export import INPUTS, OUTPUTS, NoExporter, Step, export
+from agent.runs.export import INPUTS, OUTPUTS, ExportedStep, NoExporter, export
 from logic.errors import RequestError
 from vitruvius.cli import main
 
@@ -39,7 +39,7 @@ def network(kind: type[torch.nn.Module] = QNetwork) -> Any:
 @pytest.fixture(scope="module", params=[QNetwork, RecurrentQNetwork], ids=["pqn", "recurrent"])
 def exported(request, tmp_path_factory):
     """A network's step, and the file of it in the other runtime."""
-    step = Step(network(request.param)).eval()
+    step = ExportedStep(network(request.param)).eval()
     path = tmp_path_factory.mktemp("onnx") / "agent.onnx"
     export(step.network, path)
     assert [each.name for each in path.parent.iterdir()] == ["agent.onnx"]

@@ -8,7 +8,7 @@ from agent.evaluation.baselines import BASELINES
 from agent.evaluation.episodes import play, reset
 from agent.learning.environments import make_envs, shield
 from agent.policies.policies import RandomPolicy
-from benchmarks.agents.account import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, Search, follow, room_of
+from benchmarks.agents.account import AGAIN, CORNERS, CROSSING, DOOR, OUT, SURVEY, RoomSearch, follow, room_of
 from tests.sample_houses import drawn, random_house
 
 HOUSES = [random_house(seed) for seed in range(3)]
@@ -55,7 +55,7 @@ def test_a_room_is_new_then_left_and_after_a_pick_up_searched_again():
         envs.reset(seed=0, options=pose | {"pose": np.array([[x, y, 0.0]])})
 
     be(1.2, 1.35)
-    search, phases = Search(envs), []
+    search, phases = RoomSearch(envs), []
     for _ in range(8):
         phases.append(search.phase()[0])
         envs.step(np.zeros(1, int))

@@ -24,7 +24,7 @@ from agent.runs.checkpoint import Checkpoint
 from benchmarks.agents.entries import ENTRIES, EXTERNALS
 from benchmarks.agents.page import agents_page
 from benchmarks.agents.pictures import pictures
-from benchmarks.agents.records import Entry, External, Outcome, Study, by_seed, difference
+from benchmarks.agents.records import External, Outcome, Study, TrainingEntry, by_seed, difference
 from benchmarks.agents.run import Agents, measured
 from benchmarks.agents.runs import EntryRun, ExternalRun, StudyFailed, with_run
 from logic.errors import RequestError
@@ -53,11 +53,11 @@ def result(targets: str = "main", **levels: tuple[float, ...]) -> Result:
 
 def written(one: Result) -> bytes:
     """The result as a file of scores holds it."""
-    return scores.ScoreFile(scores.Bank(""), 0, scores.modes_of([one])).json()
+    return scores.ScoreFile(scores.ScoredBank(""), 0, scores.modes_of([one])).json()
 
 
-def entry(name: str, beside: str = "", **changes: Any) -> Entry:
-    return Entry(name, "pqn", 1_000_000, f"what {name} is", beside, changes)
+def entry(name: str, beside: str = "", **changes: Any) -> TrainingEntry:
+    return TrainingEntry(name, "pqn", 1_000_000, f"what {name} is", beside, changes)
 
 
 def run(name: str, seed: int, finished: bool = True, failed: str = "") -> Outcome:
@@ -94,7 +94,7 @@ def study() -> Study:
 
 
 @pytest.mark.parametrize("one", ENTRIES, ids=lambda one: one.name)
-def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
+def test_every_entry_is_a_training_that_can_be_asked_for(one: TrainingEntry) -> None:
     job = EntryRun(one, 3, Path("somewhere")).training(Path("houses.jsonl"))
     asked = parse(list(job.command[job.command.index("train") :]))
     assert asked.learning == one.config(3)
@@ -107,7 +107,7 @@ def test_every_entry_is_a_training_that_can_be_asked_for(one: Entry) -> None:
     [e for e in ENTRIES if e.beside and e.preset == e.beside],
     ids=lambda one: one.name,
 )
-def test_a_change_of_an_agent_changes_one_thing(one: Entry) -> None:
+def test_a_change_of_an_agent_changes_one_thing(one: TrainingEntry) -> None:
     [base] = [each for each in ENTRIES if each.name == one.beside]
     assert len(list(differences(one.config(0), base.config(0)))) == 1
 
@@ -314,7 +314,7 @@ def test_a_study_does_what_is_left_and_writes_its_page(tmp_path: Path, monkeypat
                 agents = job.command[job.command.index("evaluate") + 1 : job.command.index("--targets")]
                 found = scores.modes_of([result(mode, pqn=(0.8,), script=(0.6,))])
                 file = scores.ScoreFile(
-                    scores.Bank(BANKS[NAME].hash, "bank", HOUSES), 0, found, agents=agents
+                    scores.ScoredBank(BANKS[NAME].hash, "bank", HOUSES), 0, found, agents=agents
                 )
                 job.folder.mkdir()
                 (job.folder / "evaluation.json").write_bytes(file.json())

@@ -9,20 +9,20 @@ import torch
 from agent.algorithms.build import network_of, policy_of
 from agent.algorithms.map_completion.config import CompletionConfig
 from agent.algorithms.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGETHER, Foresight
-from agent.algorithms.map_completion.learner import TARGETS, Batch, completion_loss, turned
+from agent.algorithms.map_completion.learner import TARGETS, WindowBatch, completion_loss, turned
 from agent.algorithms.map_completion.marks import Marks
 from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
 from agent.algorithms.map_completion.sight import RAYS, REACH, cast_rays
 from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.algorithms.map_completion.windows import LOOKED, SEEN, Windows
 from agent.learning.environments import make_envs, shield
-from agent.planner.belief import BLOCKED, COUNT, PATH, WALL
 from agent.planner.config import CERTAIN
-from agent.planner.occupancy import FLAGS, NEAR, OCCUPIED
+from agent.planner.mapping.occupancy import FLAGS, NEAR, OCCUPIED
 from agent.planner.state import AT, NONE, SIZE, TARGET
+from agent.planner.viewpoints.belief import BLOCKED, COUNT, PATH, WALL
 from agent.policies.policies import Explorer, Tracker
 from benchmarks.planner.contenders import with_shuffled_predictions
-from benchmarks.planner.seer import seer
+from benchmarks.planner.truth import truth
 from logic import generate
 from logic.errors import RequestError
 from sim.config import DEFAULT, PAPER
@@ -301,7 +301,7 @@ def batch_of(windows, floor, kinds, starts=None):
     target = floor.float() / floor.float().sum((1, 2), keepdim=True)
     starts = torch.zeros(len(windows), 2) if starts is None else starts
     rays = (windows == 0).float()
-    return Batch(
+    return WindowBatch(
         windows, windows[:, None].repeat(1, 2, 1, 1), starts, floor, target, kinds, rays, floor.float()
     )
 
@@ -389,8 +389,8 @@ def picked_up(policy_of, houses, steps=350):
 
 def test_who_foresees_the_truth_finds_more_and_another_house_less():
     houses = list(generate(5, seed=77, count=24))
-    told = picked_up(seer, houses)
-    misled = picked_up(lambda envs: with_shuffled_predictions(seer(envs), "seer"), houses)
+    told = picked_up(truth, houses)
+    misled = picked_up(lambda envs: with_shuffled_predictions(truth(envs), "truth"), houses)
     explorer = picked_up(lambda envs: Explorer(shield(envs), envs.config), houses)
     assert told > 1.05 * explorer
     assert misled < 0.95 * explorer

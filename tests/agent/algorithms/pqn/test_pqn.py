@@ -7,7 +7,7 @@ import torch
 
 from agent.algorithms.build import network_of
 from agent.algorithms.pqn.config import PQNConfig
-from agent.algorithms.pqn.learner import PQN, Batch, lambda_returns, q_loss
+from agent.algorithms.pqn.learner import PQN, RolloutBatch, lambda_returns, q_loss
 from agent.algorithms.pqn.recurrent import RecurrentQNetwork
 from agent.policies.network import QNetwork
 from logic.errors import RequestError
@@ -84,7 +84,7 @@ def envs() -> HouseVectorEnv:
     return HouseVectorEnv([random_house(seed) for seed in range(4)], E, max_episode_steps=40)
 
 
-def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[Batch]]:
+def learnt_from(envs, monkeypatch, **changes) -> tuple[PQN, list[RolloutBatch]]:
     """A learner after one rollout, and what it learnt from."""
     config = replace(PQNConfig(num_envs=E, num_minibatches=1, steps=100_000), **changes)
     learner = PQN(config, envs)

@@ -6,7 +6,7 @@ or outside it: each pick-up is evidence for one of the two, by Bayes's rule.
 """
 
 from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.occupancy import FLAGS, OCCUPIED, Occupancy
+from agent.planner.mapping.occupancy import FLAGS, OCCUPIED, Occupancy
 from sim.actions import HEADINGS
 from sim.runtime import ti
 

@@ -8,7 +8,7 @@ from sim.runtime import ti
 
 
 @ti.data_oriented
-class Target:
+class TargetEstimate:
     """What follows from sightings of a square of half the side ``half``, in cells."""
 
     def __init__(self, config: PlannerConfig, half: float) -> None:

@@ -7,7 +7,7 @@ from all that to the north and the south, so diagonally too. What it reaches, bu
 of nodes reach as well. The connections of a tile are kept until it or a tile beside it is dirty.
 """
 
-from agent.planner.occupancy import TILE, Occupancy
+from agent.planner.mapping.occupancy import TILE, Occupancy
 from sim.runtime import ti
 
 NODES, SIDE = 1 << TILE, 1 << TILE - 1

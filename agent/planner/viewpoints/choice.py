@@ -6,10 +6,10 @@ but knows the house; a planner knows its own map.
 
 import numpy as np
 
-from agent.planner.candidates import NOT_COMPUTED, Candidates
 from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.occupancy import OCCUPIED, SOLID, Occupancy
-from agent.planner.offers import Offers
+from agent.planner.mapping.occupancy import OCCUPIED, SOLID, Occupancy
+from agent.planner.viewpoints.candidates import NOT_COMPUTED, Candidates
+from agent.planner.viewpoints.offers import Offers
 from sim.runtime import ti
 
 TRIED = 128

@@ -14,7 +14,7 @@ SURE = 9.0
 """A logit that is as good as certain."""
 
 
-class Seer(Foresight):
+class TrueForesight(Foresight):
     """Foresight that is told what there is to predict, in place of a network's prediction."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
@@ -36,6 +36,6 @@ class Seer(Foresight):
         return Prediction(*sure, torch.from_numpy(target).clamp(min=1e-9).log(), nothing)
 
 
-def seer(envs: HouseVectorEnv) -> Explorer:
+def truth(envs: HouseVectorEnv) -> Explorer:
     """The explorer with the truth."""
-    return Explorer(shield(envs), envs.config, tracker=Seer(envs))
+    return Explorer(shield(envs), envs.config, tracker=TrueForesight(envs))

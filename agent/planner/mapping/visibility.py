@@ -9,7 +9,7 @@ cases fit in a table.
 import numpy as np
 
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import Occupancy
+from agent.planner.mapping.occupancy import Occupancy
 from sim.actions import HEADINGS
 from sim.runtime import ti
 

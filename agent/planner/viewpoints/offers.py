@@ -4,9 +4,9 @@ The first is the one that the planner chose. The others are those with most gain
 kept gains are right, none near to another; of these the gain is computed again.
 """
 
-from agent.planner.candidates import NOT_COMPUTED
 from agent.planner.config import CERTAIN, PlannerConfig
-from agent.planner.occupancy import Occupancy
+from agent.planner.mapping.occupancy import Occupancy
+from agent.planner.viewpoints.candidates import NOT_COMPUTED
 from sim.runtime import ti
 
 NAMES = (

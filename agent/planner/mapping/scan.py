@@ -9,8 +9,8 @@ shows no more floor than the ray beside it, and no end. Exact rays are taken as 
 import math
 
 from agent.avoidance import SPREAD, pair
-from agent.planner.body import Body
-from agent.planner.visibility import FINE
+from agent.planner.body import BodyModel
+from agent.planner.mapping.visibility import FINE
 from sim.runtime import ti
 
 NOTHING, WALL, TARGET, DOOR = range(4)
@@ -33,7 +33,7 @@ SLIPS = 0.01
 class Scan:
     """Looks of a body's rays."""
 
-    def __init__(self, body: Body) -> None:
+    def __init__(self, body: BodyModel) -> None:
         """Read what its sensor says."""
         self.rays, self.columns = body.rays, body.columns
         self.doors = "is door" in body.columns

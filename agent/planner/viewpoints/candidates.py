@@ -1,10 +1,10 @@
 """Candidates: the places where a target may lie, and the viewpoints from which they may be seen, each with
 its distance from the body, as far as the body can reach."""
 
-from agent.planner.belief import Belief
 from agent.planner.config import PlannerConfig
-from agent.planner.occupancy import Occupancy
-from agent.planner.reachability import OPEN, UNKNOWN, DistanceField
+from agent.planner.mapping.occupancy import Occupancy
+from agent.planner.viewpoints.belief import Belief
+from agent.planner.viewpoints.reachability import OPEN, UNKNOWN, DistanceField
 from sim.runtime import ti
 
 NOT_COMPUTED = (1 << 16) - 1

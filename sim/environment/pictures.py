@@ -1,0 +1,65 @@
+"""Environments as pictures: returned, or shown in a window."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from logic.house.looks import looks_of
+from sim.environment.outputs import Outputs
+from sim.environment.window import ScreenWindow
+from sim.tasks.words import in_words
+
+if TYPE_CHECKING:
+    from sim.film import Camera, Scene
+
+
+class Pictures:
+    """What the cameras of some environments show, one for each."""
+
+    def __init__(self, envs: Any, window: ScreenWindow | None) -> None:
+        """Of a ``HouseVectorEnv``, in a window if there is one."""
+        self.envs, self.window = envs, window
+        self._cameras: list[Camera] | None = None
+
+    def forget(self) -> None:
+        """The houses are other ones."""
+        self._cameras = None
+
+    def taken(self) -> list[np.ndarray]:
+        """A picture of each environment, (height, width, 3) uint8, all as large as the largest house's."""
+        if self._cameras is None:
+            from sim.film import Camera, largest
+
+            frame = largest(self.envs.houses)
+            self._cameras = [Camera(self.envs, index, frame=frame) for index in range(self.envs.num_envs)]
+        return [np.asarray(camera.shoot()) for camera in self._cameras]
+
+    def show(self) -> None:
+        """Show them, where there is a window."""
+        if self.window:
+            self.window.show(self.taken())
+
+    def close(self) -> None:
+        """Close the window."""
+        if self.window:
+            self.window.close()
+
+
+def scene_of(outputs: Outputs, index: int) -> "Scene":
+    """What there is to see of an environment."""
+    from sim.film import Scene
+
+    world, info, seen = outputs.world, outputs.info(), outputs.observation()[index]
+    config, state = world.config, world.environment(index)
+    house = world.houses[info["house"][index]]
+    return Scene(
+        house=house,
+        config=config,
+        pose=info["pose"][index],
+        target=info["target"][index],
+        distance=seen[:, config.column("distance")] * config.range,
+        is_target=seen[:, -1] > 0,
+        step=state["time"],
+        found=state["found"] - 1,
+        task=in_words(world.task, looks_of(house).name),
+    )
