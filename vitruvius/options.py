@@ -9,6 +9,7 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import cache
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
@@ -274,6 +275,7 @@ def _default(each: Any) -> Any:
     return each.default_factory() if each.default_factory is not MISSING else each.default
 
 
+@cache
 def _sentences(kind: type) -> dict[str, str]:
     """What the docstrings below a dataclass's fields say, of its own and of those that it inherits."""
     found: dict[str, str] = {}

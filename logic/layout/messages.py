@@ -14,8 +14,8 @@ _PLACED = re.compile(
 )
 _UNSAFE = re.compile(r":(?P<line>\d+):(?P<column>\d+)[-\d:]*: note: '(?P<name>.+)' is unsafe")
 
-_CLOSED = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|%(?!\*)[^\n]*', re.DOTALL)
-"""Strings and comments that end."""
+_COMMENTS = re.compile(r'"(?:\\.|[^"\\\n])*"|%\*.*?\*%|(?P<open>%\*)|%[^\n]*', re.DOTALL)
+"""Strings and comments, and where one begins that does not end."""
 
 REMARKS = {
     "operation undefined": "arithmetic takes whole numbers; where there is none, the rule is passed over",
@@ -79,8 +79,9 @@ def placed_error(remark: str) -> GrammarError:
 
 def _unclosed(file: str) -> GrammarError:
     """A comment that goes on to the end of its file, where it begins."""
-    text = re.sub(_CLOSED, lambda each: re.sub(r"[^\n]", " ", each[0]), Path(file).read_text("utf-8"))
-    before = text[: max(text.find("%*"), 0)].split("\n")
+    text = Path(file).read_text("utf-8")
+    opened = next((each.start() for each in _COMMENTS.finditer(text) if each["open"]), 0)
+    before = text[:opened].split("\n")
     why = "a comment begins here and does not end: *% ends it"
     return GrammarError(why, file, len(before), len(before[-1]) + 1)
 

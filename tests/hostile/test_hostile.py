@@ -5,7 +5,7 @@ They are run by ``./run test -m hostile tests/hostile``, which prints a table by
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from tests.hostile import answer_sets, bombs, checkpoints, files, folders, houses, prolog, subjects
-from tests.hostile.case import SECRET, Yard
+from tests.hostile.case import SECRET, Case, Yard
 from tests.hostile.subjects import Answer, Reader
 from tests.hostile.watch import Ear, forget_peak, peak, watched
 
@@ -25,25 +25,28 @@ MEMORY = 1 << 30
 
 @dataclass(frozen=True)
 class Subject:
-    """Who reads the inputs of some tables, in a process that has imported these modules."""
+    """Who reads some inputs, in a process that has imported these modules."""
 
     read: Callable[..., Answer]
-    tables: tuple[Any, ...]
+    cases: Sequence[Case]
     modules: tuple[str, ...] = ("pyswip", "logic.generation.builder")
     address_space: int = subjects.MEMORY
+
+    @property
+    def process(self) -> tuple[tuple[str, ...], int]:
+        """What its process is: those who need the same share one."""
+        return self.modules, self.address_space
 
 
 TORCH = ("pyswip", "agent.runs.runs", "torch.utils.tensorboard")
 SUBJECTS = (
-    Subject(subjects.rules, (prolog, answer_sets, files)),
-    Subject(subjects.bomb, (bombs,)),
-    Subject(houses.shown, (houses,), ("vitruvius.cli", "logic.drawing.draw", "matplotlib")),
-    Subject(checkpoints.loaded, (checkpoints,), TORCH, 32 << 30),
-    Subject(folders.resumed, (folders,), TORCH, 32 << 30),
+    Subject(subjects.rules, [*prolog.CASES, *answer_sets.CASES, *files.CASES, *bombs.READ]),
+    Subject(subjects.bomb, bombs.ENDED),
+    Subject(houses.shown, houses.CASES, ("vitruvius.cli", "logic.drawing.draw", "matplotlib")),
+    Subject(checkpoints.loaded, checkpoints.CASES, TORCH, 32 << 30),
+    Subject(folders.resumed, folders.CASES, TORCH, 32 << 30),
 )
-CASES = {
-    str(case): (case, subject) for subject in SUBJECTS for table in subject.tables for case in table.CASES
-}
+CASES = {str(case): (case, subject) for subject in SUBJECTS for case in subject.cases}
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +63,9 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 @pytest.fixture(scope="module")
-def readers(root: Path) -> Iterator[dict[Subject, Reader]]:
-    """A process for each that reads."""
-    readers = {each: Reader(*each.modules, memory=each.address_space) for each in SUBJECTS}
+def readers(root: Path) -> Iterator[dict[Any, Reader]]:
+    """The processes that read."""
+    readers = {each.process: Reader(*each.modules, memory=each.address_space) for each in SUBJECTS}
     yield readers
     for reader in readers.values():
         reader.end()
@@ -78,12 +81,12 @@ def ear() -> Ear:
 def test_a_hostile_input_is_answered_and_has_no_effect(
     title: str,
     root: Path,
-    readers: dict[Subject, Reader],
+    readers: dict[Any, Reader],
     ear: Ear,
     record_property: Callable[[str, object], None],
 ) -> None:
     case, subject = CASES[title]
-    reader = readers[subject]
+    reader = readers[subject.process]
     process = reader.ready()
     if subject.read is houses.shown and not (root / "plans").exists():
         assert reader.answer(houses.shown, houses.good(root), root / "plans").answer == "accepted"
@@ -118,4 +121,5 @@ def test_there_are_many_of_each_kind() -> None:
     assert numbers["Prolog"] + numbers["clingo"] + numbers["grammars"] >= 120
     assert numbers["houses"] >= 60
     assert numbers["checkpoints"] + numbers["run folders"] >= 40
-    assert len(CASES) == sum(len(table.CASES) for subject in SUBJECTS for table in subject.tables)
+    assert len(CASES) == sum(len(subject.cases) for subject in SUBJECTS)
+    assert len(bombs.ENDED) == len(bombs.ENDING)
