@@ -200,7 +200,7 @@ The loop for GPUs has a task for each environment and ray; on the CPU it gives t
 |---|---|
 {loops}
 
-No GPU was at hand: nothing here was measured on one.
+On a GPU, with its own figures: [gpu.md](gpu.md).
 
 ## Before the first step
 Packing a house, milliseconds:
