@@ -10,6 +10,7 @@ import stat
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from logic.copies import original
 from logic.errors import GrammarError
 from logic.spelling import printable, unknown
 
@@ -92,7 +93,8 @@ def find(grammar: str | Path) -> Grammar:
     """Find a shipped grammar by its name, or a user's by its directory.
 
     Raises ``GrammarError`` where there is none, or where it lacks ``.lp`` or ``.pl`` files, and for files
-    that lie elsewhere, cannot be read, are devices or pipes, or hold more than ``MOST_BYTES``.
+    that lie elsewhere, cannot be read, are devices or pipes, are copies of others, or hold more than
+    ``MOST_BYTES``.
     """
     directory = folder(grammar)
     # Editors leave hidden files beside those that they edit.
@@ -112,7 +114,35 @@ def find(grammar: str | Path) -> Grammar:
                 f"the grammar has no {kind} file. Copy {SHIPPED / 'home'} and edit it", directory
             )
     digest = _hash(asp + prolog)  # Refuses what is not to be read.
-    return Grammar(directory.name, directory, asp, *_topology(asp), prolog, digest)
+    _require_no_copies(asp + prolog)
+    topology, name = _topology(asp)
+    _require_nothing_of_the_core(asp + prolog, name)
+    return Grammar(directory.name, directory, asp, topology, name, prolog, digest)
+
+
+def _require_no_copies(files: tuple[Path, ...]) -> None:
+    for number, file in enumerate(files):
+        if first := original(file, files[:number]):
+            what = f"states what {first.name} states, and all rule files of the folder are read"
+            raise GrammarError(f"{what}: keep one of the two", file)
+
+
+def _require_nothing_of_the_core(files: tuple[Path, ...], topology: str) -> None:
+    """Raise ``GrammarError`` for copies of shared files, but that a topology of a user's may be one."""
+    for file in files:
+        if not (copied := original(file, (), sorted(RULES.rglob("*.[lp][lp]")))):
+            continue
+        # A star has no walls, and what comes with another file is no single topology.
+        usable = (
+            copied.parent == TOPOLOGIES and copied != STAR and "#include" not in copied.read_text("utf-8")
+        )
+        if not usable:
+            why = f"is a copy of {copied}, which is loaded by itself where it is needed: take it away"
+            raise GrammarError(why, file)
+        if file.stem != topology:
+            own = "make it a topology of your own: topology(mine) names a file mine.lp"
+            why = f"is a copy of {copied}, and the topology here is {topology}: take it away, or {own}"
+            raise GrammarError(why, file)
 
 
 def _is_utf8(path: Path) -> bool:

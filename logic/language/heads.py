@@ -9,7 +9,7 @@ from typing import Any
 from clingo.ast import ASTType
 
 from logic.grammar import STATED, Grammar
-from logic.language.audit import STAGES
+from logic.language.audit import STAGES, UNITS
 from logic.language.statements import Statement, place
 from logic.language.vocabulary import Signature, Use, Words, core_words
 from logic.layout.messages import written
@@ -47,9 +47,16 @@ def closed_heads(own: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]
         for use in own.derived.get(signature, ()):
             if use.node.arguments[0].ast_type not in NAMES:
                 yield use.statement, UNNAMED
-            elif (choice := _functor(use.node.arguments[0])) in taken:
-                name = f"{choice[0]}/{choice[1]}" if choice[1] else choice[0]
+            elif name := _taken(use, taken):
                 yield use.statement, TAKEN.format(name=name)
+
+
+def _taken(use: Use, taken: dict[Signature, set[str]]) -> str:
+    """The choice that an option belongs to, if the core makes it where the two may be read together."""
+    choice = _functor(use.node.arguments[0])
+    if not any(_meet(use.statement.program, other) for other in taken.get(choice, ())):
+        return ""
+    return f"{choice[0]}/{choice[1]}" if choice[1] else choice[0]
 
 
 def _of_topology(own: Words, core: Words, grammar: Grammar) -> Iterator[tuple[Statement, str]]:
@@ -70,9 +77,17 @@ def closed(core: Words) -> set[Signature]:
     return core.derived.keys() - core.opened.keys()
 
 
-def choices(core: Words) -> set[Signature]:
-    """The names of the choices that the core makes."""
-    return {_functor(use.node.arguments[0]) for each in CHOICES for use in core.derived.get(each, ())}
+def choices(core: Words) -> dict[Signature, set[str]]:
+    """The names of the choices that the core makes, each with the programs in which it does."""
+    found: dict[Signature, set[str]] = {}
+    for use in (use for each in CHOICES for use in core.derived.get(each, ())):
+        found.setdefault(_functor(use.node.arguments[0]), set()).add(use.statement.program)
+    return found
+
+
+def _meet(program: str, other: str) -> bool:
+    """Whether statements of both programs may be read together: those of two stages are not."""
+    return program == other or not {program, other} <= {*STAGES, UNITS}
 
 
 def why_closed(signature: Signature, core: Words) -> tuple[str, list[str]]:

@@ -166,12 +166,9 @@ def unknown_choices(own: Words) -> Iterator[Mistake]:
 
 
 def _heads(use: Use) -> set[str]:
-    """The names of what may be the first argument of an atom, empty for a variable."""
-    text = str(use.node.arguments[0])
-    if text.startswith("("):
-        return set(re.findall(r"(?:(?<=\()|(?<=;))\s*([a-z]\w*|(?=[A-Z_]))", text))
-    found = re.match(r"[a-z]\w*", text)
-    return {found[0] if found else ""}
+    """The names of what may be the first argument of an atom, empty for what is no word."""
+    found = (re.match(r"[a-z]\w*", str(each)) for each in alternatives(use.node.arguments[0]))
+    return {name[0] if name else "" for name in found}
 
 
 def misspelt_names(own: Words, sized: Iterable[str]) -> Iterator[Mistake]:

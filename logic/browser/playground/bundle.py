@@ -110,7 +110,7 @@ def _topology(files: Sequence[Path]) -> dict[str, object]:
         "known": _named(known),
         "inputs": _named(known - closed(core)),
         "documented": _named(core.documented),
-        "choices": _named(choices(core)),
+        "choices": _named(set(choices(core))),
         "constants": sorted(core.constants),
         "defined": sorted(core.defined),
     }

@@ -112,6 +112,18 @@ TOPOLOGIES: dict[str, tuple[str, int, str]] = {
     "a courtyard that rooms enclose": (PINWHEEL + PATIO, 4, NO_PLAN + "are no room's"),
     "outer walls everywhere": (ROWS + "outer(R,S) :- R = 0..rooms-1, opposite(S,_).\n", 5, HOUSES),
     "outer walls of no room": (ROWS + "outer(99,north).\nouter(0,wall(north)).\n", 5, "mine.lp"),
+    "a room behind an outer wall, on a side of the windows": (
+        COURTYARD + COURTS + "beyond(R,south,Q,after) :- row(R,north), row(Q,west).\n",
+        5,
+        HOUSES,
+    ),
+    "a room behind an outer wall, on no side": (
+        COURTYARD + COURTS + "beyond(R,south,Q,west) :- row(R,north), row(Q,west).\n",
+        5,
+        r"mine.lp:21:1: beyond",
+    ),
+    "a room behind a wall that it is not at": (ROWS + "beyond(0,north,99,before).\n", 5, r"mine.lp:19:1"),
+    "a hub of a type that no rule says": (ROWS + "centred.\n", 5, r"rooms.lp:1:1: .*by central/1"),
     "outer walls between two rooms": (ROWS + "outer(0,(north;south)).\n", 5, HOUSES),
     "a court that lies on a line of one side alone": (
         LEG,

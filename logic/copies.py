@@ -1,0 +1,45 @@
+"""Rule files that state what another file states already: copies, whole or with changes."""
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+QUOTED_OR_COMMENT = {
+    ".lp": re.compile(r'("(?:\\.|[^"\\\n])*+"?)|%\*.*?(?:\*%|\Z)|%[^\n]*', re.DOTALL),
+    ".pl": re.compile(
+        r"""(0'(?:\\.|''|.)|"(?:\\.|""|[^"\\])*+"?|'(?:\\.|''|[^'\\])*+'?)|%[^\n]*|/\*.*?(?:\*/|\Z)""",
+        re.DOTALL,
+    ),
+}
+"""What is quoted, as a group, and the comments, in the files of each language."""
+
+END = re.compile(r"\.(?=\s|\Z)")
+"""Where a statement ends: not in ``1..3``, nor in ``0.8``."""
+
+
+def statements(file: Path) -> frozenset[str]:
+    """The statements of a rule file, without comments and white space.
+
+    They are read as text, since rules of others are parsed in a confined process alone.
+    """
+    text = file.read_text("utf-8", "replace")
+    code = QUOTED_OR_COMMENT[file.suffix].sub(lambda found: found[1] or " ", text)
+    each = ("".join(part.split()) for part in END.split(code))
+    return frozenset(part for part in each if part and not part.startswith("#program"))
+
+
+_of_core = cache(statements)
+"""Those of files that do not change while the process runs."""
+
+
+def original(file: Path, own: Iterable[Path], core: Iterable[Path] = ()) -> Path | None:
+    """The first of these files that ``file`` is a copy of: more than half of the statements of both stand in
+    both.
+    """
+    mine = statements(file)
+    for read, others in ((statements, own), (_of_core, core)):
+        for other in others:
+            if other.suffix == file.suffix and 2 * len(mine & read(other)) > len(mine | read(other)):
+                return other
+    return None
