@@ -41,7 +41,7 @@ class Shield:
     def __init__(
         self,
         angles: np.ndarray,
-        reach: float,
+        ray_range: float,
         body: float,
         step: float,
         margin: float = 0.005,
@@ -50,7 +50,7 @@ class Shield:
         door: int | None = None,
         device: str = "cpu",
     ) -> None:
-        """Make the layer for rays at ``angles`` (R,) radians from the heading that see as far as ``reach``.
+        """Make the layer for rays at ``angles`` (R,) radians from the heading, of this range.
 
         ``body`` is the side of the square, ``step`` its move along each axis, ``margin`` the air that it
         keeps on every side, ``noise`` the standard deviation of the rays' distances; metres.
@@ -59,14 +59,14 @@ class Shield:
         observations'.
         """
         self.distance, self.door = distance, door
-        self.reach, self.apart, self.tolerance = reach, pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
-        self.most = 1 - SPREAD * noise / reach
-        clear = clearance(angles, body, step, margin) / reach
+        self.apart, self.tolerance = pair(noise), 1e-4 + SPREAD * 2**0.5 * noise
+        self.most = 1 - SPREAD * noise / ray_range
+        clear = clearance(angles, body, step, margin) / ray_range
         self.clear = torch.tensor(clear, dtype=torch.float32, device=device)
         self.at_door = 1.5 * self.clear.amax(0)
         # Where the body stands straight, the walls run along the first two; diagonally, along the others.
         turned = angles + np.pi / 4 * np.array([[0], [2], [1], [3]])
-        self.across = torch.tensor(np.sin(turned) * reach, dtype=torch.float32, device=device)
+        self.across = torch.tensor(np.sin(turned) * ray_range, dtype=torch.float32, device=device)
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:
         """Which actions (E, 3) bool are allowed."""

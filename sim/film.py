@@ -113,11 +113,11 @@ def picture(scene: Scene, trail: Sequence[tuple[float, float]], background: Imag
     x, y, heading = scene.pose
     eye = view.at(x, y)
     angle = heading + scene.config.ray_angles
-    reach = np.asarray(scene.distance)
-    ends = np.column_stack([x + np.cos(angle) * reach, y - np.sin(angle) * reach])
+    lengths = np.asarray(scene.distance)
+    ends = np.column_stack([x + np.cos(angle) * lengths, y - np.sin(angle) * lengths])
     fan = [eye, *(view.at(*end) for end in ends)]
     draw.polygon(fan, (*RAY, 26))
-    for end, hit, distance in zip(fan[1:], scene.is_target, reach, strict=True):
+    for end, hit, distance in zip(fan[1:], scene.is_target, lengths, strict=True):
         draw.line([eye, end], (*TARGET_RAY, 230) if hit else (*RAY, 110), view.px(0.022 if hit else 0.012))
         if distance < scene.config.range:
             (a, b), r = end, view.px(0.03)

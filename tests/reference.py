@@ -21,7 +21,7 @@ from sim.geometry import Geometry
 CLOSE = 1e-4
 """Metres: what passes an edge nearer than this may be decided either way in float32."""
 
-SEAM = 2e-5
+OVERLAP = 2e-5
 """Metres that lines reach beyond their ends for rays, as the simulator states it."""
 
 SKIN = 1e-5
@@ -180,7 +180,7 @@ def sights(
         met[-4][2][:] = met[-2][2][:] = True  # a wall or a door has two faces
         met[-1][0][inside] = np.inf
     outcomes = []
-    for slack, only_faces in ((SEAM - ROUNDING, True), (SEAM + ROUNDING, False)):
+    for slack, only_faces in ((OVERLAP - ROUNDING, True), (OVERLAP + ROUNDING, False)):
         # A ray that grazes a box's far corner meets a side that looks away: it may count or not.
         nearest = np.array(
             [

@@ -28,7 +28,7 @@ from sim.baselines.searcher import Searcher
 FULL_TURN, WALK, DETOUR = 8, 64, 16
 """Turns of a look all around; steps from one such look to the next; random steps around an obstacle."""
 
-CERTAIN = 1e6
+WANTED = 1e6
 """A preference above all random ones."""
 
 AHEAD = np.deg2rad(22.5)
@@ -64,7 +64,7 @@ class Script:
 
         wanted = nn.functional.one_hot(torch.where(going, towards, LEFT), ACTIONS)
         preference = random_preference(allowed, self.generator)
-        preference += CERTAIN * wanted * (going | around)[:, None]
+        preference += WANTED * wanted * (going | around)[:, None]
         actions = subsume(preference, allowed)
         self.interventions += int((actions != preference.argmax(-1)).sum())
         return actions

@@ -127,7 +127,7 @@ class Planner:
             step=step,
             touching=world.in_cells,
             target=world.target / 2 / self.cell,
-            reach=FINE * world.range / self.cell,
+            ray_range=FINE * world.range / self.cell,
             noise=world.noise / self.cell,
             dropout=world.dropout > 0,
             slip=world.slip > 0,

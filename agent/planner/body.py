@@ -19,7 +19,7 @@ class BodyModel(NamedTuple):
     target: float
     """Half a target's side, cells."""
 
-    reach: float
+    ray_range: float
     """Of rays, parts of a cell."""
 
     noise: float

@@ -92,7 +92,7 @@ class PlannerConfig:
     """What an unseen candidate counts, in hundredths of a seen one: by the number of the eight directions in
     which the first known cell is floor, less those in which it is occupied, -8 to 8."""
 
-    odds_reach: int = 9
+    odds_range: int = 9
     """Cells that are looked up in each of these directions."""
 
     pick_up_error: float = 0.05
@@ -118,7 +118,7 @@ class PlannerConfig:
     view_stride: int = 2
     """Cells between two places on such a ray."""
 
-    view_reach: int = 54
+    view_range: int = 54
     """Cells from a viewpoint to the last place on a ray: 7.7 m, just under the range of the rays."""
 
     view_least: float = 0.02
@@ -183,12 +183,12 @@ class PlannerConfig:
             raise ValueError(f"map_bits must be 8, 9 or 10, not {self.map_bits}")
         if self.viewpoint_pitch < 4 or self.viewpoint_pitch & (self.viewpoint_pitch - 1):
             raise ValueError(f"viewpoint_pitch must be a power of two, 4 or more, not {self.viewpoint_pitch}")
-        if max(self.near, self.odds_reach) > 14:
-            raise ValueError("near and odds_reach must be 14 at most: only tiles side by side become dirty")
+        if max(self.near, self.odds_range) > 14:
+            raise ValueError("near and odds_range must be 14 at most: only tiles side by side become dirty")
         if len(self.floor_odds) != 17 or not all(0 <= each <= CERTAIN for each in self.floor_odds):
             raise ValueError(f"floor_odds needs 17 whole numbers, 0 to {CERTAIN}, not {self.floor_odds}")
-        if not 0 < self.view_stride <= self.view_reach <= 127:
-            raise ValueError("view_stride must be at least 1, view_reach at least that and at most 127")
+        if not 0 < self.view_stride <= self.view_range <= 127:
+            raise ValueError("view_stride must be at least 1, view_range at least that and at most 127")
         if not 0 <= self.view_least < 1:
             raise ValueError(f"view_least must be a probability below 1, not {self.view_least}")
         if min(self.sweep_interval, self.sweep_interval_known) < 2:

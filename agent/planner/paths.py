@@ -70,9 +70,9 @@ class Paths:
         for wider in range(4):
             if tail == 0:
                 span = radius + ti.cast(wider, ti.f32)
-                reach = ti.cast(ti.ceil(span), ti.i32)
-                for j in range(-reach, reach + 1):
-                    for i in range(-reach, reach + 1):
+                wide = ti.cast(ti.ceil(span), ti.i32)
+                for j in range(-wide, wide + 1):
+                    for i in range(-wide, wide + 1):
                         away = ti.abs(ti.Vector([ti.cast(i, ti.f32), ti.cast(j, ti.f32)]) - off).max()
                         if (away < span) and not self.occupancy.solid(memory, base, x + i, y + j):
                             tail = self.push(memory, base, self.occupancy.at(x + i, y + j), 0, tail)

@@ -41,7 +41,7 @@ class Step:
         self.config, self.body = config, body
         self.scan = Scan(body)
         self.occupancy = Occupancy(config, body.step, body.touching, body.errs)
-        self.visibility = Visibility(config, self.occupancy, body.rays, body.reach, self.scan.tolerance)
+        self.visibility = Visibility(config, self.occupancy, body.rays, body.ray_range, self.scan.tolerance)
         self.target = TargetEstimate(config, body.target)
         self.belief = Belief(config, self.occupancy, body.prior)
         candidates = Candidates(config, self.occupancy, self.belief)
@@ -55,7 +55,7 @@ class Step:
     def move(self, memory: ti.template(), tables: ti.template(), observation: ti.template(), state, base, e,
              action, blocked, fresh):  # fmt: skip
         """The pose after an action; an empty map in a ``fresh`` episode. Whether all begins here, too."""
-        slant = -1
+        diagonal = -1
         done = 1
         if ti.static(self.body.slip) and fresh == 0:
             turn = ti.select(action == 2, 0, 1 - 2 * action)
@@ -72,16 +72,16 @@ class Step:
                 state.x += self.body.step * way[0]
                 state.y += self.body.step * way[1]
         if (fresh == 1) | (state.aligned == 0):
-            slant = self.scan.slant(tables, observation, e)
-            if (slant >= 0) & (slant != state.heading & 1):
+            diagonal = self.scan.diagonal(tables, observation, e)
+            if (diagonal >= 0) & (diagonal != state.heading & 1):
                 # All that was seen, before the first wall, was taken for what lies 45 degrees aside.
                 fresh = 1
         if fresh:
             self.paths.forget(memory, base, state.queued)
             self.occupancy.forget(memory, base)
             self.viewpoints.forget(memory, base)
-            state = first_state(ti.max(slant, 0))
-        if slant >= 0:
+            state = first_state(ti.max(diagonal, 0))
+        if diagonal >= 0:
             state.aligned = 1
         state.time += 1
         return state, fresh
@@ -103,8 +103,8 @@ class Step:
             d, kind = self.scan.end(tables, observation, e, heading, r)
             if ti.static(self.body.slip):
                 memory.last[e * self.body.rays + r] = d
-            reach = ti.Vector([tables.directions[j], tables.directions[j + 1]])
-            end = d * reach
+            ray = ti.Vector([tables.directions[j], tables.directions[j + 1]])
+            end = d * ray
             if (kind == WALL) & (d < tables.clear[(heading & 1) * self.body.rays + r]):
                 sight.forward = 0
             if ti.static(self.scan.doors):
@@ -112,7 +112,7 @@ class Step:
                     (kind == DOOR) & (d < 1.5 * tables.clear[(heading & 1) * self.body.rays + r]), ti.i32
                 )
             if sight.due:
-                far = ti.cast(d * self.body.reach, ti.i32)
+                far = ti.cast(d * self.body.ray_range, ti.i32)
                 unseen, reached = self.visibility.floor(
                     memory, tables, base, e * self.body.rays + r, corner, row, r, far, last_far,
                     last_reached, state.straight, time,
@@ -125,10 +125,10 @@ class Step:
                 before, last_kind, last_far, last_reached = end, kind, far, reached
             if kind == TARGET:
                 sight.spotted += 1
-                sight.side += reach / reach.norm()
+                sight.side += ray / ray.norm()
                 sight.low, sight.high = ti.min(sight.low, end), ti.max(sight.high, end)
             elif known:
-                sight.missed |= self.target.misses(offset, reach, d * reach.norm())
+                sight.missed |= self.target.misses(offset, ray, d * ray.norm())
         if sight.due:
             state.straight = 0
         state.new = new

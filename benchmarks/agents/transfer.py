@@ -109,7 +109,7 @@ class Transfer:
                 )
             )
             print(f"{mode}, {title}: done", flush=True)
-        headings = ("houses", "number", f"wider than {reach():.1f} m", "oracle", *agents, *BESIDE)
+        headings = ("houses", "number", f"wider than {map_width():.1f} m", "oracle", *agents, *BESIDE)
         yield Table(f"Ratio to the oracle, {mode}", headings, rows)
 
     def bank(self, name: str) -> list[House] | None:
@@ -141,9 +141,9 @@ def wider(houses: list[House]) -> float:
     """The share of the houses whose far ends lie on each other in a map, which is a torus."""
     boxes = [np.array([room.box for room in house.rooms]) for house in houses]
     across = [(box[:, 2:].max(axis=0) - box[:, :2].min(axis=0)).max() for box in boxes]
-    return float((np.array(across) > reach()).mean())
+    return float((np.array(across) > map_width()).mean())
 
 
-def reach() -> float:
+def map_width() -> float:
     """How far it is around an agent's map, metres."""
     return Planner(DEFAULT, 1).cell * 2**TUNED.map_bits

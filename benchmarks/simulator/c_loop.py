@@ -11,7 +11,7 @@ from sim import HouseVectorEnv
 from sim.backends.body import SKIN
 from sim.backends.continuous import Continuous
 from sim.backends.continuous.layout import CELL
-from sim.backends.rays import MARGIN, SEAM
+from sim.backends.rays import MARGIN, OVERLAP
 
 SOURCE = Path(__file__).with_name("step.c")
 ROOT = SOURCE.parents[2]
@@ -64,7 +64,7 @@ class Loop:
         rays = backend.rays
         self.config = LoopConfig(
             config.body[0], config.step, config.eye[0], config.range, config.target,
-            CELL, SKIN, SEAM, MARGIN, rays.widest, config.steps,
+            CELL, SKIN, OVERLAP, MARGIN, rays.widest, config.steps,
         )  # fmt: skip
         count = self.count = envs.num_envs
         tables, state = envs.tables(), envs.state

@@ -13,7 +13,7 @@ import numpy as np
 
 from sim.backends.backend import DOOR, TARGET
 from sim.backends.body import Body, slides_into
-from sim.backends.rays import MARGIN, SEAM, Rays
+from sim.backends.rays import MARGIN, OVERLAP, Rays
 from sim.config import Config
 from sim.geometry import Geometry
 from sim.runtime import Array, ti
@@ -82,23 +82,23 @@ class Doors:
         return found
 
     @ti.func
-    def toll(self, doors: ti.template(), e, house, origin, cell):
+    def cost(self, doors: ti.template(), e, house, origin, cell):
         """How many steps must be walked at closed doors until a step forward enters their doorways (i32)."""
-        toll, new = 0, self.body.ahead(cell)
+        cost, new = 0, self.body.ahead(cell)
         for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
             left = self.left(doors, e, door)
             if left > 0:
                 enters = self.meets(doors, house, door, origin, cell, new)
-                toll += left * (enters & 1 - self.meets(doors, house, door, origin, cell, cell))
-        return toll
+                cost += left * (enters & 1 - self.meets(doors, house, door, origin, cell, cell))
+        return cost
 
     @ti.func
     def near(self, doors: ti.template(), house, origin, cell):
         """Whether a step from a cell, at some heading, may meet a door, open or not."""
         p, found = self.body.centre(origin, cell), False
-        reach = self.body.half(cell) + ti.static(self.body.step + MARGIN)
+        half = self.body.half(cell) + ti.static(self.body.step + MARGIN)
         for door in range(self.count(doors)):  # pyright: ignore[reportArgumentType]
-            found |= slides_into(self.segment(doors, house, door), p, p, reach) != 0
+            found |= slides_into(self.segment(doors, house, door), p, p, half) != 0
         return found
 
     @ti.func
@@ -131,10 +131,10 @@ class Doors:
                 if self.left(doors, e, door) > 0 and line[axis] == line[axis + 2]:
                     low, high = line[1 - axis], line[3 - axis]
                     ahead, aside = line[axis] - eye[axis], 0.5 * (low + high) - eye[1 - axis]
-                    reach = 0.5 * (high - low) + ti.static(SEAM)
+                    half = 0.5 * (high - low) + ti.static(OVERLAP)
                     for r in range(ti.static(self.rays.lanes)):
                         far = ahead * over[r]
                         nearer = (far < distance[r]) | ((far == distance[r]) & (kind[r] == ti.static(TARGET)))
-                        hit = (ti.abs(ahead * slope[r] - aside) <= reach) & (far >= 0) & nearer
+                        hit = (ti.abs(ahead * slope[r] - aside) <= half) & (far >= 0) & nearer
                         distance[r] = ti.select(hit, far, distance[r])
                         kind[r] = ti.select(hit, ti.u32(ti.static(DOOR)), kind[r])

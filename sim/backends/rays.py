@@ -13,7 +13,7 @@ from sim.backends.body import Body
 from sim.config import Config
 from sim.runtime import constants, ti
 
-SEAM = 2e-5
+OVERLAP = 2e-5
 """Metres by which a line reaches beyond its ends for a ray, so that none slips through where two meet."""
 
 MARGIN = 1e-3
@@ -79,17 +79,17 @@ class Rays:
         slope: ti.template(),
         ahead,
         aside,
-        reach,
+        half,
         kind,
         noted: ti.template(),
     ):
         """Shorten the rays that hit a line: ``ahead`` metres along the axis that it lies across, its middle
-        ``aside`` metres along the other, ``reach`` from there to its ends. Where it is ``noted`` what they
+        ``aside`` metres along the other, ``half`` from there to its ends. Where it is ``noted`` what they
         hit, of two hits at one distance the lower kind counts.
         """
         for r in range(ti.static(self.lanes)):
             distance = ti.bit_cast(ahead * over[r], ti.u32)
-            hit = ti.abs(ahead * slope[r] - aside) <= reach
+            hit = ti.abs(ahead * slope[r] - aside) <= half
             if ti.static(noted):
                 hit &= (distance < nearest[r]) | ((distance == nearest[r]) & (kind < kinds[r]))
                 nearest[r] = ti.select(hit, distance, nearest[r])
@@ -129,10 +129,10 @@ class Rays:
         half, kind = ti.static(self.config.target / 2), ti.u32(self.last)
         low, high = target - half, target + half
         outside = (low > eye).any() or (high < eye).any()
-        reach = ti.select(outside, 0.5 * (high - low) + ti.static(SEAM), -1.0)
+        sides = ti.select(outside, 0.5 * (high - low) + ti.static(OVERLAP), -1.0)
         ahead, aside = ti.select(low > eye, low, high) - eye, 0.5 * (low + high) - eye
-        self.meet(nearest, kinds, over_x, slope_x, ahead[0], aside[1], reach[1], kind, True)
-        self.meet(nearest, kinds, over_y, slope_y, ahead[1], aside[0], reach[0], kind, True)
+        self.meet(nearest, kinds, over_x, slope_x, ahead[0], aside[1], sides[1], kind, True)
+        self.meet(nearest, kinds, over_y, slope_y, ahead[1], aside[0], sides[0], kind, True)
         if ti.static(self.last != TARGET):
             for r in range(ti.static(self.lanes)):
                 kinds[r] = ti.select(kinds[r] == ti.static(self.last), ti.u32(TARGET), kinds[r])

@@ -171,12 +171,12 @@ class PathSearch:
         action = NOWHERE
         if 0 < column < note[COLUMNS] - 1 and 0 < row < rows - 1:
             place = base + column * rows + row
-            forward, toll = self.headings[heading], 0
+            forward, cost = self.headings[heading], 0
             # Forward first: of two shortest paths the straighter. A pose that cannot be is never found.
             options = ti.Vector([8 * place + (heading + 1 & 7), 8 * place + (heading + 7 & 7), -1])
             if searches.moves[place] >> heading & 1:
                 options[2] = 8 * (place + forward[0] * rows + forward[1]) + heading
-                toll = self.toll(world, searches, e, state, note, 8 * base, 8 * place + heading)
+                cost = self.door_cost(world, searches, e, state, note, 8 * base, 8 * place + heading)
             nearest, searching = FAR, True
             while searching:
                 # Poses are found in order of distance: the first of the next poses to be found is the best,
@@ -187,7 +187,7 @@ class PathSearch:
                         known = ti.cast(searches.distance[options[option]], ti.i32)
                         if known >= 0:
                             if ti.static(option == 2):
-                                known += toll
+                                known += cost
                             if known < nearest:
                                 nearest, action = known, option
                 note, searching = self.admit(searches, 8 * base, note), False
@@ -242,16 +242,16 @@ class PathSearch:
         return opened
 
     @ti.func
-    def toll(self, world: ti.template(), searches: ti.template(), e, state, note, base, pose):
+    def door_cost(self, world: ti.template(), searches: ti.template(), e, state, note, base, pose):
         """How many steps must be walked at closed doors until forward leads on from a pose (i32)."""
-        toll = 0
+        cost = 0
         if ti.static(self.closed_doors):
             place = (pose - base) >> 3
             if searches.moves[pose >> 3] & DOORWAY:
                 i, j = place // note[ROWS] + note[COLUMN], place % note[ROWS] + note[ROW]
                 cell = ti.Vector([i, j, pose & 7])
-                toll = self.episodes.doors.toll(world, e, state.house, state.origin, cell)
-        return toll
+                cost = self.episodes.doors.cost(world, e, state.house, state.origin, cell)
+        return cost
 
     @ti.func
     def admit(self, searches: ti.template(), base, note):
@@ -300,12 +300,12 @@ class PathSearch:
         place -= forward[0] * note[ROWS] + forward[1]
         pose = 8 * place + heading
         if searches.moves[place] >> heading & 1:
-            toll = self.toll(world, searches, e, state, note, base, pose)
-            if toll == 0:
+            cost = self.door_cost(world, searches, e, state, note, base, pose)
+            if cost == 0:
                 tail = self.found(searches, base, tail, pose, further)
             elif searches.distance[pose] == UNKNOWN:
                 searches.waiting[base + note[WAITING]] = pose
-                searches.found_at[base + note[WAITING]] = further + toll
+                searches.found_at[base + note[WAITING]] = further + cost
                 note[WAITING] += 1
         note[HEAD], note[TAIL] = note[HEAD] + 1, tail
         return note

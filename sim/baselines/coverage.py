@@ -42,7 +42,7 @@ class LineOfSight:
         self.backend = type(episodes.backend)(self.config, self.config.rays)
         self.rays = Rays(self.config, 1)
         self.half = self.config.target / 2
-        self.reach = self.half * 2**0.5
+        self.radius = self.half * 2**0.5
 
     @ti.func
     def distances(self, world: ti.template(), house, origin, cell):
@@ -84,8 +84,8 @@ class LineOfSight:
             bearing -= 360.0 * ti.round(bearing / 360.0)
             middle = (ti.static(self.config.first_ray) - bearing) / ti.static(self.config.ray_spacing)
             width = ti.f32(ti.static(180 / self.config.ray_spacing))
-            if away > ti.static(self.reach):
-                width = ti.asin(self.reach / away) * ti.static(180 / np.pi / self.config.ray_spacing)
+            if away > ti.static(self.radius):
+                width = ti.asin(self.radius / away) * ti.static(180 / np.pi / self.config.ray_spacing)
             first = ti.max(0, ti.cast(ti.ceil(middle - width), ti.i32))
             last = ti.min(ti.static(self.config.rays - 1), ti.cast(ti.floor(middle + width), ti.i32))
             for ray in range(first, last + 1):

@@ -13,7 +13,7 @@ from sim.runtime import Bytes, Floats, Ints, Shorts, Words, ti
 REPLAN = 48
 """Steps until it plans again: what it saw on its path may have made another one better."""
 
-HASTE = 4.0
+VIEWPOINT_COST = 4.0
 """Steps added to a path's length when viewpoints are compared."""
 
 Rows = ti.types.ndarray(ti.types.vector(8, ti.i32), 1)
@@ -158,7 +158,7 @@ class ViewPlanner:
             place, heading = pose >> 3, pose & 7
             i, j = place // row[LINES], place % row[LINES]
             away = ti.cast(search.distance[base + pose], ti.i32) - 1
-            cost = ti.cast(away, ti.f32) + ti.static(HASTE)
+            cost = ti.cast(away, ti.f32) + ti.static(VIEWPOINT_COST)
             if known:
                 if self.episodes.overlaps(state.origin, ti.Vector([i, j, heading]), state.target):
                     goal, searching = pose, False

@@ -239,8 +239,8 @@ class Episodes:
     @ti.func
     def overlaps(self, origin, cell, target):
         """Whether the body overlaps a target's square (i32); touching is not overlapping."""
-        reach = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
-        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < reach, ti.i32)
+        near = self.body.half(cell) + ti.static(self.config.target / 2 - SKIN)
+        return ti.cast(ti.abs(self.body.centre(origin, cell) - target).max() < near, ti.i32)
 
     @ti.func
     def look(self, world: ti.template(), e, state, ray, lanes: ti.template(), observation: ti.template()):

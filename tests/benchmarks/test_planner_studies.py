@@ -262,7 +262,7 @@ def test_places_are_asked_by_the_beliefs_own_count_and_where_they_lie_in_the_hou
             for dx, dy in [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]:
                 line = [
                     cells[e, (y + t * dy - (dy < 0)) % 256, (x + t * dx - (dx < 0)) % 256]
-                    for t in range(1, TUNED.odds_reach + 1)
+                    for t in range(1, TUNED.odds_range + 1)
                 ]
                 known = int(next((cell for cell in line if cell >> FLAGS), 0))
                 met += -1 if known & OCCUPIED else int(known >> FLAGS > 0)

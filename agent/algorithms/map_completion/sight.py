@@ -10,7 +10,7 @@ from agent.planner import TUNED
 RAYS = 256
 """Rays in each window."""
 
-REACH = TUNED.view_reach // 2
+RANGE = TUNED.view_range // 2
 """Blocks that a ray passes at most, as many as in the planner's views. A block is two cells wide."""
 
 
@@ -44,7 +44,7 @@ def cast_rays(windows: np.ndarray, solid: np.ndarray, random: np.random.Generato
     angles = random.uniform(0, 2 * np.pi, len(window))
     south, east, first = np.sin(angles), np.cos(angles), high * wide * window
     came, ended = [], []
-    for k in range(1, REACH + 1):
+    for k in range(1, RANGE + 1):
         i, j = y + np.rint(k * south).astype(int), x + np.rint(k * east).astype(int)
         inside = (i >= 0) & (i < high) & (j >= 0) & (j < wide)
         there = first + np.where(inside, i * wide + j, 0)

@@ -76,20 +76,20 @@ class Truth:
         place, metres, and what is so.
         """
         # A block reaches a cell to each side of its node: the outer walls are in blocks about places outside.
-        reach = round(self.cell / lattice.pitch)
-        north_west = np.array(lattice.origin, float) - reach * lattice.pitch
-        wide, high = (along + 2 * reach for along in lattice.shape)
+        about = round(self.cell / lattice.pitch)
+        north_west = np.array(lattice.origin, float) - about * lattice.pitch
+        wide, high = (along + 2 * about for along in lattice.shape)
         lattice = Lattice(north_west, lattice.pitch, (wide, high))
         floor, target = np.zeros(lattice.shape, np.uint8), np.zeros(lattice.shape, np.float32)
-        floor[tuple(np.rint(anywhere.targets).astype(int).T + reach)] = 1
-        listed = np.rint(here.listed).astype(int) + reach
+        floor[tuple(np.rint(anywhere.targets).astype(int).T + about)] = 1
+        listed = np.rint(here.listed).astype(int) + about
         np.add.at(target, tuple(listed.T), 1 / len(listed))
         # Places on a block's edge are half in it.
-        weights = np.array([0.5, *[1.0] * (2 * reach - 1), 0.5])
+        weights = np.array([0.5, *[1.0] * (2 * about - 1), 0.5])
         for axis in range(2):
             target = convolve1d(target, weights, axis=axis, mode="constant")
-        ground = _ground(house, lattice, kinds, reach)
-        return north_west, Blocks(floor, _solid(shape, lattice, reach), target, ground)
+        ground = _ground(house, lattice, kinds, about)
+        return north_west, Blocks(floor, _solid(shape, lattice, about), target, ground)
 
     def begin(self, begun: np.ndarray) -> None:
         """Maps begin where the bodies are now, in these environments (n,) int."""
@@ -115,20 +115,20 @@ class Truth:
         return found
 
 
-def _solid(shape: Geometry, lattice: Lattice, reach: int) -> np.ndarray:
+def _solid(shape: Geometry, lattice: Lattice, about: int) -> np.ndarray:
     """Where a wall runs through a block about a lattice's place (X, Y) uint8, which reaches so many steps to
     each side, or furniture stands on the place.
     """
-    solid, half = np.zeros(lattice.shape, np.uint8), reach * lattice.pitch
+    solid, half = np.zeros(lattice.shape, np.uint8), about * lattice.pitch
     east, south = (lattice.origin[axis] + lattice.pitch * np.arange(lattice.shape[axis]) for axis in range(2))
     for x, y, wide, high in shape.solids:
         solid[np.ix_(np.abs(east - x) <= max(wide, half), np.abs(south - y) <= max(high, half))] = 1
     return solid
 
 
-def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], reach: int) -> np.ndarray:
+def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], about: int) -> np.ndarray:
     """The kinds of ground about a lattice's places (X, Y) uint8: numbers in ``GROUND``, then ``kinds``.
-    Walls, which have no thickness, are the places up to ``reach`` steps from them, and doors too.
+    Walls, which have no thickness, are the places up to ``about`` steps from them, and doors too.
     """
     ground, names = np.zeros(lattice.shape, np.uint8), (*GROUND, *kinds)
 
@@ -148,9 +148,9 @@ def _ground(house: House, lattice: Lattice, kinds: tuple[str, ...], reach: int) 
             *((west, north, east, north), (west, south, east, south)),
             *((west, north, west, south), (east, north, east, south)),
         ):
-            fill(wall, "wall", reach)
+            fill(wall, "wall", about)
     for door in house.doors:
-        fill(door.box, "door", reach)
+        fill(door.box, "door", about)
     for room in rooms:
         for piece in room.pieces:
             fill(piece.box, piece.type)

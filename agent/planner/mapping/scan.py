@@ -37,11 +37,11 @@ class Scan:
         """Read what its sensor says."""
         self.rays, self.columns = body.rays, body.columns
         self.doors = "is door" in body.columns
-        self.reach, self.noise, self.dropout = body.reach / FINE, body.noise, body.dropout
+        self.ray_range, self.noise, self.dropout = body.ray_range / FINE, body.noise, body.dropout
         self.apart, self.eighth = pair(body.noise), body.eighth
-        self.error = max(body.noise, 0.05) / self.reach
+        self.error = max(body.noise, 0.05) / self.ray_range
         self.margin = LEAST if body.noise > 0 else 1
-        self.most = 1.0 - SPREAD * self.noise / self.reach  # a ray that met nothing ends there by noise
+        self.most = 1.0 - SPREAD * self.noise / self.ray_range  # a ray that met nothing ends there by noise
         self.tolerance = 1e-3 + SPREAD * 2**0.5 * self.noise
 
     @ti.func
@@ -67,7 +67,7 @@ class Scan:
         return kind
 
     @ti.func
-    def slant(self, tables: ti.template(), observation: ti.template(), e):
+    def diagonal(self, tables: ti.template(), observation: ti.template(), e):
         """Whether the heading lies at 45 degrees to the walls, -1 where no wall shows it. Where two rays end
         on one wall, the line through both ends runs along an axis in one of the two cases: the pairs vote.
         """
@@ -100,11 +100,11 @@ class Scan:
     @ti.func
     def averaged(self, tables: ti.template(), observation: ti.template(), e, heading, ray, d, kind):
         """Where a ray meets the mean line of those beside it that end on the same face."""
-        most, reach = LEAST - 1, d
+        most, mean_end = LEAST - 1, d
         for axis in ti.static(range(2)):
             j = 2 * heading * self.rays + axis
             way = tables.directions[j + 2 * ray]
-            if ti.abs(way) > ti.static(GRAZING * self.reach):
+            if ti.abs(way) > ti.static(GRAZING * self.ray_range):
                 number, weights, mean = 0, 0.0, 0.0
                 for side in ti.static((-1, 1)):
                     k, going = ti.static(max(-side, 0)), 1  # this ray itself counts once
@@ -115,7 +115,7 @@ class Scan:
                             across = tables.directions[j + 2 * other]
                             line = self.raw(observation, e, other) * across
                             within = ti.max(ti.abs(way), ti.abs(across)) * ti.static(
-                                SPREAD * 2**0.5 * self.noise / self.reach
+                                SPREAD * 2**0.5 * self.noise / self.ray_range
                             )
                             same = self.kind(observation, e, other) == kind
                             going = ti.cast(same & (ti.abs(line - d * way) < within + 1e-3), ti.i32)
@@ -124,8 +124,8 @@ class Scan:
                                 number, weights, mean = number + 1, weights + weight, mean + weight * line
                         k += 1
                 if number > most:
-                    most, reach = number, mean / weights / way
-        return reach
+                    most, mean_end = number, mean / weights / way
+        return mean_end
 
     @ti.func
     def done(
@@ -172,6 +172,6 @@ class Scan:
                 - memory.last[at + high] * tables.directions[j + 2 * high]
             )
             across = tables.directions[j + 2 * ray]
-            if (ti.abs(gap) < least) & (ti.abs(across) > ti.static(GRAZING * self.reach)):
+            if (ti.abs(gap) < least) & (ti.abs(across) > ti.static(GRAZING * self.ray_range)):
                 nearer, least = way[axis] / across, ti.abs(gap)
         return nearer

@@ -20,26 +20,28 @@ BAND = 4
 """Cells of a ray that are skipped at a time, where they were marked before."""
 
 
-def bands(reach: float) -> int:
-    """How many distances of 0, 1, 2 ... times ``BAND`` cells there are within a ray's reach, in cells."""
-    return int(reach / BAND) + 1
+def bands(ray_range: float) -> int:
+    """How many distances of 0, 1, 2 ... times ``BAND`` cells there are within a ray's range, in cells."""
+    return int(ray_range / BAND) + 1
 
 
-def fan(config: PlannerConfig, angles: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def fan(
+    config: PlannerConfig, angles: np.ndarray, ray_range: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cells behind rays at ``angles`` (R,), radians counter-clockwise from the heading, falling, that reach
-    ``reach`` cells.
+    ``ray_range`` cells.
 
     Returns where each list begins (32, 2 R) int32, by heading and by whether the eye's place in half cells
     is odd (east + 2 south): a ray's own cells, then those between it and the next one. Then how many of its
     own cells a ray passes before it has gone 0, 1, 2 ... times ``BAND`` cells (32, R, bands) int32. And all
-    the lists, one after the other, int32: how far a ray must reach, in parts of a cell, times 2^16, and the
+    the lists, one after the other, int32: how far a ray must go, in parts of a cell, times 2^16, and the
     way there from the eye's own cell, south times 2^8 and east, both modulo 2^8 (``Occupancy.beside``).
     """
-    wide = int(np.ceil(reach)) + 1
+    wide = int(np.ceil(ray_range)) + 1
     south, east = np.mgrid[-wide:wide, -wide:wide].reshape(2, -1)
     middles = np.append((angles[1:] + angles[:-1]) / 2, -np.inf)
     starts, skips, lists, begun = [], [], [], 0
-    along = BAND * FINE * np.arange(bands(reach)) << 16
+    along = BAND * FINE * np.arange(bands(ray_range)) << 16
     for heading in range(len(HEADINGS)):
         for odd in range(4):
             x, y = east + 0.5 - 0.5 * (odd & 1), south + 0.5 - 0.5 * (odd >> 1)
@@ -50,7 +52,7 @@ def fan(config: PlannerConfig, angles: np.ndarray, reach: float) -> tuple[np.nda
             # Rays fall: what is counter-clockwise of one lies between the one before and it.
             list_ = np.where(on, 2 * nearest, np.where(off > 0, 2 * nearest - 1, 2 * nearest + 1))
             far = away * np.cos(off) + config.ray_beyond
-            kept = (list_ >= 0) & (list_ < 2 * len(angles) - 1) & (far <= reach)
+            kept = (list_ >= 0) & (list_ < 2 * len(angles) - 1) & (far <= ray_range)
             order = np.lexsort((far[kept], list_[kept]))
             places = ((south[kept] & 0xFF) << 8) | (east[kept] & 0xFF)
             cells = (np.ceil(far[kept] * FINE).astype(np.int64) << 16 | places)[order]
@@ -65,18 +67,18 @@ def fan(config: PlannerConfig, angles: np.ndarray, reach: float) -> tuple[np.nda
 
 @ti.data_oriented
 class Visibility:
-    """Sweeps on a map by ``rays`` rays of some reach, in parts of a cell.
+    """Sweeps on a map by ``rays`` rays of some range, in parts of a cell.
 
     A sweep is made where it may show something (``due``). Where the body has only gone straight on since the
     last one, a ray skips the cells that the last sweep marked or skipped.
     """
 
     def __init__(
-        self, config: PlannerConfig, occupancy: Occupancy, rays: int, reach: float, tolerance: float
+        self, config: PlannerConfig, occupancy: Occupancy, rays: int, ray_range: float, tolerance: float
     ) -> None:
         """Sweep this map. Two ends lie on one line up to ``tolerance`` cells."""
         self.tolerance = tolerance
-        self.config, self.occupancy, self.rays, self.bands = config, occupancy, rays, bands(reach / FINE)
+        self.config, self.occupancy, self.rays, self.bands = config, occupancy, rays, bands(ray_range / FINE)
 
     @ti.func
     def due(self, time, new, known, straight):
@@ -125,11 +127,11 @@ class Visibility:
         return over
 
     @ti.func
-    def mark(self, memory: ti.template(), tables: ti.template(), base, corner, first, last, reach, time):
+    def mark(self, memory: ti.template(), tables: ti.template(), base, corner, first, last, far, time):
         """Mark the cells of a part of one of the fan's lists that rays reach; how many were never seen."""
         new = 0
         for k in range(first, last):
-            if tables.fan[k] >> 16 > reach:
+            if tables.fan[k] >> 16 > far:
                 break
             node = self.occupancy.beside(corner, tables.fan[k] & 0xFFFF)
             new += self.occupancy.unseen(self.occupancy.see(memory, base, node, 0, time))

@@ -75,7 +75,7 @@ class Belief:
             dx, dy = HEADINGS[k][0], HEADINGS[k][1]
             # A node is the corner of four cells: the first one in a direction begins there.
             i, j, known, t = x - (dx < 0), y - (dy < 0), 0, 1
-            while (known >> FLAGS == 0) & (t <= self.config.odds_reach):
+            while (known >> FLAGS == 0) & (t <= self.config.odds_range):
                 known = ti.cast(memory.cells[base + self.occupancy.at(i + t * dx, j + t * dy)], ti.i32)
                 t += 1
             if known & OCCUPIED:

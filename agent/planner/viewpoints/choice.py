@@ -23,7 +23,7 @@ def views(config: PlannerConfig) -> np.ndarray:
     rays = config.viewpoint_rays
     aside = (np.arange(rays) - rays // 2) / rays
     angles = (np.pi / 4 * (np.arange(8)[:, None] + aside)).reshape(-1, 1)
-    along = config.view_stride * np.arange(1, config.view_reach // config.view_stride + 1)
+    along = config.view_stride * np.arange(1, config.view_range // config.view_stride + 1)
     x, y = (np.rint(along * way).astype(np.int32) for way in (np.cos(angles), -np.sin(angles)))
     return (((y & 0xFF) << 8) | (x & 0xFF)).ravel()
 
@@ -47,7 +47,7 @@ class Viewpoints:
         """Choose on this map; for a choice of others, note so many ``offers``."""
         self.config, self.occupancy, self.offers = config, occupancy, Offers(config, occupancy, offers)
         self.candidates, self.pitch = candidates, candidates.pitch
-        self.places = config.view_reach // config.view_stride
+        self.places = config.view_range // config.view_stride
         # A place on a ray stands for stride by stride cells, as wide as rays are apart there.
         self.weight = config.view_stride**2 * np.pi / 4 / config.viewpoint_rays / 4
 

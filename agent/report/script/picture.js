@@ -120,9 +120,9 @@ class EpisodePicture {
     const bytes = Math.ceil(sensor.rays / 8);
     const ends = Array.from({ length: sensor.rays }, (_, ray) => {
       const angle = ((45 * this.heading[this.step] + sensor.first_ray - sensor.ray_spacing * ray) * Math.PI) / 180;
-      const reach = (this.distance[this.step * sensor.rays + ray] / 65535) * sensor.range;
+      const far = (this.distance[this.step * sensor.rays + ray] / 65535) * sensor.range;
       const hits = (this.hits[this.step * bytes + (ray >> 3)] >> (7 - (ray & 7))) & 1;
-      return [x + Math.cos(angle) * reach, y - Math.sin(angle) * reach, hits];
+      return [x + Math.cos(angle) * far, y - Math.sin(angle) * far, hits];
     });
     pen.beginPath();
     pen.moveTo(x, y);

@@ -6,8 +6,8 @@ across y. A list leaves out only what it surely may: what is out of range, out o
 turned away, or hidden behind one wall from every place of the cell. So it loses nothing, and a step meets
 about a sixth of a house.
 
-    numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, middle, reach, kind), where
-              reach is half of a line's length and a seam | by house: the floor and where a body
+    numbers   H x (west, north) | boxes (west, north, east, south) | lines (at, middle, half, kind), where
+              half of a line's length is more by ``OVERLAP`` | by house: the floor and where a body
               astride a room's boundary must be, then each room and its door (x, y, half width, half height)
     indices   H x header | for each cell where its block is | blocks; all cells out of doors share the first
     header    first box, boxes, first piece, floor, rooms, first cell, columns, rows, first line

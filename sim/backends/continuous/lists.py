@@ -67,7 +67,7 @@ def listed_arrays(
 def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
     """Kernels that find what is visible from each cell and count it, and that fill the lists."""
     body = max(config.body)
-    reach = body + config.step + MARGIN
+    within = body + config.step + MARGIN
     left, right = (
         np.deg2rad(45 * np.arange(8) + angle)
         for angle in (config.first_ray, config.first_ray - config.ray_spacing * (config.rays - 1))
@@ -105,10 +105,10 @@ def _kernels(program: Any, config: Config) -> tuple[Any, Any]:
         """Whether a body whose centre is in a cell may touch a box by one action."""
         west, north, east, south = numbers[box], numbers[box + 1], numbers[box + 2], numbers[box + 3]
         return (
-            (west - reach < cell[2])
-            & (cell[0] < east + reach)
-            & (north - reach < cell[3])
-            & (cell[1] < south + reach)
+            (west - within < cell[2])
+            & (cell[0] < east + within)
+            & (north - within < cell[3])
+            & (cell[1] < south + within)
         )
 
     @ti.func

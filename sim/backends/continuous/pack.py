@@ -10,7 +10,7 @@ from sim.backends.backend import WALL, Bank
 from sim.backends.continuous.layout import CELL, HEADER
 from sim.backends.continuous.lists import listed_arrays
 from sim.backends.kinds import codes
-from sim.backends.rays import SEAM
+from sim.backends.rays import OVERLAP
 from sim.config import Config
 from sim.geometry import Geometry, geometry
 
@@ -77,7 +77,7 @@ class _Part:
 
 
 def _lines(walls: np.ndarray, pieces: np.ndarray, kinds: list[int], axis: int) -> np.ndarray:
-    """Lines across an axis (n, 4) float32: where, middle, reach, kind; a piece's side is negative where it
+    """Lines across an axis (n, 4) float32: where, middle, half, kind; a piece's side is negative where it
     looks west.
     """
     other = 1 - axis
@@ -89,4 +89,4 @@ def _lines(walls: np.ndarray, pieces: np.ndarray, kinds: list[int], axis: int) -
         rows.append(np.column_stack([pieces[:, side], pieces[:, other], pieces[:, other + 2], kind]))
     at, low, high, kind = np.vstack(rows).astype(np.float32).T
     half = np.float32(0.5)
-    return np.column_stack([at, half * (low + high), half * (high - low) + np.float32(SEAM), kind])
+    return np.column_stack([at, half * (low + high), half * (high - low) + np.float32(OVERLAP), kind])

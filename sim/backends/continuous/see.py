@@ -23,15 +23,15 @@ class Sight(RayBody):
         across_x, row = 1 + 2 * cell[2], 2 + 2 * cell[2]
         for k in range(end_of(indices, block, across_x), end_of(indices, block, row)):
             line = first_line + 4 * listed(indices, block, k)
-            ahead, aside, reach, kind = self.line(numbers, line, eye[0], eye[1])
+            ahead, aside, half, kind = self.line(numbers, line, eye[0], eye[1])
             self.rays.meet(
-                nearest, kinds, over_x, slope_x, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
+                nearest, kinds, over_x, slope_x, ahead, aside, half, kind, ti.static(self.config.notes_hits)
             )
         for k in range(end_of(indices, block, row), end_of(indices, block, row + 1)):
             line = first_line + 4 * listed(indices, block, k)
-            ahead, aside, reach, kind = self.line(numbers, line, eye[1], eye[0])
+            ahead, aside, half, kind = self.line(numbers, line, eye[1], eye[0])
             self.rays.meet(
-                nearest, kinds, over_y, slope_y, ahead, aside, reach, kind, ti.static(self.config.notes_hits)
+                nearest, kinds, over_y, slope_y, ahead, aside, half, kind, ti.static(self.config.notes_hits)
             )
         if self.rays.may_see(target - eye, ti.static(self.config.target / 2), self.body.headings[cell[2]]):
             self.rays.meet_target(nearest, kinds, over_x, slope_x, over_y, slope_y, eye, target)
@@ -48,6 +48,6 @@ class Sight(RayBody):
 
     @ti.func
     def line(self, numbers: ti.template(), at, along, across):
-        """A line as the eye has it: how far ahead, its middle, its reach from there, its kind."""
+        """A line as the eye has it: how far ahead, its middle, half its length, its kind."""
         kind = ti.cast(ti.abs(numbers[at + 3]), ti.u32)
         return numbers[at] - along, numbers[at + 1] - across, numbers[at + 2], kind

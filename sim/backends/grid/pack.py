@@ -19,7 +19,7 @@ from sim.backends.backend import Bank
 from sim.backends.body import Body
 from sim.backends.grid.cells import Cells
 from sim.backends.kinds import codes
-from sim.backends.rays import SEAM, Rays, directions
+from sim.backends.rays import OVERLAP, Rays, directions
 from sim.config import Config
 from sim.geometry import geometry
 from sim.runtime import Array, Floats, Ints, Launch, start, ti
@@ -81,7 +81,7 @@ def _houses(parts: list[Cells]) -> np.ndarray:
 @cache
 def _kernel(program: Any, config: Config) -> Any:
     """A kernel that casts rays from the middles of cells."""
-    rays, cell, reach, notes_hits = Rays(config, 1), config.step, config.range, config.notes_hits
+    rays, cell, furthest, notes_hits = Rays(config, 1), config.step, config.range, config.notes_hits
     body = Body(config)
     count = rays.count
 
@@ -110,7 +110,7 @@ def _kernel(program: Any, config: Config) -> Any:
             origin = ti.Vector([origins[2 * house], origins[2 * house + 1]])
             eye = body.eye(origin, ti.Vector([column, row, 0]))
             for k in range(count):
-                nearest, kind = ti.f32(reach), 0
+                nearest, kind = ti.f32(furthest), 0
                 for axis in ti.static(range(2)):
                     over, slope = rays.table[2 * axis * count + k], rays.table[(2 * axis + 1) * count + k]
                     place, last = (column, columns) if ti.static(axis == 0) else (row, rows)
@@ -123,8 +123,8 @@ def _kernel(program: Any, config: Config) -> Any:
                         searching = ti.cast(distance < nearest, ti.i32)
                         # Where it crosses, in cells; near a corner the edges of both sides count.
                         across = (eye[1 - axis] + ahead * slope - lines[houses[at + 5 - axis]]) * (1 / cell)
-                        other = ti.cast(across - ti.static(SEAM / cell), ti.i32)
-                        after = ti.cast(across + ti.static(SEAM / cell), ti.i32) + 1
+                        other = ti.cast(across - ti.static(OVERLAP / cell), ti.i32)
+                        after = ti.cast(across + ti.static(OVERLAP / cell), ti.i32) + 1
                         while searching and other < after:
                             met = 0
                             if ti.static(axis == 0):

@@ -12,7 +12,7 @@ from agent.algorithms.map_completion.foresight import ANYWAY, EVERY, NEWS, TOGET
 from agent.algorithms.map_completion.learner import TARGETS, WindowBatch, completion_loss, turned
 from agent.algorithms.map_completion.marks import Marks
 from agent.algorithms.map_completion.network import WINDOW, CompletionNetwork, Prediction
-from agent.algorithms.map_completion.sight import RAYS, REACH, cast_rays
+from agent.algorithms.map_completion.sight import RANGE, RAYS, cast_rays
 from agent.algorithms.map_completion.truth import GROUND, UNKNOWN, Truth
 from agent.algorithms.map_completion.windows import LOOKED, SEEN, Windows
 from agent.learning.environments import make_envs, shield
@@ -284,7 +284,7 @@ def test_the_product_of_what_passes_is_about_how_far_rays_come():
     assert np.allclose(survives, true, atol=0.08)
     assert survives[-1] == 0  # beyond the last of them there is never a view, though no wall stands there
     assert (rays.sum((1, 2)) > 0).all()
-    assert rays.sum() <= 400 * RAYS * REACH
+    assert rays.sum() <= 400 * RAYS * RANGE
 
 
 def test_no_ray_is_cast_where_nothing_was_seen_or_all_of_it_is_occupied():
