@@ -306,7 +306,9 @@ class Relaxed:
             if atom in self._literal_of
         ]
 
-    def _exclude(self, conflicts: Iterable[list[int]]) -> None:
+    def _exclude(self, conflicts: Sequence[list[int]]) -> None:
+        if not conflicts:
+            return  # To open a backend takes longer than a search.
         with self._control.backend() as backend:
             for literals in conflicts:
                 backend.add_rule([], literals)
