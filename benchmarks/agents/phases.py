@@ -5,7 +5,6 @@ houses and by size, with what a target costs in steps of each; and where targets
 played is kept, policy by policy, so that a run that was stopped goes on.
 """
 
-import io
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -25,6 +24,7 @@ from agent.policies.policies import Policy
 from agent.runs import checkpoint
 from benchmarks.agents.account import PHASES, StepAccount, follow
 from benchmarks.agents.kept import code, fingerprint
+from benchmarks.common.pages import write_arrays
 from logic.house.files import write_whole
 
 BESIDE = ("explorer", "searcher", "oracle")
@@ -68,9 +68,7 @@ class Phases:
         for name, (key, make) in makers.items():
             path = self.out / f"{key[:8]}-{setting}.npz"
             if not path.exists():
-                content = io.BytesIO()
-                np.savez(content, **vars(follow(envs, make(), self.seed)))
-                write_whole(path, content.getvalue())
+                write_arrays(path, **vars(follow(envs, make(), self.seed)))
             accounts[name] = StepAccount(**np.load(path))
         rooms = np.array([len(house.secondary) for house in houses])
         page = "\n\n".join(sheet.markdown() for sheet in sheets(accounts, rooms))

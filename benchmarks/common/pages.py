@@ -5,8 +5,11 @@ import platform
 import subprocess
 from collections.abc import Iterable, Mapping
 from importlib.metadata import version
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from logic.errors import RequestError
 from logic.house.files import write_whole
@@ -30,6 +33,20 @@ def write(files: Mapping[str, bytes], out: Path, publish: bool = False) -> None:
             page = DOCS / name
             _, mark, by_hand = page.read_bytes().partition(BY_HAND) if page.exists() else (b"", b"", b"")
             write_whole(page, content + b"\n" + mark + by_hand if mark else content)
+
+
+def write_arrays(path: Path, **arrays: Any) -> None:
+    """Write arrays by name, for ``np.load``; whole, or not at all."""
+    content = BytesIO()
+    np.savez(content, **arrays)
+    write_whole(path, content.getvalue())
+
+
+def png(figure: Any) -> bytes:
+    """A figure of matplotlib's as the bytes of a PNG file."""
+    content = BytesIO()
+    figure.savefig(content, format="png")
+    return content.getvalue()
 
 
 def table_rows(rows: Iterable[Iterable[str]]) -> str:

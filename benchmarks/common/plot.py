@@ -1,11 +1,10 @@
 """A report of pytest-benchmark as a picture: medians, quartiles and fitted laws on logarithmic axes."""
 
-from io import BytesIO
 from typing import Any
 
 import numpy as np
 
-from benchmarks.common.pages import machine
+from benchmarks.common.pages import machine, png
 from benchmarks.common.series import AXES, is_rate, law, panels_of, series_of
 
 
@@ -42,9 +41,7 @@ def plot(report: dict[str, Any]) -> bytes:
     info = report["machine_info"]
     words = f"{machine(info)}, Python {info['python_version']}, {report['datetime'][:10]}"
     figure.suptitle(f"Medians and quartiles. {words}", fontsize=8)
-    picture = BytesIO()
-    figure.savefig(picture, format="png")
-    return picture.getvalue()
+    return png(figure)
 
 
 def _draw(axes: Any, name: str, points: np.ndarray, rate: bool) -> None:

@@ -4,7 +4,6 @@ import contextlib
 import csv
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from io import BytesIO
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -13,7 +12,7 @@ from time import process_time
 from typing import Any
 
 from benchmarks.common.houses import INFERENCES
-from benchmarks.common.pages import machine, write
+from benchmarks.common.pages import machine, png, write
 from logic.errors import RequestError
 from logic.generation.builder import Builder
 from logic.grammar import Grammar, find
@@ -176,6 +175,4 @@ def picture(measured: list[Stretch], title: str) -> bytes:
         axes.set_ylim(bottom=0)
         axes.grid(alpha=0.3)
     times.legend(fontsize=8, frameon=False)
-    png = BytesIO()
-    figure.savefig(png, format="png")
-    return png.getvalue()
+    return png(figure)

@@ -7,7 +7,6 @@ import json
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from io import BytesIO
 from multiprocessing import get_context
 from pathlib import Path
 from time import monotonic
@@ -16,7 +15,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from benchmarks.common.pages import machine, table_rows, versions, write
+from benchmarks.common.pages import machine, png, table_rows, versions, write
 from benchmarks.generator.laws import Law, laws
 from benchmarks.generator.layouts import Spread, entropy, spread
 from logic import House, generate
@@ -76,9 +75,7 @@ def expressive_range(count: int) -> tuple[dict[str, dict[str, float]], bytes]:
             xlabel="compactness",
             ylabel="floor under furniture",
         )
-    picture = BytesIO()
-    figure.savefig(picture, format="png")
-    return found, picture.getvalue()
+    return found, png(figure)
 
 
 def page(spreads: dict[str, Spread], held: list[Law], ranges: dict[str, Any], seconds: float) -> str:

@@ -7,7 +7,6 @@ same limit of Prolog's inferences. It counts against the generator here that its
 import json
 from collections import Counter
 from dataclasses import dataclass
-from io import BytesIO
 from itertools import cycle, islice
 from pathlib import Path
 from time import process_time
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.common.pages import DOCS, machine, table_rows
+from benchmarks.common.pages import DOCS, machine, png, table_rows
 from benchmarks.common.processes import say
 from logic.errors import LimitReached, RequestError
 from logic.generation.builder import Builder
@@ -174,9 +173,7 @@ def picture(study: dict[str, Any]) -> bytes:
         axes.grid(alpha=0.3)
         axes.legend(frameon=False, fontsize=8)
     figure.suptitle(f"Limit {study['inferences']:,} inferences. {study['machine']}", fontsize=8)
-    file = BytesIO()
-    figure.savefig(file, format="png")
-    return file.getvalue()
+    return png(figure)
 
 
 def measure(out: Path) -> dict[str, Any]:

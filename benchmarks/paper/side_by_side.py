@@ -24,10 +24,6 @@ from sim.actions import ACTIONS, FORWARD
 Layers = list[tuple[Tensor, Tensor]]
 """Weights (N, inputs, outputs) and biases (N, 1, outputs) of the dense layers, in order."""
 
-MAY_DIFFER = ("seed", "angles", "homing", "initialisation", "avoidance")
-"""Fields of a config in which runs side by side may differ."""
-
-
 CHUNK = 100
 """Steps for which random numbers are sampled at once."""
 
@@ -185,7 +181,7 @@ class Replays:
 
 
 class Runs:
-    """Training runs of configs that differ in ``MAY_DIFFER`` alone."""
+    """Training runs of configs that differ in seed, angles, homing, initialisation and avoidance alone."""
 
     def __init__(self, configs: Sequence[PaperConfig], envs: HouseVectorEnv) -> None:
         """Begin; ``envs`` has the environments of all runs, and NEXT_STEP autoreset."""

@@ -7,7 +7,6 @@ stopped. Its data are a curve of each run, and what its weights do on the way an
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -19,7 +18,7 @@ from agent.algorithms.table import PRESETS
 from agent.evaluation.result import HUMAN
 from agent.learning.environments import make_envs
 from agent.progress import progress
-from benchmarks.common.pages import table_rows
+from benchmarks.common.pages import png, table_rows
 from benchmarks.paper.agents import TASKS, mean
 from benchmarks.paper.side_by_side import Actors, Layers, Runs
 from logic import generate
@@ -276,6 +275,4 @@ def picture(data: dict[str, Any]) -> bytes:
         axes.set_title(name.replace("`", "").partition(",")[0], size=9)
         axes.set(xlabel="episode", ylim=(0, None))
     figure.axes[0].set_ylabel("targets of an episode")
-    content = BytesIO()
-    figure.savefig(content, format="png")
-    return content.getvalue()
+    return png(figure)

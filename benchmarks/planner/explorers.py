@@ -10,7 +10,6 @@ stopped continues; scores by the sources that made them.
 import hashlib
 import importlib
 import inspect
-import io
 import pkgutil
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
@@ -39,6 +38,7 @@ from agent.policies import policies
 from agent.policies.episodes import moments
 from agent.policies.policies import Explorer, Policy, Tracker
 from benchmarks.common.houses import ROOMS
+from benchmarks.common.pages import write_arrays
 from benchmarks.common.processes import say
 from benchmarks.planner import prior
 from logic import House, generate, load, save
@@ -139,7 +139,7 @@ class Explorers:
         """Play in the modes that are missing."""
         torch.set_num_threads(1)
         for mode in self.targets:
-            path, content = self.path(mode, agent), io.BytesIO()
+            path = self.path(mode, agent)
             if not path.exists():
                 world = "default" if agent in SOURCES else self.world
                 envs = make_envs(self.bank, self.episodes * len(self.bank), mode, preset=world)
@@ -151,8 +151,7 @@ class Explorers:
                     tracker.remember()
                 targets = episode(envs, policy, self.steps, len(self.bank))
                 targets = targets.reshape(len(THIRDS), self.episodes, -1).mean(axis=1)
-                np.savez(content, targets=targets, microseconds=tracker.microseconds)
-                write_whole(path, content.getvalue())
+                write_arrays(path, targets=targets, microseconds=tracker.microseconds)
                 say(f"{mode}, {agent}: {targets.sum() / len(self.bank):.2f} targets an episode")
 
 

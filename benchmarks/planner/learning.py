@@ -9,7 +9,6 @@ another one. Scores are kept by all that made them, so that a run that was stopp
 """
 
 import hashlib
-import io
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +27,7 @@ from agent.learning.environments import make_envs, playable
 from agent.learning.simulator import sensor
 from agent.policies.episodes import moments
 from agent.policies.policies import Policy
+from benchmarks.common.pages import write_arrays
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
 from benchmarks.planner.decisions import Decisions, Tracked, decisions
@@ -169,7 +169,7 @@ class Learning:
             if shuffled:
                 policy = with_shuffled_predictions(policy, name)
             targets = episode(envs, policy, self.steps, len(self.bank_houses), self.ends)
-            _write(path, targets=targets.reshape(2, self.episodes, -1))
+            write_arrays(path, targets=targets.reshape(2, self.episodes, -1))
             what = "SPL" if self.ends else "targets an episode"
             say(f"{name}{', shuffled' * shuffled}: {targets[1].mean():.2f} {what}")
         return np.load(path)["targets"]
@@ -188,7 +188,7 @@ class Learning:
             made = decisions(
                 envs, again, tracked, len(self.bank_houses), self.steps, self.ahead, self.decisions
             )
-            _write(path, **vars(made))
+            write_arrays(path, **vars(made))
         return Decisions(**np.load(path))
 
 
@@ -286,9 +286,3 @@ def clustered(values: np.ndarray, group: np.ndarray) -> str:
     number = len(np.unique(group))
     error = np.sqrt(np.square(sums).sum() * number / (number - 1)) / len(values)
     return f"{values.mean():+.3f} ± {error:.3f}"
-
-
-def _write(path: Path, **arrays: np.ndarray) -> None:
-    content = io.BytesIO()
-    np.savez(content, **arrays)
-    write_whole(path, content.getvalue())

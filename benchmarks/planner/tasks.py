@@ -9,7 +9,6 @@ anything is trained. Houses and scores are kept, so that a run that was stopped 
 
 import hashlib
 import inspect
-import io
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,6 +27,7 @@ from agent.evaluation.tables import Table
 from agent.learning.environments import make_envs, playable
 from agent.policies.policies import Policy
 from benchmarks.common.houses import in_turns
+from benchmarks.common.pages import write_arrays
 from benchmarks.common.processes import say
 from benchmarks.planner.explorers import difference
 from logic import House, load, save
@@ -146,11 +146,10 @@ class Tasks:
         """A player's targets, steps to the first and the fewest steps to it, of each episode (3, E); kept."""
         known = [bank_hash(houses), json.dumps(name), player, len(numbers)]
         key = hashlib.sha256(repr([*known, *map(inspect.getsource, SOURCES)]).encode()).hexdigest()
-        path, content = self.out / f"{key[:16]}.npz", io.BytesIO()
+        path = self.out / f"{key[:16]}.npz"
         if not path.exists():
             scores: EpisodeScores = play(envs(), PLAYERS[player](envs(), 0), 0, numbers)
             shortest = shortest_ways(envs(), 0, numbers) if player == "oracle" else scores.first
-            np.savez(content, scores=np.stack([scores.targets, scores.first, shortest]))
-            write_whole(path, content.getvalue())
+            write_arrays(path, scores=np.stack([scores.targets, scores.first, shortest]))
             say(f"{name}, {player}: {scores.targets.mean():.2f} targets an episode")
         return np.load(path)["scores"]
