@@ -150,19 +150,3 @@ def test_the_public_names_of_the_simulator_are_these() -> None:
     functions = ["check_autoreset_modes", "check_vector_env", "shortest_path"]
     assert sim.__all__ == ["DEFAULT", "PAPER", *classes, *functions]
     assert all(hasattr(sim, name) for name in sim.__all__)
-
-
-PARALLEL = {"Motion", "Sight"}
-"""Parts of both backends, which are read side by side."""
-
-
-def test_a_class_has_a_name_of_its_own_in_all_packages() -> None:
-    """So a name means one thing to a reader, wherever it stands."""
-    where: dict[str, list[str]] = {}
-    for package in ("logic", "sim", "agent", "benchmarks"):
-        for path in sorted((ROOT / package).rglob("*.py")):
-            for each in ast.parse(path.read_text()).body:
-                if isinstance(each, ast.ClassDef):
-                    where.setdefault(each.name, []).append(str(path.relative_to(ROOT)))
-    twice = {name: paths for name, paths in where.items() if len(paths) > 1 and name not in PARALLEL}
-    assert {name: paths for name, paths in twice.items() if {path[:5] for path in paths} != {"logic"}} == {}

@@ -16,7 +16,7 @@ from sim.backends.rays import MARGIN, OVERLAP
 SOURCE = Path(__file__).with_name("step.c")
 ROOT = SOURCE.parents[2]
 FLAGS = ["-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC", "-lm"]
-LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "seam", "margin", "widest")
+LENGTHS = ("body", "step", "eye", "range", "target", "cell", "skin", "overlap", "margin", "widest")
 
 
 class LoopConfig(ctypes.Structure):

@@ -11,7 +11,7 @@ enum { FIRST_BOX, BOXES, FIRST_PIECE, FLOOR, ROOMS, FIRST_CELL, COLUMNS, ROWS, F
 
 static const int WAY[8][2] = {{1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1, 0}, {-1, 1}, {0, 1}, {1, 1}};
 
-typedef struct { float body, step, eye, range, target, cell, skin, seam, margin, widest; int steps; } Config;
+typedef struct { float body, step, eye, range, target, cell, skin, overlap, margin, widest; int steps; } Config;
 typedef struct { int i, j, heading, house, time, found, over, episode; uint32_t seed[2]; } Whole;
 typedef struct { float origin[2], target[2]; } Real;
 
@@ -141,7 +141,7 @@ static void look(const Config *c, const float *table, const float *numbers, cons
     if (ahead > c->widest * away - ((1 + fabsf(c->widest)) * radius + c->margin) && away < c->range + c->margin + radius) {
         float lx = r->target[0] - half, ly = r->target[1] - half, hx = r->target[0] + half, hy = r->target[1] + half;
         int outside = (lx > ex) | (ly > ey) | (hx < ex) | (hy < ey);
-        float rx = outside ? 0.5f * (hx - lx) + c->seam : -1.0f, ry = outside ? 0.5f * (hy - ly) + c->seam : -1.0f;
+        float rx = outside ? 0.5f * (hx - lx) + c->overlap : -1.0f, ry = outside ? 0.5f * (hy - ly) + c->overlap : -1.0f;
         meet_target(nearest, seen, over_x, slope_x, (lx > ex ? lx : hx) - ex, 0.5f * (ly + hy) - ey, ry);
         meet_target(nearest, seen, over_y, slope_y, (ly > ey ? ly : hy) - ey, 0.5f * (lx + hx) - ex, rx);
     }
