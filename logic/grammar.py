@@ -175,6 +175,7 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
     own = {file.stem for file in files}
     known = {file.stem: file for file in sorted(TOPOLOGIES.glob("*.lp"))}
     named: list[str] = []
+    first = ""
     plans = PLANS
     for file in files:
         text = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), file.read_text("utf-8", "replace"))
@@ -184,11 +185,14 @@ def _topology(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], str]:
             before = text[: found.start()].split("\n")
             place, name = (file, len(before), len(before[-1]) + 1), found[1]
             if named:
-                raise GrammarError(f"a grammar has one topology, and {named[0]} is named already", *place)
+                raise GrammarError(
+                    f"a grammar has one topology, and {first} names {named[0]}: keep one", *place
+                )
             if name not in own and name not in known:
                 hint = unknown("topology", name, known)
                 raise GrammarError(f"{hint}; one of yours is a file {name}.lp beside this one", *place)
             named.append(name)
+            first = ":".join(map(str, (file.name, *place[1:])))
     if not named:
         return (STAR,), STAR.stem
     return (*plans, GUARD if named[0] in own else known[named[0]]), named[0]

@@ -103,16 +103,17 @@ class SharedWallsMaker(Maker):
                 nogoods.append(proof.conflicts[0].atoms)
                 self._placer.account.refuted(proof.conflicts[0].clauses)
             else:
-                self._require_plan(plan)
+                self._require_plan(plan, layout)
                 return plan, layout, inferences - plan["inferences"]
             if inferences <= 0:
                 raise OutOfInferences
 
-    def _require_plan(self, plan: dict[str, Any]) -> None:
+    def _require_plan(self, plan: dict[str, Any], layout: list[Symbol]) -> None:
         """Refuse a topology of the user's own whose rooms are no plan: see ``tiling.py``."""
         if GUARD in self.grammar.topology:
             bare: list[tuple[()]] = [()] * len(plan["rooms"])
-            require_tiling(_house({**plan, "hub": ""}, bare, self.grammar.topology_name), self._loaded)
+            house = _house({**plan, "hub": ""}, bare, self.grammar.topology_name)
+            require_tiling(house, layout, self._loaded)
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         """That there is no layout, where some types of room cannot have their furniture."""

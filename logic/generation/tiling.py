@@ -5,8 +5,12 @@ keep most of it (``rules/shared_walls/topology.lp``). That rooms fill a plan is 
 looked at in each plan, by the same geometry as in the check.
 """
 
-from collections.abc import Iterator
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from itertools import chain
+
+from clingo import Symbol
 
 from logic.checking.shared_walls import plan_doors, plan_rooms, plan_windows
 from logic.house.house import House
@@ -19,10 +23,27 @@ NO_PLAN = (
 )
 
 
-def require_tiling(house: House, loaded: LoadedGrammar) -> None:
-    """Raise ``GrammarError`` at the rules that lay out the rooms where these are no plan."""
+def require_tiling(house: House, layout: Iterable[Symbol], loaded: LoadedGrammar) -> None:
+    """Raise ``GrammarError`` where the rooms of a layout are no plan, at the rules that lay them out so."""
     for fault in _faults(house):
-        raise loaded.topology_error(NO_PLAN.format(rooms=len(house.rooms), fault=fault))
+        named = {room.name for room in house.rooms if re.search(rf"\b{room.name}\b", fault)}
+        edges = [atom for atom in layout if atom.name == "edge"]
+        edges = [atom for atom in edges if f"R{atom.arguments[0]}" in named] or edges
+        why = NO_PLAN.format(rooms=len(house.rooms), fault=fault)
+        raise loaded.topology_error(why, _apart(edges, len(named)) or edges)
+
+
+def _apart(edges: Iterable[Symbol], rooms: int) -> list[Symbol]:
+    """The edges that can bring rooms where they must not be: not those of the outline, which bounds all, nor
+    those of several rooms that lie on one line with the same side.
+    """
+    sides = Counter(tuple(map(str, atom.arguments[1:])) for atom in edges)
+    return [
+        atom
+        for atom in edges
+        if not atom.arguments[2].match("outline", 1)
+        and not sides[tuple(map(str, atom.arguments[1:]))] == rooms > 1
+    ]
 
 
 def _faults(house: House) -> Iterator[str]:

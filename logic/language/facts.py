@@ -3,14 +3,16 @@
 import re
 from collections.abc import Iterator, Sequence, Set
 from pathlib import Path
+from typing import Any
 
-from clingo import Function, Symbol
+from clingo import Function, Symbol, SymbolType
+from clingo.ast import ASTType
 
 from logic.errors import GrammarError
 from logic.grammar import Grammar
 from logic.language.causes import Mistake
 from logic.language.statements import error_at
-from logic.language.vocabulary import Words, places
+from logic.language.vocabulary import Use, Words, alternatives
 from logic.layout.program import Program
 
 MOST_NAMED = 3
@@ -37,6 +39,11 @@ class Facts:
         """An error at the fact's place in the files."""
         found = places(fact, self._words)
         return error_at(found[0].node, why) if found else GrammarError(why, self._grammar.directory)
+
+    def _place(self, fact: Symbol) -> tuple[str, int, int]:
+        """The fact's place, to be ordered by."""
+        found = self.at(fact, "")
+        return str(found.file), found.line or 0, found.column or 0
 
     def absent_from(self, kind: str, names: Sequence[str], files: Sequence[Path]) -> Mistake:
         """The mistake that no file of a kind states these predicates."""
@@ -94,7 +101,7 @@ class Facts:
             name = next((each for each in names if each not in known), names[0])
             absent.setdefault((name, why), Mistake(error, frozenset({name})))
         for symbol in probe.atoms("twice", 2):
-            facts = sorted(map(stated, symbol.arguments), key=lambda fact: self.at(fact, "").line or 0)
+            facts = sorted(map(stated, symbol.arguments), key=self._place)
             first = self.at(facts[0], "")
             place = f", at {Path(str(first.file)).name}:{first.line}:{first.column}" if first.line else ""
             why = f"{facts[1]}: {facts[0]} is stated too{place}: keep one of them"
@@ -118,3 +125,42 @@ def stated(fact: Symbol) -> Symbol:
     if fact.name != "companions":
         return fact
     return Function(fact.arguments[0].name, fact.arguments[1:])
+
+
+def places(atom: Symbol, own: Words) -> list[Use]:
+    """The heads, in the order of the files, that name a ground atom, or else those that may derive it."""
+
+    def names(argument: Symbol, text: str) -> bool:
+        return bool(re.search(rf"(?<!\w){re.escape(str(argument))}(?!\w)", text))
+
+    def each_in_place(use: Use) -> bool:
+        within = [str(argument) for argument in getattr(use.node, "arguments", ())]
+        return len(within) == len(atom.arguments) and all(map(names, atom.arguments, within))
+
+    heads = [use for (name, _), uses in own.derived.items() if name == atom.name for use in uses]
+    named = [use for use in heads if all(names(each, str(use.node)) for each in atom.arguments)]
+    rules = [use for use in heads if use.statement.node.body]
+    return (
+        [use for use in named if each_in_place(use)]
+        or named
+        or [use for use in rules if _may_be(use.node, atom, {})]
+        or rules
+    )
+
+
+def _may_be(term: Any, value: Symbol, bound: dict[str, Symbol]) -> bool:
+    """Whether a term with variables, of which some are ``bound``, can be a value, by its form."""
+    if term.ast_type == ASTType.Variable:
+        return term.name == "_" or bound.setdefault(term.name, value) == value
+    if term.ast_type == ASTType.SymbolicTerm:
+        return term.symbol == value
+    if term.ast_type == ASTType.Pool:
+        return any(_may_be(each, value, dict(bound)) for each in alternatives(term))
+    if term.ast_type != ASTType.Function:
+        return value.type == SymbolType.Number
+    if value.type != SymbolType.Function or (term.name, len(term.arguments)) != (
+        value.name,
+        len(value.arguments),
+    ):
+        return not term.arguments and value.type == SymbolType.Number  # a constant, as rooms
+    return all(_may_be(each, its, bound) for each, its in zip(term.arguments, value.arguments, strict=True))

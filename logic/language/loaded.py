@@ -11,7 +11,7 @@ from logic.errors import GrammarError
 from logic.grammar import LENGTHS, OWN, PLANS, STAR, Grammar
 from logic.language.audit import audit, unreadable
 from logic.language.causes import Mistake, first_causes, misspelt_name
-from logic.language.facts import NAME, Facts, stated
+from logic.language.facts import NAME, Facts, places, stated
 from logic.language.heads import closed_heads
 from logic.language.integers import overflowing
 from logic.language.metres import impossible, unlikely
@@ -289,10 +289,15 @@ class LoadedGrammar:
         )
         raise GrammarError(why, endless.file, endless.line, endless.column)
 
-    def topology_error(self, why: str) -> GrammarError:
-        """An error of the topology of the user's own, where it first says on which lines rooms lie."""
-        found = self._words.derived.get(("edge", 3))
-        return error_at(found[0].node, why) if found else GrammarError(why, self.grammar.directory)
+    def topology_error(self, why: str, edges: Iterable[Symbol]) -> GrammarError:
+        """An error of the topology of the user's own, at the rules by which it has these ``edges``."""
+        found = [use for edge in edges for use in places(edge, self._words)]
+        rules = sorted({place(use.node) for use in found or self._words.derived.get(("edge", 3), ())})
+        if not rules:
+            return GrammarError(why, self.grammar.directory)
+        others = sorted({line for _, line, _ in rules} - {rules[0][1]})
+        also = f" (lines {', '.join(map(str, others))} too)" if others else ""
+        return GrammarError(why + also, *rules[0])
 
 
 def _too_deep(statement: Statement) -> bool:

@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from clingo import Symbol
 from clingo.ast import AST, ASTSequence, ASTType, Sign
 
 from logic.errors import GrammarError
@@ -243,25 +242,6 @@ def _beside(name: str, own: Words, known: set[Signature]) -> set[str] | None:
             if name in values:
                 return values - {name}
     return None
-
-
-def places(fact: Symbol, own: Words) -> list[Use]:
-    """The heads, in the order of the files, that name a ground atom, or else those that may derive it."""
-
-    def names(argument: Symbol, text: str) -> bool:
-        return bool(re.search(rf"(?<!\w){re.escape(str(argument))}(?!\w)", text))
-
-    def each_in_place(use: Use) -> bool:
-        within = [str(argument) for argument in getattr(use.node, "arguments", ())]
-        return len(within) == len(fact.arguments) and all(map(names, fact.arguments, within))
-
-    heads = [use for (name, _), uses in own.derived.items() if name == fact.name for use in uses]
-    named = [use for use in heads if all(names(each, str(use.node)) for each in fact.arguments)]
-    return (
-        [use for use in named if each_in_place(use)]
-        or named
-        or [use for use in heads if use.statement.node.body]
-    )
 
 
 def _unknown(signature: Signature, what: str, use: Use, known: Iterable[Signature], core: Words) -> Mistake:

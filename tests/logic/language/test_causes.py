@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from logic.grammar import SHIPPED
+from logic import GrammarError
+from logic.grammar import SHIPPED, find
 from tests.logic.language.test_mistakes import linted
 
 MISSPELT = [
@@ -79,6 +80,20 @@ GONE = {
 }
 
 
+TWICE = {
+    "home": [
+        ("notches(3).", "notches(2) is stated too, at rooms.lp:2:18"),
+        ("degree(hall,2,4).", "degree(hall,1,4) is stated too, at rooms.lp:18:24"),
+        ("weight(bedroom,3).", "weight(bedroom,6) is stated too, at rooms.lp:5:1"),
+        ("may(bedroom,bed,1,1).", "may(bedroom,bed,1,2) is stated too, at furniture.lp:"),
+        ("option(wet,(a;b),1).  picks(wet,2).  picks(wet,1).", "picks(wet,2) is stated too, at zz.lp:1:23"),
+        ("beside(bed,chair,0,1).  at_head(bed,chair).  at_head(bed,bedside).", "is stated too, at zz.lp:1:"),
+    ],
+    "apartments": [("units(4,6).", "units(5,9) is stated too, at rooms.lp:3:1")],
+}
+"""What is said of a second statement of what is stated once, in a file of its own."""
+
+
 def findings_of(folder: Path, solver: ProcessPoolExecutor) -> list[str]:
     found, _ = solver.submit(linted, folder).result(timeout=60)
     return [str(each) for each in found]
@@ -122,3 +137,25 @@ def test_mistakes_of_several_causes_are_all_listed(solver: ProcessPoolExecutor, 
     assert len(found) == 4
     for each in ("attic", "did you mean sofa?", "did you mean bed?", "the lesser first"):
         assert sum(each in finding for finding in found) == 1
+
+
+@pytest.mark.parametrize("grammar", TWICE)
+def test_what_is_stated_twice_is_one_error_that_names_both_places(
+    grammar: str, solver: ProcessPoolExecutor, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / grammar, folder)
+    for second, says in TWICE[grammar]:
+        (folder / "zz.lp").write_text(second + "\n")
+        (found,) = findings_of(folder, solver)
+        assert says in found
+        assert "zz.lp:1:" in found
+
+
+@pytest.mark.parametrize("name", ["ring", "corridor"])
+def test_a_topology_named_twice_is_one_error_that_names_both_places(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    shutil.copytree(SHIPPED / "home", folder)
+    (folder / "zz.lp").write_text(f"\n  topology({name}).\n")
+    with pytest.raises(GrammarError, match=r"zz\.lp:2:3: .* rooms\.lp:2:1 names ring: keep one"):
+        find(folder)

@@ -100,6 +100,11 @@ HOUSES = "houses"
 NO_PLAN = r"mine.lp:\d+:\d+: a house of \d rooms by this topology is no plan: .*"
 
 
+def at(line: int, says: str) -> str:
+    """An error in this line of the topology."""
+    return says.replace(r"\d+", str(line), 1)
+
+
 def without(text: str, part: str) -> str:
     """A topology without the lines that begin so."""
     return "".join(line for line in text.splitlines(keepends=True) if not line.startswith(part))
@@ -109,7 +114,11 @@ TOPOLOGIES: dict[str, tuple[str, int, str]] = {
     "two rows": (ROWS, 5, HOUSES),
     "a courtyard": (COURTYARD + COURTS, 6, HOUSES),
     "a courtyard without an order of its walls": (COURTYARD, 5, NO_PLAN + "overlaps"),
-    "a courtyard that rooms enclose": (PINWHEEL + PATIO, 4, NO_PLAN + "are no room's"),
+    "a courtyard that rooms enclose": (
+        PINWHEEL + PATIO,
+        4,
+        at(5, NO_PLAN + r"are no room's.* \(lines 6, 7, 8 too\)$"),
+    ),
     "outer walls everywhere": (ROWS + "outer(R,S) :- R = 0..rooms-1, opposite(S,_).\n", 5, HOUSES),
     "outer walls of no room": (ROWS + "outer(99,north).\nouter(0,wall(north)).\n", 5, "mine.lp"),
     "a room behind an outer wall, on a side of the windows": (
@@ -160,7 +169,7 @@ TOPOLOGIES: dict[str, tuple[str, int, str]] = {
     "walls with no order": (
         ROWS.replace("joint(R)", "joint(R,R)").replace("joint(Q)", "joint(R)"),
         5,
-        NO_PLAN,
+        at(11, NO_PLAN + r"overlaps .* \(lines 13 too\)$"),
     ),
     "an outline that lacks a side": (
         ROWS.replace("outline(east)", "wall(east)").replace("(west;east)", "west")
