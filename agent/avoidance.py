@@ -162,7 +162,6 @@ class Stack:
     """
 
     def __init__(self, *layers: Layer) -> None:
-        """Stack these layers."""
         self.layers = layers
 
     def __call__(self, observation: Tensor, blocked: Tensor) -> Tensor:

@@ -148,7 +148,6 @@ class QLearningConfig(TrainConfig):
         return linear(self.epsilon, self.final_epsilon, fraction / max(self.exploration_fraction, 1e-9))
 
     def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
         super().__post_init__()
         if len(self.half_lives) > MOST_HALF_LIVES:
             raise RequestError(f"half_lives are at most {MOST_HALF_LIVES}, not {len(self.half_lives)}")

@@ -11,7 +11,6 @@ class Advice:
     """Advice to a body on a map, by the paths to its goal."""
 
     def __init__(self, occupancy: Occupancy, paths: Paths) -> None:
-        """Advise on this map by these paths."""
         self.occupancy, self.paths, self.step = occupancy, paths, occupancy.step
 
     @ti.func

@@ -22,7 +22,6 @@ class BeliefMap:
     """Reads what planners believe; it changes nothing that their next steps depend on."""
 
     def __init__(self, planner: Planner) -> None:
-        """Of this planner."""
         self.side = 1 << planner.config.map_bits - 1  # blocks of two by two cells
         self.counts = Array(ti.u8, len(planner.advice) * self.side**2)
         kernel = _kernel(start(), planner.config, planner.body)

@@ -15,7 +15,6 @@ class Goal:
     def __init__(
         self, config: PlannerConfig, occupancy: Occupancy, paths: Paths, viewpoints: Viewpoints, half: float
     ) -> None:
-        """Choose on this map."""
         self.config, self.occupancy, self.half = config, occupancy, half
         self.paths, self.viewpoints = paths, viewpoints
         self.radius = config.goal_radius_touching if occupancy.touching else config.goal_radius

@@ -17,7 +17,6 @@ class Paths:
     """Searches on a map: ``distance`` holds nodes' distances, ``queue`` the nodes that were reached."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy) -> None:
-        """Search on this map."""
         self.config, self.occupancy = config, occupancy
 
     @ti.func

@@ -37,7 +37,6 @@ class Step:
     """The parts of a step, for a configuration and a body; environment ``e``'s cells begin at ``base``."""
 
     def __init__(self, config: PlannerConfig, body: BodyModel) -> None:
-        """Make the parts."""
         self.config, self.body = config, body
         self.scan = Scan(body)
         self.occupancy = Occupancy(config, body.step, body.touching, body.errs)

@@ -47,7 +47,6 @@ class Panel:
     """A house from above, and in it a body: all of it, or what its rays have reached."""
 
     def __init__(self, house: House, view: Seen, size: int = SIZE) -> None:
-        """Draw the plan once."""
         image = plan(house, size).reduce(SHARP)
         self.plan = pygame.image.frombytes(image.tobytes(), image.size, "RGB")
         self.size = image.size
@@ -118,7 +117,6 @@ class PlayedEpisode:
     """An episode that has been played, shown up to a step."""
 
     def __init__(self, panel: Panel, name: str, scenes: Sequence[Picture]) -> None:
-        """Show its beginning."""
         self.panel, self.name, self.step, self._scenes = panel, name, 0, scenes
         panel.see(self.scene)
 

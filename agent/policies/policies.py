@@ -175,7 +175,6 @@ class RandomPolicy:
     """The paper's random walk, 93 % forward, under avoidance: what exploring without learning achieves."""
 
     def __init__(self, avoidance: Layer, generator: torch.Generator, forward: float = 0.93) -> None:
-        """Walk at random under ``avoidance``."""
         self.avoidance, self.generator, self.forward, self.interventions = avoidance, generator, forward, 0
 
     def begin(self, environments: int) -> None:

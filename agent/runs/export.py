@@ -42,7 +42,6 @@ class ExportedStep(nn.Module):
     """A network and its memory as the one function that is exported."""
 
     def __init__(self, network: Any) -> None:
-        """Share the network's weights."""
         super().__init__()
         self.network = network
 

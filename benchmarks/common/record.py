@@ -40,7 +40,6 @@ class ReportRecorder:
     """What is measured so far, and how long it took."""
 
     def __init__(self, config: pytest.Config) -> None:
-        """Begin with nothing."""
         self.config = config
         self.file: Path = config.getoption("report")  # pyright: ignore[reportAttributeAccessIssue]
         self.machine: Any = None

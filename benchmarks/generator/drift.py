@@ -146,7 +146,6 @@ class TimedBuilder(Builder):
     """Seconds."""
 
     def __init__(self, grammar: Grammar) -> None:
-        """Time what places its layouts."""
         super().__init__(grammar)
         self._place, self.placer.place = self.placer.place, self._timed
 

@@ -47,7 +47,6 @@ class CountingMaker(SharedWallsMaker):
     """Notes what the bare plans of each house took."""
 
     def __init__(self, builder: Builder) -> None:
-        """Make for this builder."""
         super().__init__(builder.grammar, builder.loaded, builder.maker.feasibility)
         self.plans, self.refuted, self.seconds = 0, 0, list[float]()
         self.layout: list[Symbol] = []

@@ -64,7 +64,6 @@ class CheckoutProcess:
     """A process that makes houses by one checkout."""
 
     def __init__(self, checkout: Path, grammar: str) -> None:
-        """Start it."""
         self._process = subprocess.Popen(
             [sys.executable, "-P", str(Path(__file__).with_name("timed_houses.py")), grammar],
             env=os.environ | {"PYTHONPATH": str(checkout)},

@@ -84,7 +84,6 @@ class MapPlaces:
     """The candidates on maps, by what surrounds them."""
 
     def __init__(self, planner: Planner) -> None:
-        """Ask these planners."""
         self.planner, number, half = planner, len(planner.advice), SIDE // 2
         occupancy = Occupancy(planner.config)
         # In a table of its own places the belief looks up which one it would take.

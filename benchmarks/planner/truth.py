@@ -18,7 +18,6 @@ class TrueForesight(Foresight):
     """Foresight that is told what there is to predict, in place of a network's prediction."""
 
     def __init__(self, envs: HouseVectorEnv) -> None:
-        """For these environments."""
         super().__init__(envs.config, CompletionNetwork(0, len(envs.config.kinds), (1, 1)))
         self.truth = Truth(envs, (), self.planner.cell)
 

@@ -77,7 +77,6 @@ class MiniGridHouseEnv(MiniGridEnv):
         max_steps: int = 1500,
         **arguments: Any,
     ) -> None:
-        """Divide the houses into tiles."""
         self.envs = HouseVectorEnv(houses, backend="grid", targets=targets)
         self.doors_open, self._episode = doors_open, {}
         self._cells = [Cells(shape, self.envs.config.step) for shape in self.envs.geometries]

@@ -36,7 +36,6 @@ class Rays:
     """``lanes`` rays of one look at a time: all of them on a CPU, one on a GPU."""
 
     def __init__(self, config: Config, lanes: int) -> None:
-        """Make the table of directions."""
         self.config, self.lanes = config, lanes
         # At one distance the target comes after pieces, whatever their kinds.
         self.last = NAMED + len(config.kinds) if config.kinds else TARGET
@@ -148,5 +147,4 @@ class RayBody:
     """A body and its rays: what a backend is made with."""
 
     def __init__(self, config: Config, lanes: int) -> None:
-        """See ``Backend``."""
         self.config, self.body, self.rays = config, Body(config), Rays(config, lanes)

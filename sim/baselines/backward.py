@@ -151,7 +151,6 @@ class PathSearch:
     """
 
     def __init__(self, episodes: Episodes) -> None:
-        """Search among the poses of a configuration."""
         self.episodes, self.headings = episodes, episodes.body.headings
         config = episodes.config
         self.step, self.closed_doors = config.step, config.closed_doors > 0

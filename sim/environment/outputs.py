@@ -13,7 +13,6 @@ class Outputs:
     """The arrays that a world's kernels write, in the shapes that an environment returns."""
 
     def __init__(self, world: World) -> None:
-        """Read this world's arrays."""
         self.world = world
         self.shape = world.num_envs, world.config.rays, world.config.channels
 

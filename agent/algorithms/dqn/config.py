@@ -40,7 +40,6 @@ class DQNConfig(QLearningConfig):
     )
 
     def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
         super().__post_init__()
         if self.buffer_size < self.num_envs * (self.n_step + 1):
             raise RequestError(

@@ -48,7 +48,6 @@ class CompletionConfig(TrainConfig):
     fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "restarts", "final_lr_fraction")
 
     def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
         super().__post_init__()
         if not 2 <= len(self.channels) <= 5 or min(self.channels) < 1:
             raise RequestError(f"channels are of 2 to 5 levels, 1 or more each, not {self.channels}")

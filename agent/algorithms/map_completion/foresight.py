@@ -49,7 +49,6 @@ class Foresight(Tracker):
     """Keeps planners in step, and their ``prior`` up to date by a network."""
 
     def __init__(self, world: Config, network: CompletionNetwork, config: PlannerConfig = TUNED) -> None:
-        """For environments of the configuration ``world``."""
         self.network = network
         super().__init__(world, config, prior=True)
 

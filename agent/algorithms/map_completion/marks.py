@@ -17,7 +17,6 @@ class Marks:
     """The marks of E environments' maps."""
 
     def __init__(self, world: Config, planner: Planner) -> None:
-        """Beside these planners, of environments of the configuration ``world``."""
         self.world, self.planner = world, planner
         side = 1 << planner.config.map_bits - 1
         self.blocks = np.zeros((len(planner.advice), 2, side, side), np.uint8)

@@ -35,7 +35,6 @@ class Windows:
     """The windows of E environments' maps."""
 
     def __init__(self, planner: Planner) -> None:
-        """Of these planners."""
         self.planner, count = planner, len(planner.advice)
         own = {
             "asked": Array(ti.i32, count),

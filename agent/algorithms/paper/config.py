@@ -60,7 +60,6 @@ class PaperConfig(TrainConfig):
     fractions: ClassVar[tuple[str, ...]] = (*TrainConfig.fractions, "epsilon_decay")
 
     def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
         super().__post_init__()
         if self.lr_decay < 0:
             raise RequestError(f"lr_decay must be 0 or more, not {self.lr_decay}")

@@ -41,7 +41,6 @@ class PQNConfig(QLearningConfig):
     fractions: ClassVar[tuple[str, ...]] = (*(*QLearningConfig.fractions, "q_lambda"),)
 
     def __post_init__(self) -> None:
-        """Refuse what no run can have, before anything is made."""
         super().__post_init__()
         if self.network == "recurrent" and self.num_minibatches > self.num_envs:
             raise RequestError(f"num_minibatches must not exceed num_envs, not {self.num_minibatches}")

@@ -34,7 +34,6 @@ class Scan:
     """Looks of a body's rays."""
 
     def __init__(self, body: BodyModel) -> None:
-        """Read what its sensor says."""
         self.rays, self.columns = body.rays, body.columns
         self.doors = "is door" in body.columns
         self.ray_range, self.noise, self.dropout = body.ray_range / FINE, body.noise, body.dropout

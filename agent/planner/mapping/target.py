@@ -12,7 +12,6 @@ class TargetEstimate:
     """What follows from sightings of a square of half the side ``half``, in cells."""
 
     def __init__(self, config: PlannerConfig, half: float) -> None:
-        """Look at squares of this size."""
         self.config, self.half = config, half
 
     @ti.func

@@ -18,7 +18,6 @@ class Candidates:
     """
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, belief: Belief) -> None:
-        """List what is on this map."""
         self.config, self.occupancy, self.belief = config, occupancy, belief
         self.field, self.pitch = DistanceField(occupancy), config.viewpoint_pitch
         self.area, self.places = occupancy.area >> 2, occupancy.area // self.pitch**2

@@ -29,7 +29,6 @@ class Offers:
     """At most so many, ``most``."""
 
     def __init__(self, config: PlannerConfig, occupancy: Occupancy, most: int) -> None:
-        """Note them on this map."""
         self.config, self.occupancy, self.most = config, occupancy, most
 
     @ti.func

@@ -44,7 +44,6 @@ class DistanceField:
     """
 
     def __init__(self, occupancy: Occupancy) -> None:
-        """Measure on this map."""
         self.occupancy, self.across = occupancy, occupancy.side // NODES
         self.number = self.across**2
 
