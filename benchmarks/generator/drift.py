@@ -16,6 +16,7 @@ from benchmarks.common.pages import machine, png, write
 from logic.errors import RequestError
 from logic.generation.builder import Builder
 from logic.grammar import Grammar, find
+from logic.placement.plan import StarPlan
 from logic.request.request import Request
 
 MEMORY = Path("/proc/self/statm")
@@ -149,7 +150,7 @@ class TimedBuilder(Builder):
         super().__init__(grammar)
         self._place, self.placer.place = self.placer.place, self._timed
 
-    def _timed(self, *arguments: Any, **options: Any) -> dict[str, Any]:
+    def _timed(self, *arguments: Any, **options: Any) -> StarPlan:
         began = process_time()
         try:
             return self._place(*arguments, **options)

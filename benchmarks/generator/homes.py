@@ -7,7 +7,6 @@ from io import BytesIO
 from pathlib import Path
 from statistics import median, quantiles
 from time import process_time
-from typing import Any
 
 import msgspec
 import numpy as np
@@ -29,6 +28,7 @@ from logic.grammar import find
 from logic.house.files import save, write_whole
 from logic.house.house import House
 from logic.layout.program import Nogood
+from logic.placement.plan import Plan
 from logic.request.request import Request
 
 WARM = 20
@@ -58,7 +58,7 @@ class CountingMaker(SharedWallsMaker):
         inferences: int,
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
-    ) -> tuple[dict[str, Any], list[Symbol], int]:
+    ) -> tuple[Plan, list[Symbol], int]:
         """See ``SharedWallsMaker.bare``."""
         began, known = process_time(), len(nogoods)
         plan, self.layout, left = super().bare(request, rng, inferences, nogoods, unfurnishable)

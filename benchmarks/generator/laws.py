@@ -63,11 +63,12 @@ def on_a_wall(builder: Builder, pieces: Sequence[str], samples: int) -> tuple[np
     rng = np.random.default_rng(len(pieces))
     for seed in rng.integers(2**63, size=samples).tolist():
         room = RoomLayout(0, Function("bathroom"), Function("north"), furniture, seed)
-        (made,) = builder.placer.place(Layout([room], []), rng, 10**8)["rooms"]
-        boxes = np.array(sorted((each["x"], each["width"]) for each in made["children"]))
-        gaps = _gaps(boxes[None, :, 0], boxes.sum(axis=1)[None], made["x"], made["x"] + made["width"])[0]
+        (made,) = builder.placer.place(Layout([room], []), rng, 10**8).rooms
+        assert made
+        boxes = np.array(sorted((each.x, each.width) for each in made.children))
+        gaps = _gaps(boxes[None, :, 0], boxes.sum(axis=1)[None], made.x, made.x + made.width)[0]
         shares.append((gaps - passage) / (gaps - passage).sum())
-        widths.append(made["width"])
+        widths.append(made.width)
     return np.array(shares), np.array(widths)
 
 

@@ -24,6 +24,7 @@ from logic.generation.star import StarMaker
 from logic.grammar import find
 from logic.placement import prolog
 from logic.placement.placer import Layout
+from logic.placement.plan import StarPlan
 from logic.request.request import Request
 
 GRAMMAR = os.environ.get("VITRUVIUS_GRAMMAR", "family")
@@ -128,7 +129,7 @@ def placeable(builder: Builder, rooms: int, count: int, monkeypatch: pytest.Monk
     placed: list[Layout] = []
     place = builder.placer.place
 
-    def observed(layout: Layout, *arguments: Any, **options: Any) -> dict[str, Any]:
+    def observed(layout: Layout, *arguments: Any, **options: Any) -> StarPlan:
         plan = place(layout, *arguments, **options)
         placed.append(layout)
         return plan

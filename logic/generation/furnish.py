@@ -7,7 +7,7 @@ do not depend on each other, so one that cannot have its furniture is furnished 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from clingo import Function, Number, Symbol, parse_term
@@ -20,6 +20,7 @@ from logic.layout.program import Nogood, Program
 from logic.layout.programs import Programs
 from logic.layout.terms import granted
 from logic.placement.placer import Placer, RoomLayout
+from logic.placement.plan import Pieces
 from logic.placement.prolog import Term
 from logic.request.request import Request
 from logic.spelling import numbered
@@ -50,8 +51,8 @@ class GivenRoom:
     rect: Rect
     doors: Sequence[Rect]
     windows: Sequence[Rect] = ()
-    pieces: list[dict[str, Any]] | None = None
-    """The furniture of a room that is furnished already, as in a house file."""
+    pieces: Pieces | None = None
+    """The furniture of a room that is furnished already."""
 
     def __str__(self) -> str:
         """Its type, size and doors."""
@@ -217,8 +218,8 @@ def furnished(
     inferences: int,
     request: Request | None = None,
     how: dict[int, Furnished] | None = None,
-) -> list[list[dict[str, Any]]]:
-    """Furnish the rooms of a bare plan: the pieces of each, in the house's frame, as in a house file.
+) -> list[Pieces]:
+    """Furnish the rooms of a bare plan: the pieces of each, in the house's frame.
 
     With what a ``request`` asks for, if there is one. ``how`` gets how each room got its furniture.
 
@@ -226,7 +227,7 @@ def furnished(
     past this number of Prolog inferences.
     """
     frames = [Frame(room) for room in rooms]
-    pieces = [room.pieces or [] for room in rooms]
+    pieces = [room.pieces or () for room in rooms]
     nogoods: list[list[Nogood]] = [[] for _ in rooms]
     waiting = [
         place for place, room in enumerate(rooms) if room.pieces is None and programs.has_furniture(room.type)
@@ -262,6 +263,6 @@ def furnished(
                 nogoods[place].append(conflicts[number].atoms)
                 placer.account.refuted(conflicts[number].clauses, furniture=True)
             else:
-                pieces[place] = found[number]
+                pieces[place] = found[number] or ()
         waiting = [waiting[number] for number in sorted(conflicts)]
     return pieces

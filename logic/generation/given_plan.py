@@ -5,9 +5,7 @@ and the clause.
 """
 
 from collections.abc import Collection
-from typing import Any
 
-import msgspec
 import numpy as np
 from clingo import Function, Number, Symbol
 
@@ -16,7 +14,7 @@ from logic.generation.evidence import NoLayout
 from logic.generation.feasibility import Feasibility, Walls
 from logic.generation.furnish import Unfurnishable
 from logic.generation.movable_doors import MOST_LAYOUTS, LooseRoom, OneDoor, Refuted
-from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, doors_of, given_room
+from logic.generation.shared_walls import MOST_TRIES, SharedWallsMaker, given_room
 from logic.grammar import Grammar
 from logic.house.house import House
 from logic.house.parts import OUTSIDE, Door, Rect
@@ -26,6 +24,7 @@ from logic.layout.program import Nogood
 from logic.layout.programs import Programs
 from logic.layout.relaxed import TooMany
 from logic.layout.terms import granted, own_requirements
+from logic.placement.plan import Pieces, Plan, PlanDoor, PlanRoom, PlanWindow, sides
 from logic.request.given_plan import OwnPlan
 from logic.request.request import Request
 
@@ -61,12 +60,12 @@ class GivenPlanMaker(SharedWallsMaker):
     def _furnished(
         self,
         request: Request,
-        plan: dict[str, Any],
+        plan: Plan,
         layout: list[Symbol],
         nogoods: list[Nogood],
         rng: np.random.Generator,
         inferences: int,
-    ) -> list[list[dict[str, Any]]]:
+    ) -> list[Pieces]:
         """As of any plan; a room that fails again and again gets doors with which it can be furnished."""
         try:
             return super()._furnished(request, plan, layout, nogoods, rng, inferences)
@@ -79,14 +78,14 @@ class GivenPlanMaker(SharedWallsMaker):
     def _moved(
         self,
         request: Request,
-        plan: dict[str, Any],
+        plan: Plan,
         layout: list[Symbol],
         place: int,
         rng: np.random.Generator,
         nogoods: list[Nogood],
     ) -> bool:
         """Whether a room's doors could be moved to where it can be furnished; if nowhere, it is refuted."""
-        doors = doors_of(plan, place)
+        doors = plan.doors_of(place)
         room = LooseRoom(given_room(plan, place), [self._span(plan, door) for door in doors])
         furniture: list[Symbol] | None = None
         doors_elsewhere = f"the furniture of {room.room}, its doors elsewhere (clingo and CLP(Q))"
@@ -105,27 +104,25 @@ class GivenPlanMaker(SharedWallsMaker):
                 nogoods += [each.atoms for each in refuted]
                 return False
         starts = self._placer.loose_starts(room.loose_term(furniture or ()), int(rng.integers(2**63)))
-        for door, moved in zip(doors, room.moved(starts), strict=True):
-            door.update(msgspec.to_builtins(moved))
+        moved = {door: sides(rect) for door, rect in zip(doors, room.moved(starts), strict=True)}
+        plan.doors = [PlanDoor(*moved.get(door, sides(door)), door.between) for door in plan.doors]
         return True
 
-    def _span(self, plan: dict[str, Any], door: dict[str, Any]) -> Rect | None:
+    def _span(self, plan: Plan, door: PlanDoor) -> Rect | None:
         """The part of a wall in which a door may stand; None for one that the user's plan has."""
-        names = [room["name"] for room in plan["rooms"]]
-        one, other = (each if isinstance(each, str) else names[each] for each in door["between"])
-        if {one, other} in [{*kept.between} for kept in self.plan.doors]:
+        between = plan.between(door)
+        if {*between} in [{*kept.between} for kept in self.plan.doors]:
             return None
-        sides = {name: door[name] for name in ("x", "y", "width", "height")}
-        wall = self.plan.wall_of(Door(**sides, between=(one, other)))
+        wall = self.plan.wall_of(Door(*sides(door), between))
         assert wall
         length = wall.end - wall.start
-        if door["width"] > door["height"]:
+        if door.width > door.height:
             return Rect(wall.start, wall.place, length, 0.0)
         return Rect(wall.place, wall.start, 0.0, length)
 
-    def _anywhere(self, request: Request, plan: dict[str, Any], place: int) -> list[Refuted]:
+    def _anywhere(self, request: Request, plan: Plan, place: int) -> list[Refuted]:
         """That a room has no furniture at its size, wherever its doors and windows are; nothing if it may."""
-        room, name = given_room(plan, place), plan["rooms"][place]["name"]
+        room, name = given_room(plan, place), plan.name(place)
         if (place, room.type) not in self._too_small:
             atoms = {Function("room", [Number(place), Function(room.type)]): True}
             grants = self._granted({place}, "drawn")
@@ -148,7 +145,7 @@ class GivenPlanMaker(SharedWallsMaker):
     def _refutation(
         self,
         request: Request,
-        plan: dict[str, Any],
+        plan: Plan,
         layout: list[Symbol],
         place: int,
         room: LooseRoom,
@@ -160,11 +157,11 @@ class GivenPlanMaker(SharedWallsMaker):
         atoms = {Function("room", [number, Function(room.room.type)]): True}
         for name in ("door", "entrance", "window")[: 2 + windows]:
             atoms |= {atom: atom in held for atom in program.atoms(name, 2) if number in atom.arguments}
-        near = {place, *(each for door in doors_of(plan, place) for each in door["between"])}
+        near = {place, *(each for door in plan.doors_of(place) for each in door.between)}
         if OUTSIDE in near:
             near |= {wall.behind for wall in self.plan.walls if wall.room == place}
         grants = self._granted(near, "drawn") + self._granted({place}, "joined")
-        return Refuted(plan["rooms"][place]["name"], room, windows, atoms, grants)
+        return Refuted(plan.name(place), room, windows, atoms, grants)
 
     def _granted(self, rooms: Collection[int | str], kind: str) -> tuple[Symbol, ...]:
         """What the user's plan says of where rooms lie (``drawn``), or of their doors (``joined``)."""
@@ -176,30 +173,30 @@ class GivenPlanMaker(SharedWallsMaker):
             if each.name == kind and not numbers.isdisjoint(each.arguments[: 1 if kind == "drawn" else 2])
         )
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         """The plan's own rooms with their types, and doors and windows in their walls."""
         types = {atom.arguments[0].number: str(atom.arguments[1]) for atom in layout if atom.name == "room"}
         rooms = [
-            {
-                **msgspec.to_builtins(room),
-                "number": number,
-                "type": types[number],
-                "kept": room.name in self.plan.kept,
-            }
+            PlanRoom(
+                *sides(room),
+                number,
+                types[number],
+                room.name,
+                room.children if room.name in self.plan.kept else None,
+            )
             for number, room in enumerate(self.plan.rooms)
         ]
-        openings = self._placer.own_openings(self.plan, layout, seed)
+        plan = Plan(rooms, *self._placer.own_openings(self.plan, layout, seed))
         # What the plan has stays in its place.
-        kept = {frozenset(door.between): msgspec.to_builtins(door) for door in self.plan.doors}
-        for door in openings["doors"]:
-            names = (each if isinstance(each, str) else rooms[each]["name"] for each in door["between"])
-            door.update(kept.get(frozenset(names), {}) | {"between": door["between"]})
+        kept = {frozenset(door.between): door for door in self.plan.doors}
+        plan.doors = [
+            PlanDoor(*sides(kept.get(frozenset(plan.between(door)), door)), door.between)
+            for door in plan.doors
+        ]
         if self.plan.windows:
-            numbers = {room["name"]: room["number"] for room in rooms}
-            openings["windows"] = [
-                {**msgspec.to_builtins(window), "room": numbers[window.room]} for window in self.plan.windows
-            ]
-        return {**openings, "rooms": rooms, "inferences": 0}
+            numbers = {room.name: room.number for room in rooms}
+            plan.windows = [PlanWindow(*sides(window), numbers[window.room]) for window in self.plan.windows]
+        return plan
 
 
 def _meetings(plan: OwnPlan) -> Walls:

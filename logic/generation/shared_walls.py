@@ -4,10 +4,9 @@ Stage 1 samples types, walls, doors and windows at once, stage 2 places them (``
 the rooms are furnished at these sizes (``logic.generation.furnish``).
 """
 
-from collections.abc import Collection, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Sequence
+from typing import NamedTuple, TypeVar
 
-import msgspec
 import numpy as np
 from clingo import Symbol
 
@@ -18,15 +17,17 @@ from logic.generation.maker import Maker
 from logic.generation.tiling import require_tiling
 from logic.grammar import GUARD
 from logic.house.house import House
-from logic.house.parts import Door, Rect, Room, Window
 from logic.layout.account import LAYOUT, PROOF
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import to_furnish
 from logic.placement.placer import Infeasible
+from logic.placement.plan import Pieces, Plan, UnitRange
 from logic.request.request import Request
 
 MOST_TRIES = 200
 """How often a house may have a room that cannot be furnished at its size, though it might at others."""
+
+S = TypeVar("S", Plan, UnitRange)
 
 
 class Making(NamedTuple):
@@ -52,11 +53,11 @@ class SharedWallsMaker(Maker):
         if request.fixed:
             raise RequestError("keep: these are rooms of a star, which do not share walls: leave keep out")
         plan, pieces, _ = self.complete(request, rng, inferences)
-        return _house(plan, pieces, self.grammar.topology_name)
+        return plan.house(pieces, self.grammar.topology_name)
 
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int
-    ) -> tuple[dict[str, Any], list[Any], int]:
+    ) -> tuple[Plan, list[Pieces], int]:
         """A plan, the pieces of each of its rooms, and the inferences left. Raises as ``made``."""
         nogoods: list[Nogood] = []
         unfurnishable: set[str] = set()
@@ -66,8 +67,7 @@ class SharedWallsMaker(Maker):
             try:
                 pieces = self._furnished(request, plan, layout, nogoods, rng, inferences)
             except Unfurnishable as proof:
-                name = plan["rooms"][proof.place].get("name", f"R{proof.place}")
-                last = f"{name}, {proof}"
+                last = f"{plan.name(proof.place)}, {proof}"
                 self._placer.account.unfurnished(proof.room.type)
                 # At this size and with these doors; or with one door at any size, and then nowhere.
                 self._placer.account.at(PROOF, f"whether a {proof.room.type} can be furnished at any size")
@@ -75,7 +75,7 @@ class SharedWallsMaker(Maker):
                     unfurnishable.add(proof.room.type)
                 continue
             hubs = [f"R{atom.arguments[0]}" for atom in layout if atom.name == "hub"]
-            plan["hub"] = hubs[0] if len(hubs) == 1 else ""
+            plan.hub = hubs[0] if len(hubs) == 1 else ""
             return plan, pieces, inferences
         raise LimitReached(
             f"{MOST_TRIES} times a room could not be furnished at its size (the last time {last}), though it "
@@ -89,31 +89,39 @@ class SharedWallsMaker(Maker):
         inferences: int,
         nogoods: list[Nogood],
         unfurnishable: Collection[str] = (),
-    ) -> tuple[dict[str, Any], list[Symbol], int]:
+    ) -> tuple[Plan, list[Symbol], int]:
         """A plan without furniture and without rooms of some types, its layout, and the inferences left.
 
         What is found infeasible is added to the nogoods.
         """
+        plan, layout, left = self._solved(self._walls, request, rng, inferences, nogoods, unfurnishable)
+        if GUARD in self.grammar.topology:  # of the user's own, whose rooms may be no plan
+            bare: list[Pieces] = [()] * len(plan.rooms)
+            require_tiling(plan.house(bare, self.grammar.topology_name), layout, self._loaded)
+        return plan, layout, left
+
+    def _solved(
+        self,
+        solve: Callable[[Request, list[Symbol], int, int], S],
+        request: Request,
+        rng: np.random.Generator,
+        inferences: int,
+        nogoods: list[Nogood],
+        unfurnishable: Collection[str] = (),
+    ) -> tuple[S, list[Symbol], int]:
+        """What stage 2 makes of a layout in which it succeeds, the layout, and the inferences left."""
         while True:
             layout = self._layout(request, rng, nogoods, unfurnishable)
             try:
-                plan = self._walls(request, layout, int(rng.integers(2**63)), inferences)
+                solved = solve(request, layout, int(rng.integers(2**63)), inferences)
             except Infeasible as proof:
                 inferences -= proof.inferences
                 nogoods.append(proof.conflicts[0].atoms)
                 self._placer.account.refuted(proof.conflicts[0].clauses)
             else:
-                self._require_plan(plan, layout)
-                return plan, layout, inferences - plan["inferences"]
+                return solved, layout, inferences - solved.inferences
             if inferences <= 0:
                 raise OutOfInferences
-
-    def _require_plan(self, plan: dict[str, Any], layout: list[Symbol]) -> None:
-        """Refuse a topology of the user's own whose rooms are no plan: see ``tiling.py``."""
-        if GUARD in self.grammar.topology:
-            bare: list[tuple[()]] = [()] * len(plan["rooms"])
-            house = _house({**plan, "hub": ""}, bare, self.grammar.topology_name)
-            require_tiling(house, layout, self._loaded)
 
     def _no_layout(self, request: Request, unfurnishable: Collection[str]) -> Exception:
         """That there is no layout, where some types of room cannot have their furniture."""
@@ -122,12 +130,12 @@ class SharedWallsMaker(Maker):
     def _furnished(
         self,
         request: Request,
-        plan: dict[str, Any],
+        plan: Plan,
         layout: list[Symbol],
         nogoods: list[Nogood],
         rng: np.random.Generator,
         inferences: int,
-    ) -> list[list[dict[str, Any]]]:
+    ) -> list[Pieces]:
         """The pieces of each room of a plan; raises as ``furnish.furnished``."""
         rooms = [given_room(plan, number) for number in range(request.rooms)]
         how: dict[int, Furnished] = {}
@@ -156,42 +164,12 @@ class SharedWallsMaker(Maker):
         """The program of the rooms, and what to assume in it: what holds, and what does not."""
         return *self._programs.rooms_for(request), []
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
         """Walls, doors and windows with their places: see ``Placer.walls``."""
         return self._placer.walls(layout, seed, inferences)
 
 
-def _house(plan: dict[str, Any], pieces: Sequence[Any], topology: str) -> House:
-    """The house of a plan, its rooms ``R0``, ``R1``... by their numbers, or with names of their own."""
-    names = [room.get("name", f"R{number}") for number, room in enumerate(plan["rooms"])]
-    rooms = tuple(
-        msgspec.convert({**_sides(room), "name": name, "type": room["type"], "children": within}, Room)
-        for name, room, within in zip(names, plan["rooms"], pieces, strict=True)
-    )
-    doors = tuple(Door(**_sides(door), between=_between(door["between"], names)) for door in plan["doors"])
-    windows = tuple(Window(**_sides(window), room=names[window["room"]]) for window in plan["windows"])
-    return House(rooms, doors, windows, hub=plan["hub"], topology=topology)
-
-
-def _between(numbers: Sequence[int | str], names: Sequence[str]) -> tuple[str, str]:
-    one, other = (each if isinstance(each, str) else names[each] for each in numbers)
-    return one, other
-
-
-def _sides(record: dict[str, Any]) -> dict[str, float]:
-    return {name: record[name] for name in ("x", "y", "width", "height")}
-
-
-def given_room(plan: dict[str, Any], number: int) -> GivenRoom:
+def given_room(plan: Plan, place: int) -> GivenRoom:
     """A room of a plan to be furnished; the door by which it is entered is the first."""
-    room, doors = plan["rooms"][number], doors_of(plan, number)
-    windows = [window for window in plan["windows"] if window["room"] == number]
-    rect, *segments = (Rect(**_sides(each)) for each in (room, *doors, *windows))
-    kept = room["children"] if room.get("kept") else None
-    return GivenRoom(room["type"], rect, segments[: len(doors)], segments[len(doors) :], kept)
-
-
-def doors_of(plan: dict[str, Any], number: int) -> list[dict[str, Any]]:
-    """The doors of a room of a plan, first the one by which it is entered."""
-    doors = [door for door in plan["doors"] if number in door["between"]]
-    return sorted(doors, key=lambda door: door["between"][0] != number)
+    room = plan.rooms[place]
+    return GivenRoom(room.type, room, plan.doors_of(place), plan.windows_of(place), room.pieces)

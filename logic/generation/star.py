@@ -17,11 +17,12 @@ from logic.generation.evidence import NoLayout
 from logic.generation.maker import Maker
 from logic.house.house import House
 from logic.house.parts import Rect
-from logic.house.star import Star, StarRoom
+from logic.house.star import Star
 from logic.layout.account import FURNITURE, LAYOUT
 from logic.layout.program import Nogood, Program
 from logic.layout.terms import to_furnish
 from logic.placement.placer import Infeasible, Layout, Misfit, RoomLayout
+from logic.placement.plan import StarPlan
 from logic.placement.prolog import Term
 from logic.request.request import Request
 
@@ -50,7 +51,7 @@ class StarMaker(Maker):
         while True:
             try:
                 plan = self._placer.place(layout, rng, inferences, minimal=nogoods.count > 1)
-                self.making = _sized(layout, plan["sizes"])
+                self.making = _sized(layout, plan.sizes)
                 return house(plan, layout, request)
             except Misfit as proof:
                 inferences -= proof.inferences
@@ -174,16 +175,12 @@ def _sized(layout: Layout, sizes: Iterable[Sequence[Any]]) -> Layout:
     )
 
 
-def house(plan: dict[str, Any], layout: Layout, request: Request) -> House:
+def house(plan: StarPlan, layout: Layout, request: Request) -> House:
     """The house of a layout with its places, as stage 2 gives them."""
-    floor = msgspec.convert(plan["floor"], Rect)
-    planned = [msgspec.convert(room, StarRoom | None) for room in plan["rooms"]]
-    if request.fixed:
-        floor, *planned = (rect and _moved(rect, *plan["corner"]) for rect in (floor, *planned))
-    rooms = tuple(
-        room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)
-    )
-    return House.of_star(Star(floor, rooms))
+    floor: Rect = _moved(plan.floor, *plan.corner) if request.fixed else plan.floor
+    planned = [room and _moved(room, *plan.corner) for room in plan.rooms] if request.fixed else plan.rooms
+    rooms = [room.fixed.room if room.fixed else new for room, new in zip(layout.rooms, planned, strict=True)]
+    return House.of_star(Star(floor, tuple(filter(None, rooms))))
 
 
 class Nogoods:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from clingo import Function, Number, Symbol
+from msgspec import structs
 
 from logic.errors import LimitReached
 from logic.generation.barred_units import UnitsFeasibility, barred_units
@@ -20,11 +21,12 @@ from logic.generation.evidence import NoUnits
 from logic.generation.feasibility import Feasibility
 from logic.generation.shared_walls import MOST_TRIES, Making, SharedWallsMaker
 from logic.grammar import Grammar
-from logic.house.parts import OUTSIDE
+from logic.house.parts import Rect
 from logic.language.loaded import LoadedGrammar
 from logic.layout.account import LAYOUT
 from logic.layout.program import Nogood, Program
 from logic.placement.placer import Infeasible
+from logic.placement.plan import Pieces, Plan, UnitRange
 from logic.placement.prolog import Term
 from logic.request.request import Request
 from logic.spelling import numbered
@@ -99,14 +101,16 @@ class UnitMaker(SharedWallsMaker):
     def measured(self, rng: np.random.Generator, inferences: int) -> int:
         """Sample a layout and find the ``range`` of its length. Gives the inferences left."""
         self._place, self._retries = [], 0
-        found, self._first, left = self.bare(self.unit.request, rng, inferences, self._infeasible)
-        self.range = found["range"]
+        found, self._first, left = self._solved(
+            self._range, self.unit.request, rng, inferences, self._infeasible
+        )
+        self.range = found.range
         return left
 
-    def within(self, box: Mapping[str, float]) -> None:
+    def within(self, box: Rect) -> None:
         """Give the unit its place, metres."""
-        x, y = box["x"], box["y"]
-        places = (x, x + box["width"], y, y + box["height"])
+        west, north, east, south = box.box
+        places = (west, east, north, south)
         lines = [Function("outline", [Function(side)]) for side in SIDES]
         self._place = [Term("at", line, float(place)) for line, place in zip(lines, places, strict=True)]
         self._retries = RETRIES
@@ -132,9 +136,10 @@ class UnitMaker(SharedWallsMaker):
         known = self.unit.known([atom.arguments[0] for atom in program.atoms("step", 1)])
         return program, [*assumed, *known[True]], known[False]
 
-    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> dict[str, Any]:
-        if self._place:
-            return self._placer.walls(layout, seed, inferences, self._place)
+    def _walls(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> Plan:
+        return self._placer.walls(layout, seed, inferences, self._place)
+
+    def _range(self, request: Request, layout: list[Symbol], seed: int, inferences: int) -> UnitRange:
         return self._placer.unit_range(layout, self.unit.axis, self.unit.depth, inferences)
 
 
@@ -153,7 +158,7 @@ class UnitsMaker(SharedWallsMaker):
 
     def complete(
         self, request: Request, rng: np.random.Generator, inferences: int
-    ) -> tuple[dict[str, Any], list[Any], int]:
+    ) -> tuple[Plan, list[Pieces], int]:
         """A plan of all rooms, first the public ones, then unit by unit, and the pieces of each."""
         depths, refuted = self._sampled_depths(rng), list[Nogood]()
         for _ in range(MOST_TRIES):
@@ -211,7 +216,7 @@ class UnitsMaker(SharedWallsMaker):
 
     def _placed(
         self, layout: list[Symbol], units: Sequence[Unit], rng: np.random.Generator, inferences: int
-    ) -> tuple[dict[str, Any], list[UnitMaker], int]:
+    ) -> tuple[Plan, list[UnitMaker], int]:
         """The units with their places, and the public rooms."""
         makers = [UnitMaker(*self._parts, unit) for unit in units]
         waiting = set(makers)
@@ -225,7 +230,7 @@ class UnitsMaker(SharedWallsMaker):
             ]
             try:
                 whole = self._placer.walls(layout, int(rng.integers(2**63)), inferences, sizes)
-                return whole, makers, inferences - whole["inferences"]
+                return whole, makers, inferences - whole.inferences
             except Infeasible as proof:
                 inferences -= proof.inferences
                 self._placer.account.refuted(proof.conflicts[0].clauses)
@@ -236,16 +241,16 @@ class UnitsMaker(SharedWallsMaker):
 
     def _with_rooms(
         self,
-        whole: dict[str, Any],
+        whole: Plan,
         makers: Sequence[UnitMaker],
         rng: np.random.Generator,
         inferences: int,
-    ) -> tuple[dict[str, Any], list[Any], int]:
+    ) -> tuple[Plan, list[Pieces], int]:
         """The public rooms, and the rooms of each unit in its place, furnished."""
-        boxes = {room["number"]: room for room in whole["rooms"]}
-        rooms = [room for room in whole["rooms"] if room["type"] != "unit"]
-        plan = {"rooms": rooms, "doors": whole["doors"], "windows": whole["windows"], "hub": "R0"}
-        pieces: list[Any] = [[] for _ in rooms]
+        boxes = {room.number: room for room in whole.rooms}
+        rooms = [room for room in whole.rooms if room.type != "unit"]
+        plan = Plan(rooms, whole.doors, whole.windows, hub="R0")
+        pieces: list[Pieces] = [() for _ in rooms]
         for maker in makers:
             maker.within(boxes[maker.unit.number])
             part, inside, inferences = maker.complete(maker.unit.request, rng, inferences)
@@ -279,13 +284,13 @@ def _is_of(atom: Symbol, unit: Unit) -> bool:
     return atom.name in LIKENESS and atom.arguments[0] == Number(unit.number)
 
 
-def _append(plan: dict[str, Any], part: dict[str, Any], public: int) -> None:
-    """Add the rooms of a unit to a plan, numbered after those that are there."""
-    first = len(plan["rooms"])
+def _append(plan: Plan, part: Plan, public: int) -> None:
+    """Add the rooms of a unit to a plan, placed after those that are there."""
+    first = len(plan.rooms)
 
-    def numbered(end: int | str) -> int | str:
-        return public if end == OUTSIDE else int(end) + first
+    def placed(end: int | str) -> int | str:
+        return public if isinstance(end, str) else end + first
 
-    plan["rooms"] += part["rooms"]
-    plan["doors"] += [{**door, "between": [*map(numbered, door["between"])]} for door in part["doors"]]
-    plan["windows"] += [{**window, "room": window["room"] + first} for window in part["windows"]]
+    plan.rooms += part.rooms
+    plan.doors += [structs.replace(door, between=tuple(map(placed, door.between))) for door in part.doors]
+    plan.windows += [structs.replace(window, room=window.room + first) for window in part.windows]

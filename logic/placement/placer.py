@@ -6,8 +6,9 @@ One goal a house, terms in and JSON out: see ``logic.placement.prolog``.
 from collections import defaultdict
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
+import msgspec
 import numpy as np
 from clingo import Function, Symbol, parse_term
 
@@ -18,9 +19,12 @@ from logic.layout import account
 from logic.layout.account import Account
 from logic.layout.program import Conflict
 from logic.placement import prolog
+from logic.placement.plan import Pieces, Plan, PlanDoor, PlanWindow, StarPlan, UnitRange
 from logic.placement.prolog import Term
 from logic.request.fixed_rooms import FixedRoom
 from logic.request.given_plan import OwnPlan
+
+S = TypeVar("S", Plan, UnitRange)
 
 
 @dataclass(frozen=True)
@@ -134,11 +138,8 @@ class Placer:
 
     def place(
         self, layout: Layout, rng: np.random.Generator, inferences: int, minimal: bool = True
-    ) -> dict[str, Any]:
-        """Place a layout: ``{"floor": {}, "rooms": [{}], "inferences": n}``, metres, as in a house file.
-
-        Of fixed rooms the plan is None, and ``corner`` is where the main room's corner is. Of rooms whose
-        sizes follow from the area of the house, ``sizes`` lists number, width and depth.
+    ) -> StarPlan:
+        """Place a layout, metres.
 
         Conflicts are ``minimal``, or else found five times as quickly.
 
@@ -167,7 +168,7 @@ class Placer:
             raise Infeasible(
                 {room: _conflict(why) for room, why in answer["infeasible"]}, answer["inferences"]
             )
-        return answer
+        return msgspec.convert(answer, StarPlan)
 
     def wall_lengths(self, types: Iterable[str]) -> list[Any]:
         """How much wall a door takes, how much rooms share that share one, and the extremes of each room
@@ -208,9 +209,7 @@ class Placer:
         reasons = self._ask("layout_area_conflict", rooms, corners, types, without)
         return None if reasons is None else _conflict(reasons)
 
-    def walls(
-        self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()
-    ) -> dict[str, Any]:
+    def walls(self, layout: Iterable[Symbol], seed: int, inferences: int, given: Iterable[Term] = ()) -> Plan:
         """Place the walls, doors and windows of a plan, metres, with what is ``given``: ``plans.pl``.
 
         Raises ``Infeasible`` for room 0 where the constraints have no solution, proved in rational
@@ -218,30 +217,30 @@ class Placer:
         """
         self.account.at(account.LENGTHS, "the lengths of walls (CLP(R))")
         plan = Term("plan", layout, list(given), seed, "minimal")
-        return self._walls_answer(self._ask("plan_placed", plan, inferences))
+        return self._solved("plan_placed", plan, inferences, Plan)
 
-    def unit_range(
-        self, layout: Iterable[Symbol], axis: str, depth: float, inferences: int
-    ) -> dict[str, Any]:
-        """The ``range`` of lengths that a unit may have which is this deep along an axis, metres.
+    def unit_range(self, layout: Iterable[Symbol], axis: str, depth: float, inferences: int) -> UnitRange:
+        """How long a unit may be that is this deep along an axis, metres.
 
         Raises as ``walls``.
         """
         self.account.at(account.LENGTHS, "the lengths of a unit's walls (CLP(R))")
         unit = Term("unit", layout, axis, depth, "minimal")
-        return self._walls_answer(self._ask("unit_extremes", unit, inferences))
+        return self._solved("unit_extremes", unit, inferences, UnitRange)
 
     def unit_depths(self) -> tuple[float, float] | None:
         """How deep units may be, metres; None where no clause bounds it."""
         range_ = self._ask("unit_depths")
         return range_ and tuple(range_)
 
-    def _walls_answer(self, answer: dict[str, Any]) -> dict[str, Any]:
+    def _solved(self, predicate: str, asked: Term, inferences: int, kind: type[S]) -> S:
+        """What walls are, as a predicate of ``plans.pl`` answers."""
+        answer = self._ask(predicate, asked, inferences)
         if "limit" in answer:
             raise OutOfInferences
         if "infeasible" in answer:
             raise Infeasible({0: _conflict(answer["infeasible"])}, answer["inferences"])
-        return answer
+        return msgspec.convert(answer, kind)
 
     def wall_conflict(self, layout: Iterable[Symbol], without: Iterable[Symbol]) -> Conflict | None:
         """A minimal conflict of the walls of a plan, some clauses left out; None if they have places."""
@@ -264,17 +263,20 @@ class Placer:
         found = self._ask("own_plan_faults", size, rooms, _walls(plan), doors, types)
         return [(parse_term(fact), tuple(map(parse_term, clauses))) for fact, clauses in found]
 
-    def own_openings(self, plan: OwnPlan, layout: Sequence[Symbol], seed: int) -> dict[str, Any]:
+    def own_openings(
+        self, plan: OwnPlan, layout: Sequence[Symbol], seed: int
+    ) -> tuple[list[PlanDoor], list[PlanWindow]]:
         """Doors and windows with their places in a plan of the user's, metres: see ``own_plan.pl``."""
         types = [Term("-", *atom.arguments) for atom in layout if atom.name == "room"]
-        return self._ask("own_openings", layout, types, _walls(plan), seed)
+        found = self._ask("own_openings", layout, types, _walls(plan), seed)
+        return msgspec.convert((found["doors"], found["windows"]), tuple[list[PlanDoor], list[PlanWindow]])
 
     def furnish(
         self, rooms: Sequence[Any], inferences: int, minimal: bool = True
-    ) -> tuple[list[Any], dict[int, Conflict], int]:
+    ) -> tuple[list[Pieces | None], dict[int, Conflict], int]:
         """Furnish rooms of given sizes, terms as in ``rules/room/given_rooms.pl``.
 
-        Gives the pieces of each room, as in a house file, or None; the conflict in each room that cannot have
+        Gives the pieces of each room, or None; the conflict in each room that cannot have
         its furniture, by its place in ``rooms``; and the Prolog inferences that it took. Raises
         ``LimitReached`` past this number of them.
         """
@@ -283,7 +285,7 @@ class Placer:
         if "limit" in answer:
             raise OutOfInferences
         conflicts = {place: _conflict(why) for place, why in answer["infeasible"]}
-        return answer["rooms"], conflicts, answer["inferences"]
+        return msgspec.convert(answer["rooms"], list[Pieces | None]), conflicts, answer["inferences"]
 
     def loose_conflict(self, room: Term, without: Iterable[Symbol] = ()) -> Conflict | None:
         """A minimal conflict of a room of given size whose doors may move, some clauses left out, or None."""

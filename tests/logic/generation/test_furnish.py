@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from logic.errors import LimitReached
 from logic.generation.builder import Builder
 from logic.generation.furnish import Frame, GivenRoom, Unfurnishable, furnished
 from logic.grammar import SHIPPED, find
-from logic.house.parts import Rect
+from logic.house.parts import Piece, Rect, pieces_of
 from logic.layout.program import Program
 from logic.layout.programs import GIVEN
 from logic.layout.terms import parts as terms_of
@@ -38,7 +37,7 @@ def builder(tmp_path_factory: pytest.TempPathFactory) -> Builder:
     return Builder(find(folder))
 
 
-def one(builder: Builder, room: GivenRoom, seed: int = 0) -> list[dict[str, Any]]:
+def one(builder: Builder, room: GivenRoom, seed: int = 0) -> tuple[Piece, ...]:
     rng = np.random.default_rng(seed)
     return furnished([room], builder.programs, builder.placer, rng, 10**8)[0]
 
@@ -67,30 +66,24 @@ def rooms(seed: int, type_: str, area: tuple[float, float], doors: int) -> Itera
                 break
 
 
-def parts(pieces: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    for piece in pieces:
-        yield piece
-        yield from parts(piece["children"])
+def box(rect: Rect, by: float = 0.0) -> BaseGeometry:
+    west, north, east, south = rect.box
+    return shapely.box(west - by, north - by, east + by, south + by)
 
 
-def box(rect: dict[str, Any], by: float = 0.0) -> BaseGeometry:
-    x, y = rect["x"], rect["y"]
-    return shapely.box(x - by, y - by, x + rect["width"] + by, y + rect["height"] + by)
-
-
-def faults(room: GivenRoom, pieces: Sequence[dict[str, Any]], clear_front: frozenset[str]) -> Iterator[str]:
+def faults(room: GivenRoom, pieces: tuple[Piece, ...], clear_front: frozenset[str]) -> Iterator[str]:
     """What is wrong with a furnished room."""
     floor = shapely.box(*room.rect.box)
-    everything = list(parts(pieces))
+    everything = pieces_of(pieces)
     for number, piece in enumerate(everything):
         if not floor.buffer(NEAR, join_style="mitre").contains(box(piece)):
-            yield f"{piece['type']} juts out"
+            yield f"{piece.type} juts out"
         for other in everything[:number]:
             if box(piece, -NEAR).intersects(box(other, -NEAR)):
-                yield f"{piece['type']} overlaps {other['type']}"
+                yield f"{piece.type} overlaps {other.type}"
         for door in room.doors:
             if box(piece).distance(shapely.box(*door.box)) < CLEARANCE - NEAR:
-                yield f"{piece['type']} stands before a door"
+                yield f"{piece.type} stands before a door"
     # The places of the centre of a square as wide as a passage, within the room.
     half = PASSAGE / 2 - NEAR
     places = floor.buffer(-half, join_style="mitre")
@@ -102,11 +95,11 @@ def faults(room: GivenRoom, pieces: Sequence[dict[str, Any]], clear_front: froze
         if not spaces or spaces[0].distance(shapely.box(*door.box)) > half + NEAR:
             yield "a door cannot be reached"
     for top in pieces:
-        if top["type"] in clear_front:
-            dx, dy = FACES[top["orientation"]] if top["orientation"] else (0, 0)
+        if top.type in clear_front:
+            dx, dy = FACES[top.orientation] if top.orientation else (0, 0)
             before = shapely.affinity.translate(box(top, -NEAR), dx * PASSAGE, dy * PASSAGE)
             if any(before.intersects(box(piece, -2 * NEAR)) for piece in pieces if piece is not top):
-                yield f"{top['type']} has something before it"
+                yield f"{top.type} has something before it"
 
 
 @pytest.mark.parametrize(
@@ -150,7 +143,7 @@ def test_what_is_tall_stands_at_no_wall_with_a_window(builder: Builder) -> None:
     window = Rect(2.0, 2.0, 1.5, 0.0)
     at_window = {
         lit: sum(
-            piece["type"] == "wardrobe" and piece["orientation"] == "S"
+            piece.type == "wardrobe" and piece.orientation == "S"
             for seed in range(30)
             for piece in one(builder, GivenRoom("bedroom", ROOM, [SOUTH], [window] if lit else []), seed)
         )
@@ -163,7 +156,7 @@ def test_what_is_tall_stands_at_no_wall_with_a_window(builder: Builder) -> None:
 def test_a_room_that_may_be_empty_is_never_impossible(builder: Builder) -> None:
     small = Rect(0.0, 0.0, 1.2, 1.2)
     assert (
-        one(builder, GivenRoom("hall", small, [Rect(0.2, 0.0, DOOR, 0.0), Rect(0.2, 1.2, DOOR, 0.0)])) == []
+        one(builder, GivenRoom("hall", small, [Rect(0.2, 0.0, DOOR, 0.0), Rect(0.2, 1.2, DOOR, 0.0)])) == ()
     )
 
 

@@ -21,6 +21,7 @@ from logic.house.parts import OUTSIDE, Rect
 from logic.house.star import Star, StarRoom
 from logic.layout.program import Nogood
 from logic.layout.programs import Programs
+from logic.placement.plan import Plan
 from logic.proofs.answer import house_or_proof
 from logic.request.fixed_rooms import fixed_rooms
 from logic.request.request import Request
@@ -40,7 +41,7 @@ face(R+1,R) :- R = 0..rooms-2.
 """
 
 
-def bare(builder: Builder, *arguments: Any) -> tuple[dict[str, Any], list[Symbol], int]:
+def bare(builder: Builder, *arguments: Any) -> tuple[Plan, list[Symbol], int]:
     """A plan of the builder's without furniture: see ``SharedWallsMaker.bare``."""
     assert isinstance(builder.maker, SharedWallsMaker)
     return builder.maker.bare(*arguments)
@@ -93,19 +94,18 @@ def test_rooms_fill_the_outline_and_every_room_can_be_entered_by_doors_within_bo
     made = builder(copied(tmp_path, ("rooms.lp", "notches(2)", "notches(0)")))
     for seed in range(20):
         plan, _, _ = bare(made, Request(8), np.random.default_rng(seed), INFERENCES, [])
-        boxes = [(r["x"], r["y"], r["x"] + r["width"], r["y"] + r["height"]) for r in plan["rooms"]]
+        boxes = [room.box for room in plan.rooms]
         assert all(overlap(one, other) < 1e-6 for one, other in combinations(boxes, 2))
         whole = max(box[2] for box in boxes) * max(box[3] for box in boxes)
-        assert sum(r["width"] * r["height"] for r in plan["rooms"]) == pytest.approx(whole)
+        assert sum(room.area for room in plan.rooms) == pytest.approx(whole)
         reached: set[int | str] = {OUTSIDE}
-        for door in plan["doors"]:
-            for room in (plan["rooms"][each] for each in door["between"] if each != OUTSIDE):
-                assert all(
-                    room[at] - 1e-6 <= door[at] <= door[at] + door[size] <= room[at] + room[size] + 1e-6
-                    for at, size in (("x", "width"), ("y", "height"))
-                )
-        ways = [{*door["between"]} for door in plan["doors"]]
-        for _ in plan["rooms"]:
+        for door in plan.doors:
+            for room in (plan.rooms[each] for each in door.between if isinstance(each, int)):
+                (west, north, east, south), (left, top, right, bottom) = room.box, door.box
+                assert west - 1e-6 <= left <= right <= east + 1e-6
+                assert north - 1e-6 <= top <= bottom <= south + 1e-6
+        ways = [{*door.between} for door in plan.doors]
+        for _ in plan.rooms:
             reached.update(*(way for way in ways if reached & way))
         assert len(reached) == 9
 

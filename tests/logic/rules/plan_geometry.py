@@ -1,18 +1,11 @@
 """Plans in plain geometry, apart from the rules: what rooms share walls, by their boxes alone."""
 
-from collections.abc import Mapping
 from itertools import combinations
-from typing import Any
 
 TOLERANCE = 1e-6
 
 Box = tuple[float, float, float, float]
 """West, north, east, south, metres."""
-
-
-def box_of(room: Mapping[str, Any]) -> Box:
-    """The box of a record of a plan."""
-    return room["x"], room["y"], room["x"] + room["width"], room["y"] + room["height"]
 
 
 def shared(one: Box, other: Box) -> float:

@@ -18,7 +18,7 @@ from logic.request.request import Request
 from tests.docs.reader import ROOT, blocks
 from tests.logic.generation.test_shared_walls import bare, builder
 from tests.logic.generation.test_units import PUBLIC, units
-from tests.logic.rules.plan_geometry import box_of, neighbours, shared
+from tests.logic.rules.plan_geometry import neighbours, shared
 
 INFERENCES = 10**8
 NAMED = "#program house.\n:- adjacent(R,R).\n"
@@ -73,7 +73,7 @@ def test_adjacent_holds_of_the_rooms_that_share_a_wall_and_of_no_others_and_face
             plan, layout, _ = bare(made, Request(size), rng, INFERENCES, [])
             last, atoms = program.models[-1]
             assert last == layout
-            found = neighbours([box_of(room) for room in plan["rooms"]])
+            found = neighbours([room.box for room in plan.rooms])
             assert pairs(atoms, "adjacent") == set(found)
             assert pairs(atoms, "face") >= set(found)
             assert min(found.values(), default=1) >= 0.1 - 1e-6

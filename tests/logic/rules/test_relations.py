@@ -13,10 +13,11 @@ from clingo import Symbol
 from logic.generation.units import UnitsMaker
 from logic.house.house import House
 from logic.house.parts import OUTSIDE
+from logic.placement import plan as placed
 from logic.request.given_plan import read_plan
 from logic.request.request import Request
 from tests.logic.generation.test_shared_walls import INFERENCES, bare, builder
-from tests.logic.rules.plan_geometry import TOLERANCE, Box, box_of, shared
+from tests.logic.rules.plan_geometry import TOLERANCE, Box, shared
 from tests.logic.rules.test_adjacent import NAMED, copied
 
 SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
@@ -25,11 +26,11 @@ SIDES = {"west": 0, "north": 1, "east": 2, "south": 3}
 class Plan:
     """A plan of walls, doors and windows in numbers, and what the rules say of it."""
 
-    def __init__(self, plan: dict[str, Any], atoms: Iterable[Symbol]) -> None:
-        self.boxes = [box_of(room) for room in plan["rooms"]]
-        self.types = [room["type"] for room in plan["rooms"]]
-        self.doors = [(box_of(door), door["between"]) for door in plan["doors"]]
-        self.windows = [(box_of(window), window["room"]) for window in plan["windows"]]
+    def __init__(self, plan: placed.Plan, atoms: Iterable[Symbol]) -> None:
+        self.boxes = [room.box for room in plan.rooms]
+        self.types = [room.type for room in plan.rooms]
+        self.doors = [(door.box, door.between) for door in plan.doors]
+        self.windows = [(window.box, window.room) for window in plan.windows]
         self._atoms = list(atoms)
 
     def said(self, name: str, arity: int) -> set[tuple[Any, ...]]:
@@ -72,7 +73,7 @@ def linked(plan: Plan) -> None:
     doors = [tuple(between) for _, between in plan.doors if OUTSIDE not in between]
     assert plan.said("linked", 2) == {*doors, *((q, r) for r, q in doors)}
     for box, (one, other) in plan.doors:
-        for room in (each for each in (one, other) if each != OUTSIDE):
+        for room in (each for each in (one, other) if isinstance(each, int)):
             assert shared(box, plan.boxes[room]) or plan.side_of(box, room)
 
 
@@ -86,7 +87,7 @@ def from_(plan: Plan) -> None:
 
 
 def entrance(plan: Plan) -> None:
-    (found,) = [(box, room) for box, (room, other) in plan.doors if other == OUTSIDE]
+    (found,) = [(box, int(room)) for box, (room, other) in plan.doors if other == OUTSIDE]
     assert plan.said("entrance", 2) == {(found[1], plan.side_of(*found))}
     assert plan.leads_out(*found)
 
@@ -218,7 +219,7 @@ def test_what_rules_say_of_units_is_so_in_the_plan(monkeypatch: pytest.MonkeyPat
     whole = UnitsMaker._with_rooms
 
     def with_rooms(self: UnitsMaker, plan: Any, makers: Any, *others: Any) -> Any:
-        kept[:] = [makers, {room["number"]: box_of(room) for room in plan["rooms"]}]
+        kept[:] = [makers, {room.number: room.box for room in plan.rooms}]
         return whole(self, plan, makers, *others)
 
     monkeypatch.setattr(UnitsMaker, "_with_rooms", with_rooms)

@@ -105,7 +105,7 @@ def test_a_room_could_be_as_large_as_any_house_of_the_same_layout_has_it(four: E
     assert (why["width"].value, why["height"].value) == pytest.approx((room.width, room.height))
     plans = [four.builder.placer.walls(layout.layout, seed, INFERENCES) for seed in range(200)]
     for name, length in why.items():
-        sizes = [plan["rooms"][1][name] for plan in plans]
+        sizes = [getattr(plan.rooms[1], name) for plan in plans]
         assert (
             length.least - 1e-6 <= min(sizes) <= length.least + 0.3 * (length.greatest - length.least) + 1e-6
         )

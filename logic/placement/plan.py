@@ -1,0 +1,96 @@
+"""What stage 2 gives: bare plans whose rooms share walls, and stars. Metres; rooms by their numbers."""
+
+from collections.abc import Sequence
+
+import msgspec
+
+from logic.house.house import House
+from logic.house.parts import Door, Piece, Rect, Room, Window
+from logic.house.star import StarRoom
+
+Pieces = tuple[Piece, ...]
+
+
+class PlanRoom(Rect, frozen=True):
+    """A room of a plan. Its ``number`` is stage 1's; doors and windows name it by its place in the plan."""
+
+    number: int
+    type: str
+    name: str = ""
+    """Of its own; by default its place says it: ``R0``, ``R1``..."""
+    pieces: Pieces | None = None
+    """Its furniture, where it has some already and keeps it."""
+
+
+class PlanDoor(Rect, frozen=True):
+    """A door between rooms by their places, or a room and ``outside``. The second is entered by it."""
+
+    between: tuple[int | str, int | str]
+
+
+class PlanWindow(Rect, frozen=True):
+    """A window of a room by its place."""
+
+    room: int
+
+
+class Plan(msgspec.Struct):
+    """Rooms that share walls, and their doors and windows."""
+
+    rooms: list[PlanRoom]
+    doors: list[PlanDoor]
+    windows: list[PlanWindow]
+    inferences: int = 0
+    """Of Prolog, that it took."""
+    hub: str = ""
+
+    def name(self, place: int) -> str:
+        """A room's."""
+        return self.rooms[place].name or f"R{place}"
+
+    def between(self, door: PlanDoor) -> tuple[str, str]:
+        """The names of what a door joins."""
+        one, other = (each if isinstance(each, str) else self.name(each) for each in door.between)
+        return one, other
+
+    def doors_of(self, place: int) -> list[PlanDoor]:
+        """The doors of a room, first the one by which it is entered."""
+        doors = [door for door in self.doors if place in door.between]
+        return sorted(doors, key=lambda door: door.between[0] != place)
+
+    def windows_of(self, place: int) -> list[PlanWindow]:
+        """The windows of a room."""
+        return [window for window in self.windows if window.room == place]
+
+    def house(self, pieces: Sequence[Pieces], topology: str) -> House:
+        """The house of this plan and the furniture of its rooms."""
+        rooms = [
+            Room(*sides(room), self.name(place), room.type, within)
+            for place, (room, within) in enumerate(zip(self.rooms, pieces, strict=True))
+        ]
+        doors = [Door(*sides(door), self.between(door)) for door in self.doors]
+        windows = [Window(*sides(window), self.name(window.room)) for window in self.windows]
+        return House(tuple(rooms), tuple(doors), tuple(windows), hub=self.hub, topology=topology)
+
+
+class UnitRange(msgspec.Struct):
+    """The least and the greatest length that a unit may have, metres, and the inferences that it took."""
+
+    range: tuple[float, float]
+    inferences: int
+
+
+class StarPlan(msgspec.Struct):
+    """The places of a star. Of fixed rooms ``rooms`` has None, and ``corner`` is where the main room's is."""
+
+    floor: Rect
+    rooms: list[StarRoom | None]
+    inferences: int
+    corner: tuple[float, float] = (0.0, 0.0)
+    sizes: list[tuple[int, float, float]] = []
+    """Number, width and depth of rooms whose sizes follow from the area of the house."""
+
+
+def sides(rect: Rect) -> tuple[float, float, float, float]:
+    """Its x, y, width and height."""
+    return rect.x, rect.y, rect.width, rect.height
