@@ -24,8 +24,7 @@ from agent.policies.policies import Policy
 from agent.runs import checkpoint
 from benchmarks.agents.account import PHASES, StepAccount, follow
 from benchmarks.agents.kept import code, fingerprint
-from benchmarks.common.pages import write_arrays
-from logic.house.files import write_whole
+from benchmarks.common.pages import write_arrays, write_tables
 
 BESIDE = ("explorer", "searcher", "oracle")
 """Baselines in the tables."""
@@ -71,9 +70,7 @@ class Phases:
                 write_arrays(path, **vars(follow(envs, make(), self.seed)))
             accounts[name] = StepAccount(**np.load(path))
         rooms = np.array([len(house.secondary) for house in houses])
-        page = "\n\n".join(sheet.markdown() for sheet in sheets(accounts, rooms))
-        write_whole(self.out / "phases.md", f"{page}\n".encode())
-        print(page)
+        write_tables(sheets(accounts, rooms), self.out / "phases.md")
 
 
 def sheets(accounts: dict[str, StepAccount], rooms: np.ndarray) -> Iterator[Table]:

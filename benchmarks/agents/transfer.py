@@ -5,7 +5,6 @@ They learn nothing there. What is measured is kept, bank by bank, so that a run 
 
 import hashlib
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,9 +22,9 @@ from agent.planner import TUNED, Planner
 from agent.runs import checkpoint
 from agent.runs.checkpoint import Checkpoint
 from benchmarks.agents.kept import code, fingerprint
-from benchmarks.common.houses import in_turns
-from benchmarks.common.pages import ROOT
-from logic import House, load, save
+from benchmarks.common.houses import in_turns, kept_houses
+from benchmarks.common.pages import ROOT, write_tables
+from logic import House, load
 from logic.house.files import write_whole
 from sim.config import DEFAULT
 
@@ -84,13 +83,10 @@ class Transfer:
         for path in self.agents:
             found = checkpoint.load(path)
             agents.setdefault(found.name, []).append(found)
-        page = [
-            sheet.markdown() for mode in self.targets or ("secondary",) for sheet in self.sheets(agents, mode)
-        ]
-        write_whole(self.out / "transfer.md", "\n\n".join([*page, ""]).encode())
-        print("\n\n".join(page))
+        modes = self.targets or ("secondary",)
+        write_tables([self.sheet(agents, mode) for mode in modes], self.out / "transfer.md")
 
-    def sheets(self, agents: dict[str, list[Checkpoint]], mode: TargetMode) -> Iterator[Table]:
+    def sheet(self, agents: dict[str, list[Checkpoint]], mode: TargetMode) -> Table:
         """The table of a target mode."""
         rows = []
         for name in self.banks:
@@ -110,7 +106,7 @@ class Transfer:
             )
             print(f"{mode}, {title}: done", flush=True)
         headings = ("houses", "number", f"wider than {map_width():.1f} m", "oracle", *agents, *BESIDE)
-        yield Table(f"Ratio to the oracle, {mode}", headings, rows)
+        return Table(f"Ratio to the oracle, {mode}", headings, rows)
 
     def bank(self, name: str) -> list[House] | None:
         """The houses of a bank, made once; None where the original's is not here."""
@@ -118,10 +114,7 @@ class Transfer:
             return load(ORIGINAL) * 64 if ORIGINAL.exists() else None
         kind = BANKS[name]
         path = self.out / f"{kind.grammar}-{kind.rooms[0]}-{kind.rooms[-1]}-{kind.cell}.jsonl"
-        if not path.exists():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            save(kind.houses(), path)
-        return load(path)
+        return kept_houses(path, kind.houses)
 
     def measured(
         self, agents: dict[str, list[Checkpoint]], name: str, houses: list[House], mode: TargetMode

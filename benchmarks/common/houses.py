@@ -1,6 +1,6 @@
 """Houses that several studies use."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -24,13 +24,24 @@ class OtherHouses(VitruviusError):
     exit_code = 1
 
 
+def kept_houses(path: Path, make: Callable[[], Iterable[House]]) -> list[House]:
+    """The houses of a file, made if it is not there."""
+    if not path.exists():
+        say(f"{path}: making its houses")
+        save(list(make()), path)
+    return load(path)
+
+
+def by_rooms(rooms: Iterable[int], count: int, seed: int, **request: Any) -> Iterator[House]:
+    """That many houses of each number of rooms, which is added to the seed."""
+    for number in rooms:
+        yield from generate(number, seed=seed + number, count=count, **request)
+
+
 def training_houses(path: Path, workers: int) -> Path:
     """The file of houses to learn in, made if it is not there. Raises ``OtherHouses``."""
-    if not path.exists():
-        say(f"{path}: making {len(ROOMS) * COUNT} houses")
-        made = (generate(rooms, seed=100 + rooms, count=COUNT, workers=workers) for rooms in ROOMS)
-        save([house for houses in made for house in houses], path)
-    if (found := bank_hash(load(path))) != TRAINING:
+    houses = kept_houses(path, lambda: by_rooms(ROOMS, COUNT, seed=100, workers=workers))
+    if (found := bank_hash(houses)) != TRAINING:
         raise OtherHouses(f"{path}: other houses ({found[:12]}) than the study's ({TRAINING[:12]})")
     return path
 

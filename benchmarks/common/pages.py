@@ -7,12 +7,15 @@ from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from logic.errors import RequestError
 from logic.house.files import write_whole
+
+if TYPE_CHECKING:
+    from agent.evaluation.tables import Table
 
 ROOT = Path(__file__).resolve().parents[2]
 """The checkout, or where the wheel is installed."""
@@ -33,6 +36,13 @@ def write(files: Mapping[str, bytes], out: Path, publish: bool = False) -> None:
             page = DOCS / name
             _, mark, by_hand = page.read_bytes().partition(BY_HAND) if page.exists() else (b"", b"", b"")
             write_whole(page, content + b"\n" + mark + by_hand if mark else content)
+
+
+def write_tables(tables: "Iterable[Table]", path: Path) -> None:
+    """Write tables as a page of Markdown, and print it."""
+    page = "\n\n".join(table.markdown() for table in tables)
+    write_whole(path, f"{page}\n".encode())
+    print(page)
 
 
 def write_arrays(path: Path, **arrays: Any) -> None:

@@ -37,13 +37,12 @@ from agent.planner import TUNED, Planner, PlannerConfig
 from agent.policies import policies
 from agent.policies.episodes import moments
 from agent.policies.policies import Explorer, Policy, Tracker
-from benchmarks.common.houses import ROOMS
-from benchmarks.common.pages import write_arrays
+from benchmarks.common.houses import ROOMS, by_rooms, kept_houses
+from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner import prior
-from logic import House, generate, load, save
+from logic import House
 from logic.errors import RequestError
-from logic.house.files import write_whole
 from sim import HouseVectorEnv
 from sim.baselines import oracle, searcher
 from sim.config import DEFAULT
@@ -109,18 +108,14 @@ class Explorers:
             kept = {agent: np.load(self.path(mode, agent)) for agent in (ORACLE, *agents)}
             # Where the oracle finds none, as if it found one in all of the episodes.
             most = np.maximum(kept.pop(ORACLE)["targets"].sum(axis=0), 1 / self.episodes)
-            page += [sheet.markdown() for sheet in sheets(mode, kept, most, rooms)]
-        write_whole(self.out / "explorers.md", "\n\n".join([*page, ""]).encode())
-        print("\n\n".join(page))
+            page += sheets(mode, kept, most, rooms)
+        write_tables(page, self.out / "explorers.md")
 
     @cached_property
     def bank(self) -> list[House]:
         """The houses, made once."""
         path = self.out / f"houses-{self.houses}.jsonl"
-        if not path.exists():
-            series = (generate(rooms, seed=SEED + rooms, count=self.houses) for rooms in ROOMS)
-            save([house for houses in series for house in houses], path)
-        return load(path)
+        return kept_houses(path, lambda: by_rooms(ROOMS, self.houses, SEED))
 
     def path(self, mode: str, agent: str) -> Path:
         """Where what a agent did is kept: its targets (3, H) of each third of an episode in each house, on

@@ -27,14 +27,14 @@ from agent.learning.environments import make_envs, playable
 from agent.learning.simulator import sensor
 from agent.policies.episodes import moments
 from agent.policies.policies import Policy
-from benchmarks.common.pages import write_arrays
+from benchmarks.common.houses import by_rooms, kept_houses
+from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import EXPLORER, Contender, contender, with_shuffled_predictions
 from benchmarks.planner.decisions import Decisions, Tracked, decisions
 from benchmarks.planner.explorers import ORACLE, SEED
-from logic import House, generate, load, save
+from logic import House
 from logic.errors import RequestError
-from logic.house.files import write_whole
 from sim import HouseVectorEnv
 from sim.config import DEFAULT
 from sim.tasks.tasks import task
@@ -114,9 +114,7 @@ class Learning:
                 for name, files in agents.items()
             }
             page.append(decisions_table(self.title, made, len(self.bank_houses), self.ahead))
-        text = "\n\n".join(table.markdown() for table in page)
-        write_whole(self.out / "learning.md", f"{text}\n".encode())
-        print(text)
+        write_tables(page, self.out / "learning.md")
 
     @property
     def title(self) -> str:
@@ -142,11 +140,8 @@ class Learning:
         if self.bank not in BANKS:
             return named(self.bank)
         path = self.out / f"{self.bank}-{self.houses}.jsonl"
-        if not path.exists():
-            grammar, rooms = BANKS[self.bank]
-            made = (generate(n, grammar=grammar, seed=SEED + n, count=self.houses) for n in rooms)
-            save([house for houses in made for house in houses], path)
-        return load(path)
+        grammar, rooms = BANKS[self.bank]
+        return kept_houses(path, lambda: by_rooms(rooms, self.houses, SEED, grammar=grammar))
 
     def environments(self, number: int, world: str, agent: Contender) -> HouseVectorEnv:
         """That many, over the houses, with the agent's sensor."""

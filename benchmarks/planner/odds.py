@@ -25,8 +25,8 @@ from agent.planner.mapping.occupancy import NEAR, SOLID, Occupancy
 from agent.planner.viewpoints.belief import Belief
 from agent.policies.episodes import moments
 from agent.policies.policies import Explorer
-from benchmarks.common.houses import ROOMS
-from logic import House, generate
+from benchmarks.common.houses import ROOMS, by_rooms
+from logic import House
 from logic.errors import RequestError
 from sim import HouseVectorEnv
 from sim.baselines.coverage import PITCH, Coverage
@@ -66,8 +66,7 @@ class Odds:
         if self.houses < 1 or not FIRST < self.steps <= DEFAULT.steps:
             raise RequestError(f"--houses must be 1 or more, --steps {FIRST + 1} to {DEFAULT.steps}")
         torch.set_num_threads(1)
-        series = [list(generate(rooms, seed=100 + rooms, count=self.houses)) for rooms in ROOMS]
-        free, asked = collect([house for houses in series for house in houses], self.steps)
+        free, asked = collect(list(by_rooms(ROOMS, self.houses, seed=100)), self.steps)
         if not free[:, ENTRIES].any():
             raise RequestError("no place was asked for that had been seen before: more --houses or --steps")
         print(sheet(free, asked).markdown())

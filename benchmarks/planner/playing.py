@@ -19,12 +19,12 @@ from agent.evaluation.episodes import reset
 from agent.learning.config import TargetMode
 from agent.learning.environments import make_envs
 from agent.policies.episodes import moments
-from benchmarks.common.houses import ROOMS, in_turns
+from benchmarks.common.houses import ROOMS, in_turns, kept_houses
 from benchmarks.common.pages import machine, table_rows, write
 from benchmarks.common.processes import say
 from benchmarks.planner.contenders import contender
 from benchmarks.planner.explorers import SEED
-from logic import load, save
+from logic import load
 from logic.errors import RequestError
 from sim.config import DEFAULT
 
@@ -76,8 +76,7 @@ class Playing:
         for name in self.agent:
             contender(name)
         houses = self.out / "houses.jsonl"
-        if not houses.exists():
-            save(in_turns(ROOMS, HOUSES, seed=SEED), houses)
+        kept_houses(houses, lambda: in_turns(ROOMS, HOUSES, seed=SEED))
         rates: dict[str, list[float]] = {name: [] for name in self.agent}
         for _ in range(self.rounds):
             for name in self.agent:

@@ -26,13 +26,12 @@ from agent.evaluation.protocol import shortest_ways
 from agent.evaluation.tables import Table
 from agent.learning.environments import make_envs, playable
 from agent.policies.policies import Policy
-from benchmarks.common.houses import in_turns
-from benchmarks.common.pages import write_arrays
+from benchmarks.common.houses import in_turns, kept_houses
+from benchmarks.common.pages import write_arrays, write_tables
 from benchmarks.common.processes import say
 from benchmarks.planner.explorers import difference
-from logic import House, load, save
+from logic import House
 from logic.errors import RequestError
-from logic.house.files import write_whole
 from sim import HouseVectorEnv
 from sim.baselines import priors, searcher, view_planner
 from sim.baselines.priors import PriorName
@@ -94,18 +93,14 @@ class Tasks:
         if min(self.houses, self.episodes) < 1:
             raise RequestError("--houses and --episodes must be 1 or more")
         torch.set_num_threads(1)
-        page = [self.sheet(name, grammar).markdown() for name in self.tasks for grammar in self.grammars]
-        write_whole(self.out / "tasks.md", "\n\n".join([*page, ""]).encode())
-        print("\n\n".join(page))
+        page = [self.sheet(name, grammar) for name in self.tasks for grammar in self.grammars]
+        write_tables(page, self.out / "tasks.md")
 
     def bank(self, grammar: str) -> list[House]:
         """The houses of a grammar, made once."""
         path = self.out / f"{grammar}-{self.houses}.jsonl"
-        if not path.exists():
-            say(f"{path}: making {self.houses} houses")
-            sizes = SIZES.get(grammar, SIZES["family"])
-            save(in_turns(sizes, self.houses, grammar=grammar, seed=SEED), path)
-        return load(path)
+        sizes = SIZES.get(grammar, SIZES["family"])
+        return kept_houses(path, lambda: in_turns(sizes, self.houses, grammar=grammar, seed=SEED))
 
     def sheet(self, name: str, grammar: str) -> Table:
         """The table of a task in a grammar's houses."""
