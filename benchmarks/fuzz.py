@@ -277,6 +277,9 @@ class Fuzz:
     out: Path = Path("runs/fuzz")
     """Folder for the inputs that fail."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> int:
         """Print the figures of each; 1 if an input fails."""
         figures = {name: self._figures(name) for name in TARGETS}

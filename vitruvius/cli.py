@@ -200,7 +200,13 @@ def _run(arguments: list[str]) -> int:
     from logic.errors import MissingProgram
 
     try:
-        return parse(arguments).run() or 0
+        command = parse(arguments)
+        if arguments[0] != "bench" or not hasattr(command, "out"):
+            return command.run() or 0
+        from logic.house.replacing import study_folder
+
+        with study_folder(command.out, command.replace):
+            return command.run() or 0
     except ModuleNotFoundError as error:
         study, module = arguments[0] == "bench", (error.name or "").partition(".")[0]
         extras = [extra for extra, modules in EXTRAS.items() if module in modules]

@@ -13,6 +13,9 @@ class LearnerStudy:
     out: Path = Path("runs/bench")
     """Folder for learner.json and learner.png."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Measure and draw."""
         study(Path(__file__).with_name("test_learner.py"), self.out, needs=("sim", "torch"))

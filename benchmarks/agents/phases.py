@@ -50,6 +50,9 @@ class Phases:
     out: Path = Path("runs/phases")
     """Folder for what was played, and phases.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Play and print."""
         torch.set_num_threads(1)

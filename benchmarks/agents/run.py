@@ -46,6 +46,9 @@ class Agents:
     out: Path = Path("runs/study")
     """Folder for all runs and records of one share, and for agents.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put the page and its pictures into docs too."""
 

@@ -85,6 +85,9 @@ class Throughput:
     out: Path = Path("runs/throughput")
     """Folder for all runs and for throughput.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Train what is not trained yet, measure all, and print the table."""
         known = [name for name, config in PRESETS.items() if config.parallel]

@@ -76,6 +76,9 @@ class Transfer:
     out: Path = Path("runs/transfer")
     """Folder for houses, figures and transfer.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Measure what is not measured yet; print the tables."""
         torch.set_num_threads(1)

@@ -60,6 +60,9 @@ class Drift:
     out: Path = Path("runs/bench")
     """Folder for drift.csv and drift.png."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put the picture into docs too."""
 

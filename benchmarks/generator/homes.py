@@ -118,6 +118,9 @@ class Homes:
     out: Path = Path("runs/bench")
     """Folder for report.html, homes.md, its picture homes.png, and what they are made of."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put both into docs too."""
 

@@ -37,6 +37,9 @@ class Generator:
     """Folder for generator.json and generator.csv, written as it goes, report.html, generator.png and
     generator.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put the page and its plot into docs too."""
 

@@ -169,6 +169,9 @@ class Sampling:
     out: Path = Path("runs/sampling")
     """Folder for sampling.md, sampling.json and expressive-range.png."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put the page, its figures and its picture into docs too."""
 

@@ -34,6 +34,9 @@ class PaperStudy:
     out: Path = Path("runs/paper")
     """Folder for page, picture, data, and what the parts keep on the way."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Measure, and write the page of all that is known."""
         for part in self.parts:

@@ -92,6 +92,9 @@ class Explorers:
     out: Path = Path("runs/explorers")
     """Folder for houses, scores and explorers.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Play what was not played yet; print the tables."""
         if min(self.houses, self.episodes) < 1 or not len(THIRDS) <= self.steps <= DEFAULT.steps:

@@ -92,6 +92,9 @@ class Learning:
     out: Path = Path("runs/learning")
     """Folder for houses, scores and learning.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Play what was not played yet; print the tables."""
         if min(self.houses, self.episodes) < 1 or not 1 <= self.steps <= DEFAULT.steps:

@@ -66,6 +66,9 @@ class Playing:
     out: Path = Path("runs/playing")
     """Folder for houses and playing.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Measure, and print the table."""
         if min(self.processes, self.envs, self.rounds) < 1 or not WARM_UP < self.steps <= DEFAULT.steps:

@@ -88,6 +88,9 @@ class Tasks:
     out: Path = Path("runs/tasks")
     """Folder for houses, scores and tasks.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     def run(self) -> None:
         """Play what was not played yet; print the tables."""
         if min(self.houses, self.episodes) < 1:

@@ -50,6 +50,9 @@ class Devices:
     out: Path = Path("runs/devices")
     """Folder for the trained agents, gpu.json and gpu.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put the page into docs too."""
 

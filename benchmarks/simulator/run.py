@@ -21,6 +21,9 @@ class Simulator:
     out: Path = Path("runs/bench")
     """Folder for simulator.json, report.html, simulator.png and simulator.md."""
 
+    replace: bool = False
+    """Write into the folder whatever else it holds."""
+
     publish: bool = False
     """Put the page and its plot into docs too."""
 

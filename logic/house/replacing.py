@@ -14,6 +14,9 @@ from logic.house.parts import Provenance
 DRAWN_BY = b"drawn by vitruvius"
 """What every picture in a file says."""
 
+MARK = ".vitruvius-study"
+"""A file in folders that studies write to."""
+
 
 def require_same_series(out: Path, first: House, last: int) -> int:
     """How many houses a file holds. Raises ``RequestError`` where they are others than those from ``first``
@@ -61,6 +64,22 @@ def unless_other(out: Path, replace: bool) -> Iterator[Path]:
             raise _refused(file, "something else")
     for file, new in content.items():
         write_whole(file, new)
+
+
+@contextmanager
+def study_folder(folder: Path, replace: bool) -> Iterator[None]:
+    """Where a study works, which goes on with what it left there: the folder is marked as one of studies.
+
+    Raises ``RequestError`` before the work where it holds other files, unless it is to be written to anyway.
+    """
+    mark = folder / MARK
+    if not replace and folder.is_dir() and any(folder.iterdir()) and not mark.exists():
+        raise _refused(folder, "files that no study wrote")
+    try:
+        yield
+    finally:
+        if folder.is_dir():
+            mark.touch()
 
 
 def require_drawn(folder: Path, ending: str, replace: bool) -> None:

@@ -6,14 +6,22 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import STUDIES
 from logic import RequestError
-from logic.house.replacing import unless_other
+from logic.house.replacing import MARK, study_folder, unless_other
+from tests.agent.runs.test_keras import keras_file
 from vitruvius.cli import COMMANDS, main
 from vitruvius.options import options_of
 
 ROOT = Path(__file__).parents[2]
 PLANS = ROOT / "tests" / "fixtures" / "plans.jsonl"
 FOREIGN = b"years of my own work\n"
+
+FOLDERS = (
+    *("agents", "devices", "drift", "explorers", "fuzz", "generator", "homes", "learner", "learning"),
+    *("paper", "phases", "playing", "sampling", "simulator", "tasks", "throughput", "transfer"),
+)
+"""Studies that write into a folder."""
 
 IN_THE_WAY = {
     "generate --rooms 1 --out mine.jsonl": "mine.jsonl",
@@ -37,6 +45,9 @@ IN_THE_WAY = {
     "play --out mine.jsonl": "mine.jsonl",
     "demo --out mine": "mine/report.md",
     "playground --out mine": "mine/index.html",
+    "export paper --out mine.onnx": "mine.onnx",
+    "import-keras weights.h5 --out mine.safetensors": "mine.safetensors",
+    **{f"bench {name} --out mine": f"mine/{name}.md" for name in FOLDERS},
 }
 """Commands, and a file of somebody else in the place of what each writes."""
 
@@ -59,6 +70,10 @@ def test_what_is_in_the_way_is_named_and_stays(
     file = Path(IN_THE_WAY[words])
     file.parent.mkdir(exist_ok=True)
     file.write_bytes(FOREIGN)
+    if words.startswith("import-keras"):
+        keras_file(Path("weights.h5"))
+    # What takes seconds is not what is claimed.
+    monkeypatch.setattr("agent.runs.export.export", lambda _, path: path.write_bytes(b"a network"))
     if words.startswith("report"):
         Path("houses").mkdir(exist_ok=True)
         Path("houses/plans.jsonl").write_bytes(PLANS.read_bytes())
@@ -68,20 +83,21 @@ def test_what_is_in_the_way_is_named_and_stays(
     name = words.split(maxsplit=1)[0]
     assert ("--replace" in said) == (name not in NO_REPLACE), said
     assert file.read_bytes() == FOREIGN
-    left = {path for path in tmp_path.rglob("*") if path.is_file() and path.name != "plans.jsonl"}
+    given = {"plans.jsonl", "weights.h5"}
+    left = {path for path in tmp_path.rglob("*") if path.is_file() and path.name not in given}
     assert left <= {tmp_path / file, tmp_path / "mine/.lock"}
 
 
 def test_the_table_has_every_command_that_writes_and_each_can_replace() -> None:
     writing = {}
-    for name, (place, _) in COMMANDS.items():
-        if name != "bench":
-            flags = {option.name for option in options_of(pkgutil.resolve_name(place))}
-            if "out" in flags:
-                writing[name] = "replace" in flags
+    commands = {name: place for name, (place, _) in COMMANDS.items() if name != "bench"}
+    for name, place in (commands | {f"bench {name}": place for name, (place, _) in STUDIES.items()}).items():
+        flags = {option.name for option in options_of(pkgutil.resolve_name(place))}
+        if "out" in flags:
+            writing[name] = "replace" in flags
     assert {name for name, replaces in writing.items() if not replaces} == NO_REPLACE
-    # Networks are exported and imported by the way that the last test shows.
-    assert {words.split()[0] for words in IN_THE_WAY} == set(writing) - {"export", "import-keras"}
+    tried = (words.split() for words in IN_THE_WAY)
+    assert {" ".join(words[: 2 if words[0] == "bench" else 1]) for words in tried} == set(writing)
 
 
 @pytest.mark.parametrize(
@@ -117,3 +133,16 @@ def test_a_file_of_other_content_is_replaced_where_it_is_asked_for(tmp_path: Pat
         made.write_bytes(b"mine")
     assert out.read_bytes() == b"other"
     assert os.listdir(tmp_path) == ["agent.onnx"]
+
+
+def test_a_study_goes_on_in_its_own_folder_and_is_told_to_write_to_another(tmp_path: Path) -> None:
+    folder = tmp_path / "mine"
+    for _ in range(2):
+        with study_folder(folder, replace=False):
+            folder.mkdir(exist_ok=True)
+            (folder / "study.md").write_bytes(b"figures")
+    (folder / MARK).unlink()
+    with pytest.raises(RequestError, match="--replace"), study_folder(folder, replace=False):
+        raise AssertionError
+    with study_folder(folder, replace=True):
+        assert (folder / "study.md").read_bytes() == b"figures"
