@@ -9,7 +9,6 @@ from agent.algorithms.pqn.config import PQNConfig
 from agent.banks import BANKS, TEST, TRAINING, VALIDATION, benchmark, geometry_hash, named, require_training
 from logic import House, HouseFileError, Rect, Star, check, generate, load, save
 from logic.house.promises import PROMISES
-from sim.environment import arguments
 from sim.environment.arguments import BANK
 from vitruvius.commands.train import Train
 
@@ -134,7 +133,3 @@ def test_todays_rules_make_the_houses_of_the_banks_again_where_the_solvers_are_t
     if again.provenance.versions != first.provenance.versions:
         pytest.skip("other versions of the solvers than the bank's: it stays as it was made")
     assert geometry_hash(again) == geometry_hash(first)
-
-
-def test_the_papers_house_has_one_name_in_the_simulator_and_for_its_users():
-    assert banks.PAPER_HOUSE == arguments.PAPER_HOUSE

@@ -8,13 +8,15 @@ from typing import Any
 import msgspec
 import pytest
 
+from agent import banks
+from agent.algorithms.table import PRESETS
 from agent.banks import BANKS, bank_hash
 from agent.play.results import PlayedGame, append
-from agent.runs.released import FORMAT, located
+from agent.runs.released import FORMAT, located, released
 from logic import HouseFileError, load, save
 from logic.errors import VitruviusError
 from logic.exports import export
-from logic.grammar import SHIPPED
+from logic.grammar import SHIPPED, shipped
 from sim.environment import arguments
 from sim.environment.arguments import BANK
 from tests.agent.runs.test_keras import SHAPES, keras_file
@@ -183,3 +185,8 @@ def test_people_read_a_thing_at_80_columns(capsys: pytest.CaptureFixture[str], m
 
 def test_the_papers_house_has_the_simulators_name() -> None:
     assert recognise.PAPER_HOUSE == arguments.PAPER_HOUSE
+
+
+def test_all_that_comes_with_it_is_told_by_its_name() -> None:
+    for name in (*BANKS, banks.PAPER_HOUSE, *shipped(), *released(), *PRESETS):
+        assert {kind.name for kind in recognised(name)} == {name}

@@ -73,7 +73,7 @@ def _named(name: str) -> Iterator[Kind]:
     if name in BANKS:
         yield read_houses(name, load(benchmark_path(name)))
     if name == PAPER_HOUSE:
-        file = Path(__file__).parents[1] / "sim" / "paper" / "house.json"
+        file = Path(__file__).parents[2] / "sim" / "paper" / "house.json"
         yield read_houses(name, load(file, whole_pixels=True))
     if name in shipped():
         yield read_grammar(name, name)
