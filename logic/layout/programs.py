@@ -160,13 +160,11 @@ class Programs:
 
         That an atom is in no rule's head is no mistake: a program holds the rules of one stage.
         """
-        own = set(map(str, self._grammar.own))
+        own = tuple(f"{file}:" for file in self._grammar.own)
         found: dict[tuple[str, int | None, int | None], GrammarError] = {}
         for program in (self.rooms(1), *self.all_furniture(Request(1))):
             for remark in program.remarks:
-                if "does not occur in any rule head" in remark:
-                    continue
-                error = placed_error(remark)
-                if str(error.file) in own:
+                if remark.startswith(own) and "does not occur in any rule head" not in remark:
+                    error = placed_error(remark)
                     found.setdefault((str(error.file), error.line, error.column), error)
         yield from found.values()

@@ -43,6 +43,9 @@ _idle = Idle()
 TRIED = (10, 20)
 """Numbers of rooms with which lint tries which rule takes too much, where it judges rules too long."""
 
+_loaded: set[tuple[str, Open]] = set()
+"""Rules, by hash, that a solver process of this one has loaded: clingo has nothing to remark on in them."""
+
 _warned: set[str] = set()
 """Hashes of the rules whose warnings this process has given: once is enough."""
 
@@ -239,10 +242,13 @@ def _houses(
     reusable = False
     try:
         for _ in range(number):
-            team.append(_idle.take(key) or Solver(opening))
+            remarks = not team and key not in _loaded
+            team.append(_idle.take(key) or Solver(structs.replace(opening, remarks=remarks)))
         for worker in team:
             if worker.unanswered:
                 worker.loaded()
+        _loaded.add(key)
+        opening = structs.replace(opening, remarks=False)
         for turn, worker in enumerate(team):
             worker.ask(structs.replace(question, index=indices[turn]), seconds)
         rooms = [question.request["rooms"]]

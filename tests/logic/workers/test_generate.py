@@ -25,7 +25,8 @@ from logic import (
     load,
 )
 from logic.grammar import SHIPPED
-from logic.workers.solver import MOST_IDLE
+from logic.workers.messages import Open
+from logic.workers.solver import MOST_IDLE, Solver
 from tests.logic.workers import in_process
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "family-4-rooms.json"
@@ -293,6 +294,25 @@ def test_a_solver_waits_for_the_next_request_for_the_same_rules(edited: Edit) ->
     edited("sizes.pl", "passage(0.43).", "passage(0.9).")
     assert next(generate(rooms=2, grammar=folder)) != first
     assert set(children(os.getpid())) != waiting
+
+
+def test_of_several_solvers_one_hears_what_clingo_remarks_on_in_the_same_rules(
+    edited: Edit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To ground all furniture for it is half of the time to load a grammar."""
+    opened: list[bool] = []
+
+    def counted(opening: Open) -> Solver:
+        opened.append(opening.remarks)
+        return Solver(opening)
+
+    monkeypatch.setattr("logic.workers.generate.Solver", counted)
+    folder = edited("rooms.lp", "#program house.", "% mine\n#program house.")
+    assert len([*generate(rooms=1, grammar=folder, count=2, workers=2)]) == 2
+    assert opened == [True, False]
+    wrong = edited("arrangement.lp", "#program room.", "#program room.\n:- this_room + 1 > 2.")
+    with pytest.raises(GrammarError, match="operation undefined"):
+        next(generate(rooms=1, grammar=wrong, count=2, workers=2))
 
 
 def test_a_solver_that_was_killed_while_it_waited_is_replaced(edited: Edit) -> None:
